@@ -15,7 +15,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 # Of the tests in RViz one runs each time, rviz, which is what a person does with one robot.
-long_only=" tutorials fleet_rviz rviz_two_robots multimaster_breaks soak "
+long_only=" services tutorials fleet_rviz rviz_two_robots multimaster_breaks soak "
 
 system_tests=() only=''
 while [ $# -gt 0 ]; do

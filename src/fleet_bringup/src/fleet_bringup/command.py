@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
+from dataclasses import dataclass
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import rospkg
@@ -68,6 +69,29 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
 
     With `check`, ports that are in use are told. Raises CannotStart, FileError, GraphError.
     """
+    gathered = gather(options, folder, check)
+    files = gathered.files
+    if all(entry.is_simulated for entry in gathered.entries):  # they begin anew each time
+        files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
+        files['journal'] = os.path.join(folder, 'fleet.sqlite')
+        files['page'] = os.path.join(folder, 'page')
+    files['rviz'] = write_file(folder, 'fleet.rviz', rviz_text(gathered.entries, options))
+    files['launch'] = write_file(folder, 'fleet.launch', launch_text(
+        gathered.entries, gathered.site, options, files))
+    return files
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """All that launch files are made of. `files`: paths by what they are."""
+
+    entries: List[Entry]
+    site: Site
+    files: Dict[str, str]
+
+
+def gather(options: Options, folder: str, check: bool = True) -> Gathered:
+    """Writes graph, map, fleet file and robots of the simulator into a folder; see `prepare`."""
     laboratory = os.path.join(rospkg.RosPack().get_path('omron_ld90'), '..', '..', 'maps')
     graph_file = options.graph_file or os.path.join(laboratory, 'lab_graph.yaml')
     whole = load_graph(graph_file)
@@ -78,16 +102,10 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
     entries = read_entries(files['fleet'], fleet, options)
     if check:
         check_ports(needed_ports(entries, options))
-    if all(entry.is_simulated for entry in entries):  # simulated robots begin anew each time
-        files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
-        files['journal'] = os.path.join(folder, 'fleet.sqlite')
-        files['page'] = os.path.join(folder, 'page')
     site = _site(options, folder, graph, entries, laboratory)
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
-        files['robots'] = _write(folder, 'robots.yaml', simulated_robots(entries, graph))
-    files['rviz'] = _write(folder, 'fleet.rviz', rviz_text(entries, options))
-    files['launch'] = _write(folder, 'fleet.launch', launch_text(entries, site, options, files))
-    return files
+        files['robots'] = write_file(folder, 'robots.yaml', simulated_robots(entries, graph))
+    return Gathered(entries, site, files)
 
 
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
@@ -98,7 +116,7 @@ def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
         if count == 0:
             raise CannotStart('fleet:=0 makes no robots: choose at least 1.')
         fleet = made_fleet(count, graph)
-        return fleet, _write(folder, 'fleet.yaml', fleet_text(fleet))
+        return fleet, write_file(folder, 'fleet.yaml', fleet_text(fleet))
     path = os.path.abspath(os.path.expanduser(options.fleet))
     fleet = load_fleet(path)
     for robot in fleet.robots:
@@ -125,7 +143,8 @@ def _site(options: Options, folder: str, graph: Graph, entries: List[Entry],
     return make_site(folder, graph, base_map, map_file)
 
 
-def _write(folder: str, name: str, text: str) -> str:
+def write_file(folder: str, name: str, text: str) -> str:
+    """Writes a text file; returns its path."""
     path = os.path.join(folder, name)
     with open(path, 'w', encoding='utf-8') as stream:
         stream.write(text)

@@ -5,7 +5,8 @@ All that one robot needs stands in the launch files of its package, which are in
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from typing import Any, Dict, Sequence
+from enum import Enum
+from typing import Any, Collection, Dict, Sequence
 from xml.dom import minidom
 
 from fleet_bringup.files import Site
@@ -27,24 +28,59 @@ MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
     'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
 
 
-def launch_text(entries: Sequence[Entry], site: Site, options: Options,
-                files: Dict[str, str]) -> str:
-    """The launch file. `files`: paths by what they are, see `command.prepare`."""
+class Part(Enum):
+    """What may have a launch file of its own."""
+
+    SIMULATORS = 'simulators'
+    ROBOTS = 'robots'
+    MANAGER = 'manager'
+    PAGE = 'page'
+
+
+def parts_of(entries: Sequence[Entry], options: Options) -> Sequence[Part]:
+    """The parts that a fleet has, in the order in which they start."""
+    has = {Part.SIMULATORS: any(entry.is_simulated for entry in entries),
+           Part.ROBOTS: any(entry.robot.driver == LD90 for entry in entries),
+           Part.MANAGER: True,
+           Part.PAGE: options.fleet_manager and options.page}
+    return [part for part in Part if has[part]]
+
+
+def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: Dict[str, str],
+                parts: Collection[Part] = tuple(Part)) -> str:
+    """The launch file of some parts. `files`: paths by what they are, see `command.prepare`."""
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
-    if options.hosted:
-        _include(root, 'omron_ld90', 'robot_host', {'more_modules': ' '.join(MODULES)})
-    ld90s = [entry for entry in entries if entry.robot.driver == LD90]
-    if any(entry.is_simulated for entry in ld90s):
+    parts = [part for part in parts_of(entries, options) if part in parts]
+    if options.hosted and parts != [Part.PAGE]:
+        _include(root, 'omron_ld90', 'robot_host',
+                 {'more_modules': ' '.join(MODULES)} if Part.MANAGER in parts else {})
+    for part in parts:
+        _PARTS[part](root, entries, site, options, files)
+    return minidom.parseString(ET.tostring(root)).toprettyxml('  ')
+
+
+def _simulators(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+                files: Dict[str, str]) -> None:
+    if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         _ld90_simulator(root, site, options, files)
-    for entry in ld90s:
-        _ld90(root, entry, site, options, files)
     if any(entry.robot.driver == AGV for entry in entries):
         _node(root, 'agv_sim', 'graph_fleet_manager', 'agv_sim', {
             'fleet_file': files['fleet'], 'graph_file': site.graph_file,
             'sim_speed': options.sim_speed, 'control_port': options.control_port + 1},
             _hosted(options, {}))
+
+
+def _robots(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+            files: Dict[str, str]) -> None:
+    for entry in entries:
+        if entry.robot.driver == LD90:
+            _ld90(root, entry, site, options, files)
+
+
+def _manager(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+             files: Dict[str, str]) -> None:
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
@@ -54,9 +90,6 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {},
               _hosted(options, RESPAWN))
     _pictures(root, site, options, files)
-    if options.fleet_manager and options.page:
-        _page(root, options, files)
-    return minidom.parseString(ET.tostring(root)).toprettyxml('  ')
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:
@@ -102,13 +135,18 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
         node.set('args', f"'{site.map_file}' '{files['rviz']}'")
 
 
-def _page(root: ET.Element, options: Options, files: Dict[str, str]) -> None:
+def _page(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+          files: Dict[str, str]) -> None:
     _node(root, 'fleet_page', 'fleet_page', 'fleet_page', {
         'fleet_file': files['fleet'], 'map_topic': f'/{MAP}/map', 'listen': options.listen,
         'port': options.page_port, 'token_file': options.token_file,
         'certificate': options.certificate_file, 'key': options.key_file,
         **{name: files[key] for name, key in (('journal', 'journal'), ('folder', 'page'))
            if key in files}}, RESPAWN)
+
+
+_PARTS = {Part.SIMULATORS: _simulators, Part.ROBOTS: _robots, Part.MANAGER: _manager,
+          Part.PAGE: _page}
 
 
 def _hosted(options: Options, more: Dict[str, str]) -> Dict[str, str]:

@@ -113,8 +113,8 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
                             given['password_file'])
     return Entry(
         robot, strict_yaml.line_of(node), host,
-        strict_yaml.optional(given, 'arcl_port', _port, options.arcl_port + step),
-        strict_yaml.optional(given, 'outgoing_port', _port, options.outgoing_port + step),
+        strict_yaml.optional(given, 'arcl_port', tcp_port, options.arcl_port + step),
+        strict_yaml.optional(given, 'outgoing_port', tcp_port, options.outgoing_port + step),
         password, strict_yaml.optional(given, 'start', _start, None))
 
 
@@ -135,7 +135,8 @@ def _check_each_other(entries: Sequence[Entry]) -> None:
                                 f'the same {what}; each needs its own', entry.line)
 
 
-def _port(one: Field) -> int:
+def tcp_port(one: Field) -> int:
+    """A port; raises WrongYaml."""
     port = strict_yaml.whole(one)
     if not 0 < port < 65536:
         raise WrongYaml(f'{one[0]} is {port}, but must be a TCP port from 1 to 65535', one[1])

@@ -1,0 +1,235 @@
+"""Puts a plan onto a machine, and takes it away again; all that needs root happens here."""
+from __future__ import annotations
+
+import os
+import pwd
+import re
+import shutil
+import subprocess
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, List, Mapping
+
+from fleet_bringup.command import gather
+from fleet_services.plan import Plan, plan_services
+from fleet_services.site_file import SiteFile
+from fleet_services.units import System, unit_files
+
+#: Variables of this process that the nodes need, too.
+_INHERITED = re.compile(r'ROS_(?!MASTER_URI|IP|HOSTNAME|HOME|LOG_DIR|NAMESPACE)\w+|PYTHONPATH|PATH|'
+                        r'LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
+#: Programs of a launch file that have no watchdog of ours.
+NOT_WATCHED = re.compile(r'/(?:\w+/)*(?:node_host|ld90_sim|master_discovery|master_sync)\w*\Z')
+UNITS = 'etc/systemd/system'
+SETTINGS, DATA, LOGS = 'etc/fleet', 'var/lib/fleet', 'var/log/fleet'
+
+
+class NotInstalled(Exception):
+    """A sentence that says what to do."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Where things are put: below `root`, `/` for this machine itself."""
+
+    root: Path
+    systemd: int  # its version
+
+    @property
+    def is_this(self) -> bool:
+        """Whether it is the machine that runs this program, and not an image of one."""
+        return self.root == Path('/')
+
+    @property
+    def runs_systemd(self) -> bool:
+        """Whether services can be started now."""
+        return self.is_this and Path('/run/systemd/system').is_dir()
+
+    def path(self, *parts: str) -> Path:
+        """A path below the root."""
+        return self.root.joinpath(*parts)
+
+
+def systemd_version() -> int:
+    """Of this machine; 0 where there is none."""
+    try:
+        said = subprocess.run(['systemctl', '--version'], check=True, text=True,
+                              stdout=subprocess.PIPE).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return 0
+    found = re.match(r'systemd (\d+)', said)
+    return int(found[1]) if found else 0
+
+
+def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
+    """Writes all files and starts the services where systemd runs; returns what was done.
+
+    package -- folder of this ROS package. Raises NotInstalled, CannotStart, FileError, OSError.
+    """
+    settings = machine.path(SETTINGS, site.name)
+    system = System(site.name, site.user, f'/{SETTINGS}/{site.name}',
+                    f'/{SETTINGS}/{site.name}/restart_pause', machine.systemd)
+    if machine.is_this:
+        _make_user(site.user, machine.path(DATA, site.name))
+        _check_reads(site.user, package)
+    shutil.rmtree(settings, ignore_errors=True)
+    settings.mkdir(mode=0o755, parents=True)
+    plan = _make_files(site, system, machine, settings)
+    shutil.copy(package / 'config' / 'restart_pause', settings)
+    _write(settings / 'environment', _environment(site, os.environ))
+    owner = site.user if machine.is_this and not system.has_credentials else ''
+    for name, source in plan.secrets.items():
+        _keep_secret(Path(source), settings / 'secrets' / name, owner)
+    target = machine.path(UNITS, system.target)
+    for unit in _units_of(target):
+        unit.unlink()
+    units = unit_files(plan.services, system)
+    for name, text in units.items():
+        _write(machine.path(UNITS, name), text)
+    said = [f'{len(units)} units in {machine.path(UNITS)}, their files in {settings}.']
+    if machine.runs_systemd:
+        _run('systemctl', 'daemon-reload')
+        _run('systemctl', 'enable', system.target)
+        _run('systemctl', 'restart', '--no-block', system.target)
+        said.append(f'Started: systemctl status "fleet-{site.name}-*"')
+    else:
+        said.append('systemd does not run here, so nothing was started.')
+    return said
+
+
+def remove(name: str, machine: Machine, purge: bool) -> List[str]:
+    """Takes a site's services away, with `purge` its data, too; returns what was done."""
+    target = machine.path(UNITS, f'fleet-{name}.target')
+    units = _units_of(target)
+    settings = machine.path(SETTINGS, name)
+    data = [machine.path(DATA, name), machine.path(LOGS, name)]
+    if not (target.exists() or settings.exists() or purge and any(map(Path.exists, data))):
+        raise NotInstalled(f'There is no site {name} below {machine.root}.')
+    if machine.runs_systemd and target.exists():
+        _run('systemctl', 'disable', '--now', *(unit.name for unit in units))
+    for unit in units:
+        unit.unlink()
+    shutil.rmtree(settings, ignore_errors=True)
+    said = [f'The services of {name} are removed.']
+    if purge:
+        for folder in data:
+            shutil.rmtree(folder, ignore_errors=True)
+        said.append('Its journal, records and logs are removed, too.')
+    else:
+        said.append(f'Its data stay in {data[0]} and {data[1]}; --purge removes them.')
+    if machine.runs_systemd:
+        _run('systemctl', 'daemon-reload')
+    return said
+
+
+def _units_of(target: Path) -> List[Path]:
+    """The target and the services that it names, as far as they are there."""
+    if not target.exists():
+        return []
+    names = re.findall(r'fleet-[a-z0-9-]+\.service', target.read_text(encoding='utf-8'))
+    return [unit for unit in (target, *map(target.with_name, names)) if unit.exists()]
+
+
+def _make_files(site: SiteFile, system: System, machine: Machine, settings: Path) -> Plan:
+    """Graph, map, fleet file and launch files; the paths in them do not name the root."""
+    gathered = gather(site.options, str(settings), check=False)
+    files, graph = dict(gathered.files), gathered.site
+    for path in (files['fleet'], graph.map_file):
+        if path and Path(path).parent != settings:
+            shutil.copyfile(path, settings / Path(path).name)
+    moved = {what: _installed(path, settings, system) for what, path in files.items()}
+    graph = type(graph)(graph.graph, _installed(graph.graph_file, settings, system),
+                        graph.map_file and _installed(graph.map_file, settings, system))
+    plan = plan_services(site, gathered.entries, graph, moved, system, {
+        name: _program(name) for name in ('roscore', 'roslaunch')})
+    for name, text in plan.launches.items():
+        launch = settings / f'{name}.launch'
+        _write(launch, text)
+        _write(launch, _watched(text, name, _nodes_of(launch)))
+    for file in settings.iterdir():
+        file.chmod(0o644)
+    return plan
+
+
+def _installed(path: str, settings: Path, system: System) -> str:
+    """Where a file of the site is after the installation; files of packages stay where they are."""
+    name = Path(path).name
+    return f'{system.settings}/{name}' if (settings / name).exists() else path
+
+
+def _watched(text: str, name: str, nodes: List[str]) -> str:
+    """The launch file with the node that tells systemd how these are."""
+    root = ET.fromstring(text)
+    node = ET.SubElement(root, 'node', {
+        'name': f'service_watch_{name.replace("-", "_")}', 'pkg': 'fleet_services',
+        'type': 'service_watch', 'output': 'screen', 'respawn': 'true', 'respawn_delay': '1'})
+    ET.SubElement(node, 'param', name='nodes', value=' '.join(nodes))
+    return ET.tostring(root, encoding='unicode') + '\n'
+
+
+def _nodes_of(launch: Path) -> List[str]:
+    """The nodes of a launch file that have a watchdog of ours."""
+    done = subprocess.run(['roslaunch', '--nodes', str(launch)], check=False, text=True,
+                          capture_output=True)
+    if done.returncode:
+        raise NotInstalled(f'{launch} cannot be launched: {done.stderr.strip()}')
+    return [name for name in done.stdout.split() if not NOT_WATCHED.match(name)]
+
+
+def _program(name: str) -> str:
+    path = shutil.which(name)
+    if path is None:
+        raise NotInstalled(f'{name} is not in PATH: source the setup file of the workspace first.')
+    return path
+
+
+def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
+    """The EnvironmentFile of all units."""
+    kept: Dict[str, str] = {name: value for name, value in sorted(environment.items())
+                            if _INHERITED.fullmatch(name)}
+    home = f'/{DATA}/{site.name}'
+    kept.update({'HOME': home, 'ROS_HOME': home, 'ROS_IP': site.address, 'LANG': 'C.UTF-8',
+                 'ROS_MASTER_URI': f'http://127.0.0.1:{site.master_port}',
+                 'PYTHONDONTWRITEBYTECODE': '1'})
+    return ''.join(f'{name}="{value}"\n' for name, value in kept.items())
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding='utf-8')
+
+
+def _keep_secret(source: Path, kept: Path, owner: str) -> None:
+    """A copy that only root, or `owner`, can read."""
+    kept.parent.mkdir(mode=0o711, exist_ok=True)
+    with open(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), 'wb') as stream:
+        stream.write(source.read_bytes())
+    if owner:
+        shutil.chown(kept, owner, owner)
+
+
+def _make_user(name: str, home: Path) -> None:
+    try:
+        uid = pwd.getpwnam(name).pw_uid
+    except KeyError:
+        _run('useradd', '--system', '--user-group', '--home-dir', str(home), '--no-create-home',
+             '--shell', '/usr/sbin/nologin', name)
+    else:
+        if uid == 0:
+            raise NotInstalled('The services need a user without privileges: choose another one.')
+
+
+def _check_reads(user: str, package: Path) -> None:
+    program = package / 'config' / 'restart_pause'
+    done = subprocess.run(['runuser', '-u', user, '--', 'test', '-r', str(program)], check=False)
+    if done.returncode:
+        raise NotInstalled(f'The user {user} cannot read {program}: move the workspace to a folder '
+                           'that all users can read, such as /opt/omron_ld90.')
+
+
+def _run(*command: str) -> None:
+    done = subprocess.run(command, check=False, text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT)
+    if done.returncode:
+        raise NotInstalled(f'{" ".join(command)} failed: {done.stdout.strip()}')

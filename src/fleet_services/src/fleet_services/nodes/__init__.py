@@ -1,0 +1,1 @@
+"""The node that tells systemd how the others do."""

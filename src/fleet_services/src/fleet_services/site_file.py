@@ -1,0 +1,104 @@
+"""The site file: what runs on this computer as services.
+
+    name: hall                 # of the units: fleet-hall-manager.service ...
+    user: fleet                # an unprivileged user; made where it is missing
+    address: 10.0.0.9          # of this computer, by which robots' computers reach it; 127.0.0.1
+    master_port: 11311
+    robots_per_unit: 10        # LD-90s whose nodes share a unit
+    arguments:                 # those of scripts/run.sh fleet:=...; files relative to this file
+      fleet: fleet.yaml
+      graph_file: graph.yaml
+      map_file: site.map
+      token_file: tokens
+      listen: 10.0.0.9
+"""
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from typing import Tuple
+
+import yaml
+
+from fleet_bringup.options import Options, parse
+from fleet_bringup.robot_entries import tcp_port
+from graph_fleet_manager.files.errors import FileError
+from trajectory_graph import strict_yaml
+from trajectory_graph.strict_yaml import Field, WrongYaml
+
+KEYS = ('name', 'user', 'address', 'master_port', 'robots_per_unit', 'arguments')
+_NAME = re.compile(r'[a-z][a-z0-9-]{0,30}\Z')
+_ADDRESS = re.compile(r'[0-9A-Za-z.:-]+\Z')
+#: Arguments that make no sense without a person before the screen.
+_NOT_HERE = ('rviz',)
+
+
+@dataclass(frozen=True)
+class SiteFile:
+    """See the top of the module. `options`: what is started, with absolute paths."""
+
+    name: str
+    options: Options
+    user: str = 'fleet'
+    address: str = '127.0.0.1'
+    master_port: int = 11311
+    robots_per_unit: int = 10
+
+
+def read_site(path: str) -> SiteFile:
+    """Reads a site file; raises FileError, and CannotStart for wrong arguments."""
+    try:
+        root = strict_yaml.compose(path)
+        given = strict_yaml.mapping(root, 'the file', KEYS)
+        for key, value in given.items():
+            if key not in KEYS:
+                raise WrongYaml(f'there is no key {key!r}; there are: {", ".join(KEYS)}', value)
+        words = _words(strict_yaml.field(given, 'arguments', root), os.path.dirname(path))
+        return SiteFile(
+            name=_name(strict_yaml.field(given, 'name', root)),
+            options=parse([*words, 'rviz:=false']),
+            user=strict_yaml.optional(given, 'user', _name, 'fleet'),
+            address=strict_yaml.optional(given, 'address', _address, '127.0.0.1'),
+            master_port=strict_yaml.optional(given, 'master_port', tcp_port, 11311),
+            robots_per_unit=strict_yaml.optional(given, 'robots_per_unit', _count, 10))
+    except WrongYaml as wrong:
+        raise FileError.of(path, wrong) from None
+
+
+def _words(one: Field, folder: str) -> Tuple[str, ...]:
+    """Arguments as `name:=value`, with files relative to the site file made absolute."""
+    words = []
+    for name, node in strict_yaml.mapping(one[1], 'arguments').items():
+        if name in _NOT_HERE:
+            raise WrongYaml(f'{name} has no place in a service: leave it out', node)
+        if not isinstance(node, yaml.ScalarNode):
+            raise WrongYaml(f'{name} must be one value', node)
+        value = os.path.expanduser(node.value)
+        is_file = name.endswith(('_file', '_map')) or (name == 'fleet' and not value.isdigit())
+        if is_file:
+            value = os.path.join(os.path.abspath(folder), value)
+        words.append(f'{name}:={value}')
+    return tuple(words)
+
+
+def _name(one: Field) -> str:
+    name = strict_yaml.text(one)
+    if not _NAME.match(name):
+        raise WrongYaml(f'{one[0]} "{name}" must begin with a small letter and have only small '
+                        'letters, digits and "-", 31 at most', one[1])
+    return name
+
+
+def _address(one: Field) -> str:
+    address = strict_yaml.text(one)
+    if not _ADDRESS.match(address):
+        raise WrongYaml(f'{one[0]} "{address}" is no address or name of a computer', one[1])
+    return address
+
+
+def _count(one: Field) -> int:
+    count = strict_yaml.whole(one)
+    if not 1 <= count <= 100:
+        raise WrongYaml(f'{one[0]} is {count}, but must be 1 to 100', one[1])
+    return count

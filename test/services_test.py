@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""The services of a site, started in their order without systemd, are a fleet that works.
+
+The test plays systemd's part: it starts each ExecStart in the environment of its unit, waits until
+the unit tells that it is ready, and listens to its signs of life.
+"""
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+import urllib.request
+from pathlib import Path
+from typing import Dict, List, Tuple
+
+from fleet_support import free_fleet_ports
+
+from fleet_services.units import START
+from ports import free_port
+from system_support import run_cases, wait_until
+
+ROOT = Path(__file__).resolve().parents[1]
+SECONDS = 20.0  # that the end of a unit may take
+SIGNS = 2 * 15.0  # s in which a sign of life must come
+
+
+class Unit:
+    """One service, and the socket on which it talks to systemd."""
+
+    def __init__(self, file: Path, folder: Path) -> None:
+        self.name = file.stem
+        self._text = file.read_text()
+        self._said = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._path = str(folder / f'{self.name}.notify')
+        self._said.bind(self._path)
+        self._log = (folder / f'{self.name}.log').open('w+')
+
+    def setting(self, key: str) -> List[str]:
+        """The values of a key."""
+        return re.findall(f'^{key}=(.*)$', self._text, re.MULTILINE)
+
+    @property
+    def after(self) -> List[str]:
+        """The units that start before it."""
+        return [Path(name).stem for name in self.setting('After')[0].split()
+                if name.endswith('.service')]
+
+    def start(self) -> None:
+        """ExecStart; returns once systemd would take the unit for started."""
+        variables = Path(self.setting('EnvironmentFile')[0]).read_text().splitlines()
+        environment: Dict[str, str] = {}
+        for line in variables:
+            name, _, value = shlex.split(line)[0].partition('=')
+            environment[name] = value
+        environment['ROS_LOG_DIR'] = environment['ROS_HOME'] + '/log'
+        environment['NOTIFY_SOCKET'] = self._path
+        os.makedirs(environment['ROS_HOME'], exist_ok=True)
+        self._process = subprocess.Popen(
+            shlex.split(self.setting('ExecStart')[0]), env=environment, cwd=environment['ROS_HOME'],
+            stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True)
+        if self.setting('Type') == ['notify']:
+            self.wait_for('READY=1', START)
+
+    def wait_for(self, word: str, seconds: float) -> None:
+        """Until the unit tells systemd this."""
+        deadline = time.monotonic() + seconds
+        while time.monotonic() < deadline:
+            self._said.settimeout(max(0.01, deadline - time.monotonic()))
+            try:
+                if self._said.recv(1000).decode() == word:
+                    return
+            except socket.timeout:
+                break
+        self._log.seek(0)
+        raise AssertionError(f'{self.name} did not say {word} within {seconds:.0f} s:\n'
+                             f'{self._log.read()[-3000:]}')
+
+    def stop(self) -> int:
+        """As KillSignal does it."""
+        self._process.send_signal(signal.Signals[self.setting('KillSignal')[0]])
+        try:
+            return self._process.wait(SECONDS)
+        finally:
+            if self._process.poll() is None:
+                os.killpg(self._process.pid, signal.SIGKILL)
+            self._said.close()
+            self._log.close()
+
+
+class Services(unittest.TestCase):
+
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        self.master, self.page = free_port(), free_port()
+
+    def install(self) -> Tuple[Unit, ...]:
+        """A site below a folder; its files then say that they are there."""
+        first = free_fleet_ports()
+        site, root = self.folder / 'site.yaml', self.folder / 'root'
+        site.write_text(
+            f'name: hall\nmaster_port: {self.master}\narguments:\n  fleet: 1\n'
+            f'  longest_edge: 1.5\n  page_port: {self.page}\n  arcl_port: {first}\n'
+            f'  outgoing_port: {first + 5}\n  control_port: {first + 2}\n')
+        subprocess.run(['rosrun', 'fleet_services', 'install_service', '--root', str(root),
+                        str(site)], check=True)
+        for file in root.rglob('*'):
+            if file.is_file():
+                text = file.read_text()
+                for place in ('/etc/fleet', '/var/lib/fleet'):
+                    text = text.replace(place, f'{root}{place}')
+                file.write_text(text)
+        units = [Unit(file, self.folder)
+                 for file in (root / 'etc/systemd/system').glob('*.service')]
+        return tuple(sorted(units, key=lambda unit: len(unit.after)))
+
+    def test_the_services_come_up_in_their_order_and_serve_missions(self) -> None:
+        units = self.install()
+        self.assertEqual([unit.name.rpartition('hall-')[2] for unit in units],
+                         ['master', 'simulators', 'robots-1', 'manager', 'page'])
+        for unit in units:
+            unit.start()
+            self.addCleanup(unit.stop)
+
+        wait_until(lambda: self.run_fleet('fleet', 'list').count('idle') == 2, 60.0, 'idle robots')
+        self.assertIn('has succeeded', self.run_fleet('mission', '12', '--wait'))
+        with urllib.request.urlopen(f'http://127.0.0.1:{self.page}/', timeout=10) as answer:
+            self.assertEqual(answer.status, 200)
+        for unit in units[1:]:
+            unit.wait_for('WATCHDOG=1', SIGNS)
+
+    def run_fleet(self, *command: str) -> str:
+        """A command of the fleet manager, under the master of the services."""
+        return subprocess.run(
+            ['rosrun', 'graph_fleet_manager', *command], check=False, text=True, timeout=120,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            env={**os.environ, 'ROS_MASTER_URI': f'http://127.0.0.1:{self.master}'}).stdout
+
+
+if __name__ == '__main__':
+    run_cases(__file__)
