@@ -20,7 +20,7 @@ for topic in "${topics[@]}"; do
 done
 
 prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"
-case " ${topics[*]} " in *' multimaster '*) provide_multimaster ;; esac
+case " ${topics[*]} " in *' multimaster '* | *' masters '*) provide_multimaster ;; esac
 export ROS_IP=127.0.0.1 PYTHONPATH="$root/test:$PYTHONPATH"
 cd "$root"
 for topic in "${topics[@]}"; do

@@ -141,18 +141,18 @@ def measure(fleet: JoinedFleet, cable: Cable) -> None:
             for name, broken in (('cable pulled', cable.pulled),
                                  ('radio shadow', cable.in_radio_shadow)):
                 for away, recovered, lost in without_link(broken, reports):
-                    print_row(f'{name} for {away:.0f} s: next report after the link is back',
-                        f'{recovered:.2f} s, {lost} reports lost', '< 3 s')
+                    print_row((f'{name} for {away:.0f} s: next report after the link is back',
+                               f'{recovered:.2f} s, {lost} reports lost', '< 3 s'))
         up, crossed = zip(*died(fleet.robot, robot, REPORTS[0], reports))
-    print_row('robot\'s computer dead and started anew: its own start', seconds(list(up)), '')
-    print_row('from then on until its first report crosses', seconds(list(crossed)), '< 3 s')
+    print_row(('robot\'s computer dead and started anew: its own start', seconds(list(up)), ''))
+    print_row(('from then on until its first report crosses', seconds(list(crossed)), '< 3 s'))
     with listening(fleet.robot, robot, STATES) as states:
         up, crossed = zip(*died(fleet.manager, manager, STATES[0], states))
-    print_row('fleet\'s computer dead and started anew: its own start', seconds(list(up)), '')
-    print_row('from then on until its first fleet state crosses', seconds(list(crossed)), '< 3 s')
+    print_row(('fleet\'s computer dead and started anew: its own start', seconds(list(up)), ''))
+    print_row(('from then on until its first fleet state crosses', seconds(list(crossed)), '< 3 s'))
     for name, (there, back) in (('standing', standing), ('driving', driving)):
-        print_row(f'across the link for one {name} robot: from it / to it',
-            f'{there / 1000:.1f} / {back / 1000:.1f} kB/s', '< 20 kB/s')
+        print_row((f'across the link for one {name} robot: from it / to it',
+                   f'{there / 1000:.1f} / {back / 1000:.1f} kB/s', '< 20 kB/s'))
 
 
 def main() -> None:

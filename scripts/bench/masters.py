@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""Ten ROS masters joined by fkie multimaster: nine robots' computers and the fleet manager's.
+
+All are on loopback addresses of a network namespace, whose bytes are counted: needs root. Each
+robot is a simulated AGV. The floor is the same ROS masters and robots without what joins them.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Dict, List, NamedTuple, Set, Tuple
+
+import rospy
+from joined_masters import Computer, has_fkie, join, loopback_addresses
+from measuring.processes import cpu_seconds, descendants, node_name, proportional
+from measuring.tables import print_table
+
+from fleet_bringup.made_fleet import parking_places
+from graph_fleet_manager.fleet import RobotType
+from itrci_nav_msgs.msg import FleetRobot, FleetState
+from system_support import Recorder, wait_until
+from trajectory_graph import load_graph
+
+ROOT = Path(__file__).resolve().parents[2]
+GRAPH = ROOT / 'maps/lab_graph.yaml'
+AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
+JOINING = ('master_discovery', 'master_sync', 'peer_watch')
+COUNTED = 30.0  # s over which bytes and CPU are counted
+SETTLE = 15.0   # s from the last robot's start until figures are taken
+WITHIN = 180.0  # s
+
+
+class Use(NamedTuple):
+    """What the joining nodes of some computers take: bytes of memory, cores."""
+
+    memory: float
+    cores: float
+
+
+def fleet_text(addresses: Dict[str, str], places: List[int], driven: str = '') -> str:
+    """A fleet file; `driven` is the one robot to be simulated on its reader's computer."""
+    rows = [f'- {{name: {name}, type: agv, vertex: {place}, '
+            + ('driver: agv}' if name == driven else f'driver: none, computer: {address}}}')
+            for (name, address), place in zip(addresses.items(), places)]
+    return '\n'.join(('clearance: 0.1', 'robot_types:',
+                      '- {name: agv, radius: 0.35, speed: 1.0, release_ahead: 2.0}', 'robots:',
+                      *rows, ''))
+
+
+class Site:
+    """The computers of a fleet manager and of `count` robots, not started yet."""
+
+    def __init__(self, folder: Path, count: int) -> None:
+        places = parking_places(load_graph(GRAPH), [AGV], 0.1, count)
+        hub, *others = loopback_addresses(count + 1)
+        addresses = dict(zip((f'agv_{number + 1}' for number in range(count)), others))
+        file = folder / 'fleet.yaml'
+        file.write_text(fleet_text(addresses, places))
+        self.hub = Computer('fleet', hub, [[
+            'graph_fleet_manager', 'fleet_manager.launch', f'graph_file:={GRAPH}',
+            f'fleet_file:={file}', f'journal:={folder / "fleet.sqlite"}',
+            f'closed_edges_file:={folder / "closed.json"}',
+            f'graph_in_force_file:={folder / "graph.yaml"}']],
+            folder / 'fleet.log', peers_from_file=True)
+        self.robots = [self._robot(folder, name, addresses, places) for name in addresses]
+        join(self.hub, self.robots)
+
+    @staticmethod
+    def _robot(folder: Path, name: str, addresses: Dict[str, str], places: List[int]) -> Computer:
+        file = folder / f'{name}.yaml'
+        file.write_text(fleet_text(addresses, places, driven=name))
+        return Computer(name, addresses[name], [[
+            ROOT / 'test/multimaster_agv.launch', f'robot:={name}', f'fleet_file:={file}',
+            f'graph_file:={GRAPH}']], folder / f'{name}.log')
+
+    def stop(self) -> None:
+        """Ends all of it."""
+        for computer in [*self.robots, self.hub]:
+            computer.kill()
+
+
+def heard_robots(states: Recorder) -> Set[str]:
+    """The robots of which the fleet manager has heard."""
+    return {robot.name for state in states.messages[-1:] for robot in state.robots
+            if robot.state in (FleetRobot.IDLE, FleetRobot.BUSY)}
+
+
+def joining_nodes(computer: Computer) -> List[int]:
+    """Process ids of what joins a master with others."""
+    own = f'ROS_IP={computer.address}'
+    return [pid for pid in descendants(os.getpid()) if node_name(pid) in JOINING
+            and own in Path(f'/proc/{pid}/environ').read_text().split('\0')]
+
+
+def use_of(computers: List[Computer]) -> Use:
+    """Means for one computer over some seconds; also lets that time pass."""
+    pids = [pid for computer in computers for pid in joining_nodes(computer)]
+    before, begun = sum(map(cpu_seconds, pids)), time.monotonic()
+    time.sleep(COUNTED)
+    cores = (sum(map(cpu_seconds, pids)) - before) / (time.monotonic() - begun)
+    return Use(sum(map(proportional, pids)) / len(computers), cores / len(computers))
+
+
+def loopback_bytes() -> int:
+    """So many have passed in this network, each counted once."""
+    line = next(line for line in Path('/proc/net/dev').read_text().splitlines()
+                if line.strip().startswith('lo:'))
+    return int(line.split(':')[1].split()[0])
+
+
+def bytes_a_second() -> float:
+    """Now, all computers together."""
+    before, begun = loopback_bytes(), time.monotonic()
+    time.sleep(COUNTED)
+    return (loopback_bytes() - before) / (time.monotonic() - begun)
+
+
+def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
+    """The rows of so many robots."""
+    site = Site(folder, count)
+    try:
+        apart = Site(folder, count).robots[0]  # not joined: what one robot costs by itself
+        apart.fkie = False
+        apart.start()
+        wait_until(lambda: apart.publishes('/agv_1/execution_route_states'), 60.0, 'a robot')
+        floor = bytes_a_second()
+        apart.kill()
+
+        site.hub.start()
+        *most, last = site.robots
+        begun = time.monotonic()
+        for robot in most:
+            robot.start()
+        os.environ.update(site.hub.environment)
+        wait_until(lambda: site.hub.publishes('/fleet_state'), WITHIN, 'the fleet manager')
+        rospy.init_node('masters_bench', disable_signals=True)
+        states = Recorder('/fleet_state', FleetState)
+        names = {robot.name for robot in most}
+        wait_until(lambda: names <= heard_robots(states), WITHIN, 'all robots but the last')
+        together = time.monotonic() - begun
+        last.start()
+        wait_until(lambda: last.publishes(f'/{last.name}/execution_route_states'), WITHIN,
+                   'the last robot at its own master')
+        up = time.monotonic()
+        wait_until(lambda: last.name in heard_robots(states), WITHIN, 'the last robot')
+        late = time.monotonic() - up
+        time.sleep(SETTLE)
+        joined = bytes_a_second()
+        hub, robots = use_of([site.hub]), use_of(site.robots)
+    finally:
+        site.stop()
+    rows = [
+        (f'{count + 1} masters started at once: until the fleet manager has heard of all',
+         f'{together:.1f} s', ''),
+        (f'robot {count} started: from its own first report until the fleet manager has it',
+         f'{late:.1f} s', '< 5 s'),
+        ('bytes between and on all computers, for one robot that stands; by itself',
+         f'{joined / count / 1000:.1f}; {floor / 1000:.1f} kB/s', '')]
+    for name, use in (("the fleet manager's", hub), ("each robot's", robots)):
+        rows.append((f'what joins masters, on {name} computer: memory, cores',
+                     f'{use.memory / 1e6:.0f} MB, {use.cores:.3f}', ''))
+    return rows
+
+
+
+def main() -> None:
+    """Prints the table; in a network namespace of its own."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--robots', type=int, default=9, help='so many besides the fleet manager')
+    given = parser.parse_args()
+    if not has_fkie():
+        print('Left out: fkie multimaster is not there; scripts/multimaster.sh brings it.')
+        return
+    if 'MASTERS_BENCH' not in os.environ:
+        os.execvpe('unshare', ['unshare', '--net', 'sh', '-c', 'ip link set lo up && exec "$@"',
+                               'sh', sys.executable, *sys.argv],
+                   {**os.environ, 'MASTERS_BENCH': '1'})
+    with tempfile.TemporaryDirectory() as folder:
+        print_table(measure(given.robots, Path(folder)),
+                    (f'{given.robots + 1} ROS masters, fkie multimaster', 'measured', 'goal'))
+
+
+if __name__ == '__main__':
+    main()
