@@ -145,7 +145,7 @@ def virtual_site() -> Site:
     places = tuple(sorted({place for found in places_by_edge(graph).values() for place in found}))
     flow = RandomFlow('random', (), places, Saturated())
     return site_of(graph, fleet, settings,
-                   Wanted(Demand((flow,)), Delays(1.0, NEVER, NEVER), {}))
+                   Wanted(Demand((flow,)), Delays(1.0, NEVER, NEVER), {}, {}))
 
 
 def virtual(hours: int) -> List[Hour]:

@@ -65,7 +65,7 @@ def warehouse() -> Site:
 
 def busy(targets: Tuple[int, ...]) -> Wanted:
     """One open mission for each robot, all the time."""
-    return Wanted(Demand((Flow('all', (), targets, Saturated()),)), STALLS, {})
+    return Wanted(Demand((Flow('all', (), targets, Saturated()),)), STALLS, {}, {})
 
 
 SECTIONS: Dict[str, Case] = {

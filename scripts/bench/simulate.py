@@ -57,7 +57,7 @@ def warehouse(vertices: int) -> Site:
 
 def busy(targets: tuple) -> Wanted:
     """One open mission for each robot, all the time."""
-    return Wanted(Demand((Flow('all', (), targets, Saturated()),)), Delays(), {})
+    return Wanted(Demand((Flow('all', (), targets, Saturated()),)), Delays(), {}, {})
 
 
 SECTIONS: Dict[str, Case] = {

@@ -94,6 +94,25 @@ def test_what_cannot_be_simulated_is_told_before_anything_runs(
     assert not (tmp_path / 'report').exists()
 
 
+def test_a_vertex_to_which_no_robot_can_come_is_told_with_its_line(
+        yard: Graph, files: Files) -> None:
+    from dataclasses import replace
+
+    from graph_fleet_manager.files.errors import FileError
+    walled = Graph(yard.vertices.values(), [
+        replace(edge, velocity_forward=0.0, velocity_backwards=0.0)
+        if 21 in (edge.origin, edge.destination) else edge for edge in yard.edges.values()])
+    with pytest.raises(FileError) as error:
+        site(walled, files())
+    assert error.value.line == 2
+    assert error.value.problem.startswith('vertex 21 is no destination')
+
+
+def test_a_run_in_which_no_mission_ends_has_a_report(files: Files, tmp_path: Path) -> None:
+    assert main(arguments(files(), tmp_path / 'report', '--hours=0.001')) == 0
+    assert (tmp_path / 'report' / 'report.html').exists()
+
+
 def test_an_unreachable_pair_is_told_with_its_line(yard: Graph, files: Files) -> None:
     from dataclasses import replace
 

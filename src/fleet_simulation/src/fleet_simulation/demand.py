@@ -76,6 +76,13 @@ class Demand:
         """The flows that ask for as much as can be served."""
         return tuple(flow for flow in self.flows if isinstance(flow.arrivals, Saturated))
 
+    def places(self) -> Iterator[int]:
+        """The vertices that are visited; some come more than once."""
+        for flow in self.flows:
+            yield from (*flow.sources, *flow.targets)
+        for mission in self.recorded:
+            yield from mission.destinations
+
     def pairs(self) -> Iterator[Tuple[int, int]]:
         """Which vertices are visited one after the other, as far as the demand says so."""
         for flow in self.flows:

@@ -33,15 +33,20 @@ _FLOW = ('name', 'from', 'to', 'per_hour', 'timetable', 'saturated', 'priority',
 _COLUMNS = ('time', 'destinations', 'priority', 'stay')
 _LONGEST_DAY = 1e4  # hours
 Groups = Dict[str, Tuple[int, ...]]
+Line = Tuple[str, int]
+"""A file and a line of it."""
 
 
 class Wanted(NamedTuple):
-    """What a demand file says, and the lines of its flows."""
+    """What a demand file says, and the lines that say it.
+
+    places, pairs -- file and line by vertex, and by vertices that are visited one after the other
+    """
 
     demand: Demand
     delays: Delays
-    lines: Dict[Tuple[int, int], Tuple[str, int]]
-    """File and line of each pair of vertices that are visited one after the other."""
+    places: Dict[int, Line]
+    pairs: Dict[Tuple[int, int], Line]
 
 
 def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
@@ -50,20 +55,29 @@ def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
         root = strict_yaml.compose(path)
         fields = _known(root, 'the file', _FILE)
         groups = _groups(fields, graph)
-        lines: Dict[Tuple[int, int], Tuple[str, int]] = {}
+        places: Dict[int, Line] = {}
+        pairs: Dict[Tuple[int, int], Line] = {}
+
+        def note(part: Demand, file: Union[str, os.PathLike], line: int) -> None:
+            for place in part.places():
+                places.setdefault(place, (os.fspath(file), line))
+            for pair in part.pairs():
+                pairs.setdefault(pair, (os.fspath(file), line))
         flows: List[Flow] = []
         for number, node in enumerate(strict_yaml.items(('flows', fields['flows']))
                                       if 'flows' in fields else (), 1):
             flows.append(_flow(node, number, groups, graph))
-            for pair in Demand((flows[-1],)).pairs():
-                lines.setdefault(pair, (os.fspath(path), strict_yaml.line_of(node)))
+            note(Demand((flows[-1],)), path, strict_yaml.line_of(node))
         recorded: Tuple[Recorded, ...] = ()
         if 'csv' in fields:
             name = Path(path).parent / strict_yaml.text(('csv', fields['csv']))
-            recorded = _recorded(name, graph, lines)
+            rows = _recorded(name, graph)
+            recorded = tuple(rows.values())
+            for line, mission in rows.items():
+                note(Demand((), (mission,)), name, line)
         if not flows and not recorded:
             raise WrongYaml('the demand is empty: give flows or csv', root)
-        return Wanted(Demand(tuple(flows), recorded), _delays(fields), lines)
+        return Wanted(Demand(tuple(flows), recorded), _delays(fields), places, pairs)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -173,8 +187,8 @@ def _number(most: float) -> Callable[[Field], float]:
     return read
 
 
-def _recorded(path: Path, graph: Graph,
-              lines: Dict[Tuple[int, int], Tuple[str, int]]) -> Tuple[Recorded, ...]:
+def _recorded(path: Path, graph: Graph) -> Dict[int, Recorded]:
+    """The missions of a CSV file by their lines."""
     try:
         text = strict_yaml.read_file(path).decode()
     except WrongYaml as wrong:
@@ -187,7 +201,7 @@ def _recorded(path: Path, graph: Graph,
     if unknown or missing:
         raise FileError(path, f'the columns are {", ".join(rows.fieldnames or ())}, but must be '
                               f'{", ".join(_COLUMNS)}, the last two of them optional', 1)
-    found = []
+    found: Dict[int, Recorded] = {}
     for row in rows:
         line = rows.line_num
 
@@ -207,7 +221,5 @@ def _recorded(path: Path, graph: Graph,
         if not places:
             raise FileError(path, 'a mission has no destinations', line)
         vertices = tuple(map(int, places))
-        found.append(Recorded(number('time'), vertices, int(number('priority')), number('stay')))
-        for pair in zip(vertices, vertices[1:]):
-            lines.setdefault(pair, (os.fspath(path), line))
-    return tuple(found)
+        found[line] = Recorded(number('time'), vertices, int(number('priority')), number('stay'))
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf
-from typing import Dict, FrozenSet, Tuple
+from typing import AbstractSet, Dict, FrozenSet, Tuple
 
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
@@ -88,11 +88,17 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
         if robot.vertex not in graph.vertices:
             raise WrongSite(f'Robot {robot.name} begins on vertex {robot.vertex}, which the graph '
                             'does not have: choose another.')
-    for (source, target), (file, line) in wanted.lines.items():
-        if not any(_reaches(network, kind, source, target) for kind in fleet.types):
+    starts = _starts(network, fleet)
+    begin = {*starts, *(robot.vertex for robot in fleet.robots)}
+    for (source, target), (file, line) in wanted.pairs.items():
+        if not any(_reaches(network, kind, {source}, target) for kind in fleet.types):
             raise FileError(file, f'no robot can drive from vertex {source} to vertex {target}: '
                                   'join them in the graph, or leave this out', line)
-    return Site(graph, fleet, settings, wanted.demand, wanted.delays, _starts(network, fleet),
+    for place, (file, line) in wanted.places.items():
+        if not any(_reaches(network, kind, begin - {place}, place) for kind in fleet.types):
+            raise FileError(file, f'vertex {place} is no destination: no robot type may stand '
+                                  'there, or can come there from a parking place', line)
+    return Site(graph, fleet, settings, wanted.demand, wanted.delays, starts,
                 tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
 
 
@@ -104,11 +110,13 @@ def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
         replace(robot, type=types[robot.type.name]) for robot in fleet.robots))
 
 
-def _reaches(network: RoadNetwork, kind: RobotType, source: int, target: int) -> bool:
+def _reaches(network: RoadNetwork, kind: RobotType, sources: AbstractSet[int],
+             target: int) -> bool:
+    """Whether a robot can come to the target from one of the sources."""
     if network.graph.vertices[target].dock and not kind.may_dock(target):
         return False
     times = network.paths_to(kind, [network.index[target]])[0]
-    return bool(times[network.index[source]] < inf)
+    return any(times[network.index[source]] < inf for source in sources)
 
 
 def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:

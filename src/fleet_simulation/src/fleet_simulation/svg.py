@@ -37,7 +37,7 @@ def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -
     """Lines over whole numbers; `mark`: an x with a vertical line."""
     xs = sorted({x for line in lines for x, _ in line.points})
     halves = [half for line in lines for half in line.halves if half < math.inf]
-    scale = ticks(max((y for line in lines for _, y in line.points), default=1.0)
+    scale = ticks(max((y for line in lines for _, y in line.points if y == y), default=1.0)
                   + max(halves, default=0.0))
     low, high = xs[0], xs[-1] if xs[-1] > xs[0] else xs[0] + 1
 
