@@ -103,7 +103,7 @@ def test_a_vertex_to_which_no_robot_can_come_is_told_with_its_line(
         replace(edge, velocity_forward=0.0, velocity_backwards=0.0)
         if 21 in (edge.origin, edge.destination) else edge for edge in yard.edges.values()])
     with pytest.raises(FileError) as error:
-        site(walled, files())
+        site(walled, files('flows:\n- {to: 21, per_hour: 3}\n'))
     assert error.value.line == 2
     assert error.value.problem.startswith('vertex 21 is no destination')
 
