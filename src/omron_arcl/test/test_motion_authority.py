@@ -460,7 +460,7 @@ class TestOwedStop:
         bench.robot('Going to 12')
         bench.stop(ROUTE)
         bench.drive(PERSON, 'goto 13')
-        bench.authority.take_word(PERSON)
+        bench.authority.take_word(PERSON, bench.now)
         bench.robot('Stopping')
         bench.robot('Stopped')
         assert bench.memory.stop_owed, 'the robot has that drive still before it'
@@ -475,22 +475,40 @@ class TestOwedStop:
         bench.stop(ROUTE)
         bench.robot('Stopping', 'Stopped')
         bench.drive(PERSON, 'goto 4')
-        bench.authority.take_word(PERSON)
+        bench.authority.take_word(PERSON, bench.now)
         bench.pass_time(0.0)
         assert bench.sent == ['stop', 'goto 4', 'stop']
 
     def test_a_cancelled_drive_is_stopped_although_another_clients_drive_is_heard_first(
             self, bench):
         bench.drive(PERSON, 'goto 4')
-        bench.authority.take_word(PERSON)
+        bench.authority.take_word(PERSON, bench.now)
         bench.robot('Going to 3')  # said before `goto 4` came to the robot
         assert bench.memory.cause is Cause.OTHER_CLIENT
         assert bench.sent == ['goto 4', 'stop'], 'the robot would go on to 4'
 
+    def test_a_drive_on_its_way_is_stopped_that_an_emergency_stop_seems_to_have_ended(self, bench):
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('EStop pressed')  # said before `goto 4` came to the robot
+        bench.authority.take_word(PERSON, bench.now)
+        bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'Going to 4')
+        assert bench.sent == ['goto 4', 'stop']
+
+    def test_a_drive_after_an_older_stop_is_stopped_although_another_client_drives_meanwhile(
+            self, bench):
+        bench.stop(PERSON)
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('Going to 3', 'Stopping')
+        bench.authority.take_word(PERSON, bench.now)
+        bench.robot('Going to 4')
+        bench.pass_time(RETRY)
+        assert bench.sent[:2] == ['stop', 'goto 4']
+        assert 'stop' in bench.sent[2:]
+
     def test_another_clients_drive_long_after_ours_ends_the_stop_that_is_owed(self, bench):
         bench.drive(PERSON, 'goto 4')
         bench.robot('Going to 4')
-        bench.authority.take_word(PERSON)
+        bench.authority.take_word(PERSON, bench.now)
         bench.robot('Going to 3')
         assert not bench.memory.stop_owed
         assert bench.sent == ['goto 4']

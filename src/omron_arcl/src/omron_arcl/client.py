@@ -141,7 +141,7 @@ class Client(Transport):
     def cancel_all(self, canceller: Giver) -> None:
         """A giver wants nothing of what was given before, be anything under way or not."""
         with self._lock:
-            self._dispatcher.authority.take_word(canceller)
+            self._dispatcher.authority.take_word(canceller, time.monotonic())
         self._tell_motion()
         self._waker.wake()
 

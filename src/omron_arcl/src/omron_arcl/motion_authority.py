@@ -208,12 +208,12 @@ class MotionAuthority:
         if execution is self._drive and execution.sent:
             self._owe_stop(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
 
-    def take_word(self, canceller: Giver) -> None:
+    def take_word(self, canceller: Giver, now: float) -> None:
         """A giver cancels everything: a drive that is not known yet must not pass that.
 
-        Nor may one go on whose outcome is unknown.
+        Nor may one go on whose outcome is unknown, or that may still come to the robot.
         """
-        if self._memory.drives and self._may_go_on():
+        if self._memory.drives and self._may_go_on() or self._crosses(now):
             self._owe_stop(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
         else:
             self._given(canceller, Cause.CANCEL, False, f'a cancellation of {canceller.name}')
@@ -294,7 +294,8 @@ class MotionAuthority:
         if not self._may_be_ours(activity) or not (activity.goal or self._stands_by()):
             cause = (Cause.ROBOT if activity.kind is ActivityKind.DOCKING and self._stands_by()
                      else Cause.OTHER_CLIENT)
-            if self._memory.stop_owed and self._crosses(now):
+            memory = self._memory
+            if memory.stop_owed and not memory.drives and self._crosses(now):
                 self._begin_epoch(None, cause, text, False)
             else:
                 self._foreign(cause, True, text)
@@ -364,8 +365,9 @@ class MotionAuthority:
     def _crosses(self, now: float) -> bool:
         """Whether the robot may have said its last line before our drive came to it."""
         drive = self._drive
-        return (drive is not None and drive.sent and drive.result is None and not drive.begun
-                and now < drive.sent_at + AT_ONCE)
+        return (drive is not None and drive.sent and not drive.begun
+                and now < drive.sent_at + AT_ONCE
+                and (drive.result is None or drive.result.outcome is Outcome.EMERGENCY_STOPPED))
 
     # --- epochs -----------------------------------------------------------------------------------
 

@@ -84,7 +84,7 @@ class ModelledController:
         """Cancels everything for `canceller`."""
         for execution in executions:
             self._dispatcher.cancel(execution, self._timeline.now, canceller)
-        self._dispatcher.authority.take_word(canceller)
+        self._dispatcher.authority.take_word(canceller, self._timeline.now)
         self.turn()
 
     def connect(self) -> None:

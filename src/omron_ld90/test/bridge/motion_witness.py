@@ -2,19 +2,22 @@
 broken."""
 from __future__ import annotations
 
-from typing import Callable, Dict, List, NamedTuple, Optional, Set
+from collections import Counter
+from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from bridge_builders import yard
-from delayed_drive import PERSON, TICK, AnyRobot, DelayedDrive
+from delayed_drive import BRIDGE, PERSON, TICK, AnyRobot, DelayedDrive
 from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Result
-from omron_arcl.motion_authority import AT_ONCE, LOOK, RETRY, Motion, MotionState
+from omron_arcl.motion_authority import AT_ONCE, LATE, LOOK, RETRY, Motion, MotionState
+from omron_ld90.bridge import events as p
 
 YARD = yard()
 OBEYED_WITHIN = 6.0  # s after a stop has come to the robot, at each speed
 SENT_WITHIN = LOOK + RETRY + 1.0  # s that an owed stop may wait where the robot can be reached
+GIVEN_WITHIN = 4.0  # s until the controller has a stop of the bridge, where all links stand
 
 
 class Word(NamedTuple):
@@ -54,18 +57,31 @@ class Witness(DelayedDrive):
         self.broken: List[str] = []
         self.lines: List[str] = []  # drives that came to the robot from the controller
         self.persons, self.came = '', False  # last drive, and whether it came to the robot
+        self._taken: Counter[str] = Counter()    # drives, by their text
+        self._arrived: Counter[str] = Counter()  # of these, at the robot, or lost
+        self._is_number = 0  # of the person's last drive among those of its text
         self.given_at = -100.0
         self.drives = 0  # that were taken
         self.foreign = False
-        self._forgotten: Set[int] = set()  # epochs of controllers before this one
+        self._powered_at = -100.0
+        self._another_gave = '', -100.0  # command of another client, and when it gave that
         self._dialect = dialect
         self._owed_since: Optional[float] = None  # a stop, and the robot can be reached
         self._stop_came_at = -100.0
         self._disobeys_since: Optional[float] = None  # it drives, although the last word is a stop
         self._anothers = False  # whether another client sent it where it drives
+        self._unheard_until = -100.0  # nothing that is given comes to the controller until then
+        self._forgotten: Set[int] = set()  # epochs of controllers before this one
+        self._bridge_knows = 0  # so many words
+        self._is_ordered = False  # whether the fleet manager itself wants the robot to stop
+        self._known_to_stops: Dict[Tuple[str, int], int] = {}  # words, by process and number
+        self._known_to_stop: Optional[int] = None  # the same, of the one that comes now
+        self._demanded: Optional[int] = None  # words before the bridge's stop, until it drives
+        self._ignored_since: Optional[float] = None  # that stop
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
         self._time.every(TICK, self._watch_robot)
+        self._time.every(TICK, self._watch_stop_of_bridge)
 
     def make_controller(self, delays: Delays) -> ModelledController:
         """One that is witnessed."""
@@ -83,11 +99,16 @@ class Witness(DelayedDrive):
     def _on_given(self, command: str, giver: Giver, known_epoch: int, count: int) -> None:
         known = self.words_of_epoch.get(known_epoch)
         if command == 'stop':
-            if known is not None and known_epoch not in self._forgotten:
+            if known_epoch in self._forgotten:
+                return
+            if giver.name == BRIDGE:
+                known = self._known_to_stop
+            if known is not None:
                 self._judge_stop(giver, known, count)
             return
+        self._taken[command] += 1
         if giver == PERSON:
-            self.persons, self.came = command, False
+            self.persons, self.came, self._is_number = command, False, self._taken[command]
         if known_epoch and (
                 known is None or any(word.giver != giver for word in self.words[known:count])):
             self.broken.append(f'{giver.name} passed {self.words[known or 0:count]}: {command}')
@@ -104,14 +125,58 @@ class Witness(DelayedDrive):
         if unknown:
             self.broken.append(f'a stop of {giver.name} ended {unknown}')
 
-    def restart_controller(self) -> None:
-        """It does not know what came after epochs of the one before it."""
+    @property
+    def is_heard(self) -> bool:
+        """Whether what is given comes to the controller."""
+        return self.now >= self._unheard_until
+
+    def restart_controller(self, seconds: float = 0.0) -> None:
+        """It dies, and is back; what is given comes to it after some seconds, as topics and
+        actions are joined anew one by one."""
         if not self.spared and self._controller.connected:
             self._forgotten = set(self.words_of_epoch)
+            self._unheard_until = self.now + seconds
         super().restart_controller()
+
+    def order(self, route_id: int, *edges: int) -> None:
+        """As the base class does it; a stop of the fleet manager ends each motion."""
+        if self.bridge:
+            self._is_ordered, self._demanded = not edges, None
+        super().order(route_id, *edges)
+
+    def _hear_motion(self, motion: Motion, generation: int) -> None:
+        if generation == self._generation:
+            self._bridge_knows = self.words_of_epoch[motion.memory.epoch]
+        super()._hear_motion(motion, generation)
+
+    def _give(self, give: p.Give) -> None:
+        if give.command != 'stop':
+            self._demanded = None
+        else:
+            if not self._is_ordered:
+                self._known_to_stops[str(self._generation), give.number] = self._bridge_knows
+            if self._demanded is None:
+                self._demanded = self.words_of_epoch.get(give.known_epoch, len(self.words))
+        super()._give(give)
+
+    def _take_from_bridge(self, give: p.Give, giver: Giver,
+                          end: Callable[[p.Ending, str], None]) -> None:
+        self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
+        if self.is_heard:
+            super()._take_from_bridge(give, giver, end)
+        else:
+            end(p.Ending.NEVER_SENT, 'there is no controller')
+
+    def cut(self, link: p.Link, seconds: float) -> None:
+        """As the base class does it; what is under way is lost."""
+        if link is p.Link.COMMANDS:
+            self._arrived = Counter(self._taken)
+        super().cut(link, seconds)
 
     def take_cancellation(self, canceller: Giver) -> None:
         """A giver cancels everything."""
+        if not self.is_heard:
+            return
         self.words.append(Word(canceller, False))
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
 
@@ -119,6 +184,7 @@ class Witness(DelayedDrive):
         """A client of the robot's own server."""
         self.foreign = True
         self._anothers = self._anothers or command != 'stop'
+        self._another_gave = command, self.now
         self.robot.hear_another(command)
         self.foreign = False
 
@@ -131,16 +197,22 @@ class Witness(DelayedDrive):
 
         So does an emergency stop.
         """
+        if line == 'Motors enabled':
+            self.later(self.delays.from_robot, self._hear_motors)
         if line == 'EStop pressed' or self.foreign and (
                 line == 'Stopping' or line.startswith('Going to')):
             self.later(self.delays.from_robot, lambda: self._heard(line))
         super()._say(line)
 
+    def _hear_motors(self) -> None:
+        self._powered_at = self.now
+
     def _heard(self, line: str) -> None:
         """A command beside one of ours with the same effect cannot be told from it."""
         memory, state = self._controller.motion
         if line == 'Stopping':
-            is_clear = self.now > self.given_at + AT_ONCE and state is not MotionState.STOPPING
+            is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)
+                        and state is not MotionState.STOPPING)
         elif line == 'EStop pressed':
             is_clear = True
         else:
@@ -154,8 +226,12 @@ class Witness(DelayedDrive):
             return
         if line != 'stop':
             self.lines.append(line)
-            self._anothers = False
-            self.came = self.came or line == self.persons
+            command, given_at = self._another_gave
+            # Two clients that give one command at one moment cannot be told apart.
+            self._anothers = line == command and self.now <= given_at + AT_ONCE
+            self._arrived[line] += 1
+            self.came = self.came or (
+                line == self.persons and self._arrived[line] >= self._is_number)
         else:
             self._stop_came_at = self.now
             if (self._controller.motion.memory.drives and self.words[-1:] == [Word(PERSON, True)]
@@ -172,6 +248,17 @@ class Witness(DelayedDrive):
             self._disobeys_since = self.now
         elif self.now > self._disobeys_since + SENT_WITHIN:
             self.broken.append(f'{self.now:.1f} the robot drives on after {self.words[-1]}')
+
+    def _watch_stop_of_bridge(self) -> None:
+        """Also after failed tries the robot stands after a stop of the bridge."""
+        if (self._demanded is None or not self.is_well or not self.is_heard or self._anothers
+                or self.robot.goal is None
+                or any(word.drives for word in self.words[self._demanded:])):
+            self._ignored_since = None
+        elif self._ignored_since is None:
+            self._ignored_since = self.now
+        elif self.now > self._ignored_since + SENT_WITHIN + GIVEN_WITHIN:
+            self.broken.append(f'{self.now:.1f} the robot drives on after a stop of the bridge')
 
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory

@@ -24,7 +24,8 @@ from omron_arcl.motion_authority import Cause
 from omron_ld90.bridge import events as p
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])
-DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS)
+DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS,
+                   to_robot=st.sampled_from([0.0, 0.2]))
 STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
 PROGRAMS = ['/adapter', '/joystick']
@@ -116,14 +117,38 @@ class Robots(RuleBasedStateMachine):
         if self.world.up[link]:
             self.world.cut(link, seconds)
 
+    @precondition(lambda self: self.world.up[p.Link.COMMANDS]
+                  and self.world.robot.goal is not None)
+    @rule(seconds=st.sampled_from([0.1, 1.0]))
+    def stop_of_a_person_is_lost(self, seconds: float) -> None:
+        self.person_stops()
+        self.world.cut(p.Link.COMMANDS, seconds)
+        self.world.run(seconds + 1.0)
+
     @rule(seconds=st.sampled_from([0.1, 3.0]))
     def bridge_restarts(self, seconds: float) -> None:
         self.world.restart_bridge(seconds)
 
-    @rule()
-    def controller_restarts(self) -> None:
+    @rule(seconds=st.sampled_from([0.0, 4.0]))
+    def controller_restarts(self, seconds: float) -> None:
         if self.world.up[p.Link.COMMANDS]:
-            self.world.restart_controller()
+            self.world.restart_controller(seconds)
+
+    @precondition(lambda self: self.world.is_well and self.world.bridge.running)
+    @rule(goal=GOALS, link=st.sampled_from(list(p.Link)))
+    def person_drives_as_a_route_fails(self, goal: str, link: p.Link) -> None:
+        """The bridge gives a stop, which is on its way meanwhile."""
+        self.world.cut(link, 5.0)
+        self.world.run(6.0, lambda: self.world.has_ended and self.world._controller.connected)
+        self.person_drives(goal)
+
+    @precondition(lambda self: self.world.is_well and self.world.bridge.running)
+    @rule(link=st.sampled_from(list(p.Link)))
+    def route_fails_without_a_controller(self, link: p.Link) -> None:
+        """The stop that the bridge gives comes to nothing at first."""
+        self.world.restart_controller(9.0)
+        self.world.cut(link, 5.0)
+        self.world.run(8.0, lambda: self.world.has_ended)
 
     def help(self) -> None:
         """People make the robot able to drive again."""
@@ -134,6 +159,8 @@ class Robots(RuleBasedStateMachine):
         self.world.later(late, lambda: self.take(giver, command, known))
 
     def take(self, giver: Giver, command: str, known_epoch: int) -> None:
+        if not self.world.is_heard:
+            return
         with suppress(ArclError):
             self.world._controller.give(command, giver, known_epoch, lambda result: None)
 

@@ -1,4 +1,7 @@
-"""The search of test_motion_property.py finds each of these faults, when it is planted alone."""
+"""The search of test_motion_property.py finds each of these faults, when it is planted alone.
+
+test_stop_duty.py finds a bridge that gives its stop once only.
+"""
 from __future__ import annotations
 
 import os
@@ -12,17 +15,20 @@ from modelled_controller import ModelledController
 from test_motion_property import SimulatedRobots
 
 from omron_arcl.commands import Command
+from omron_arcl.execution import Outcome
 from omron_arcl.motion_authority import Cause, MotionAuthority
+from omron_ld90.bridge.robot_monitor import RobotMonitor
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
                                 reason='takes minutes; LD90_LONG_TESTS=1')
-SEARCH = settings(max_examples=200, stateful_step_count=30, deadline=None, database=None,
+SEARCH = settings(max_examples=800, stateful_step_count=30, deadline=None, database=None,
                   phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
                   suppress_health_check=list(HealthCheck))
 
-_BEGIN, _ON_LINK, _CONNECT, _CHECK = (
-    MotionAuthority._begin_epoch, MotionAuthority.on_link, ModelledController.connect,
-    MotionAuthority.check)
+_BEGIN, _ON_LINK, _CONNECT = (
+    MotionAuthority._begin_epoch, MotionAuthority.on_link, ModelledController.connect)
+_ON_OVER, _CHECK, _STOP = (
+    MotionAuthority.on_over, MotionAuthority.check, RobotMonitor.stop)
 
 
 def _no_epoch_for(cause: Cause) -> Callable[..., None]:
@@ -50,6 +56,11 @@ def _sends_again(self: Any) -> None:
         self._send_line(drive.command.text)
 
 
+def _lost_is_obeyed(self: Any, execution: Any, outcome: Outcome, words: str, now: float) -> None:
+    is_stop = execution is self._stop
+    _ON_OVER(self, execution, Outcome.SUCCEEDED if is_stop else outcome, words, now)
+
+
 def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int) -> None:
     if command.spec.drives:
         _CHECK(self, giver, command, known_epoch)
@@ -60,7 +71,10 @@ FAULTS = {
     'a stop without a link is forgotten': (
         MotionAuthority, 'owe_stop_without_link', lambda *_: None),
     'an owed stop is never sent': (MotionAuthority, 'stop_due', lambda *_: False),
+    'a lost stop counts as obeyed': (MotionAuthority, 'on_over', _lost_is_obeyed),
     'a stop ends newer drives': (MotionAuthority, 'check', _drives_alone),
+    'a stop of the bridge ends each motion': (
+        RobotMonitor, 'stop', lambda self, epoch: _STOP(self, 0)),
     'a new link forgets the owed stop': (MotionAuthority, 'on_link', _link_forgets),
     'a restart forgets the owed stop': (ModelledController, '_keep', lambda *_: None),
     'a cancellation is not a word': (MotionAuthority, 'take_word', lambda *_: None),
