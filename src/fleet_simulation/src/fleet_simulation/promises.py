@@ -212,7 +212,8 @@ class Promises:
         """Is or comes a robot to where an edge begins?"""
         agv, start = self.fleet.agvs[name], self._lines[abs(first)].coords[0 if first > 0 else -1]
         ahead = [*(agv.edges[agv.current:] if agv.is_driving else ()),
-                 *(edge for order in self.fleet.under_way(name) for edge in order.edges)]
+                 *(edge for order in self.fleet.under_way(name) for edge in order.edges[
+                     agv.current if order.route_id == agv.route_id else 0:])]
         return math.dist(agv.position, start) <= NEAR or any(
             start == self._lines[abs(edge)].coords[-1 if edge > 0 else 0] for edge in ahead) or (
                 abs(first) == abs(agv.edge))
