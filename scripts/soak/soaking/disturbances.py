@@ -29,6 +29,7 @@ SLOW = 0.15  # factor on the clock of LD-90s that are to drive for long
 OWED = 15.0  # s in which a robot must not drive on, once its stop reached it
 CLEAR = 1.6  # m between a place to which a robot is carried, and all others
 ON_GRAPH = 0.35  # m
+TRIES = 5  # of joining a robot where it stands, until it is carried
 NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                 FleetRobot.OUT_OF_SERVICE)
 LD90_NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
@@ -105,6 +106,7 @@ class Disturbances:
         self._names = sorted(hall.radii)
         self._ld90s = [name for name in self._names if name.startswith('ld90')]
         self._held: Dict[str, int] = {}  # robots that people leave alone for now
+        self._refused: Dict[str, int] = {}  # joins in a row, by robot
         self._turn = 0
         self.done: Dict[str, int] = {}
         self.notes: List[str] = []
@@ -194,13 +196,16 @@ class Disturbances:
             with self._lock:
                 self._witness.trouble(name, time.monotonic())
             if self._fleet.call(f'/{name}/join_fleet'):
+                self._refused[name] = 0
                 with self._lock:
                     self._witness.bring_back(name)
                 continue
+            self._refused[name] = self._refused.get(name, 0) + 1
             x, y, _ = self._simulators.poses()[name]
             far = min(math.dist((x, y), place) for place in self._hall.places.values())
             if told.outage_code in (FleetRobot.OUTAGE_TOO_NEAR, FleetRobot.OUTAGE_OFF_GRAPH) or (
-                    far > ON_GRAPH and told.state == FleetRobot.OFF_GRAPH):
+                    far > ON_GRAPH and told.state == FleetRobot.OFF_GRAPH) or (
+                    self._refused[name] >= TRIES):
                 self._carry_to_a_free_vertex(name)
 
     def _carry_to_a_free_vertex(self, name: str) -> None:
