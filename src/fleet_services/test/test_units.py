@@ -14,8 +14,8 @@ from fleet_services.units import Service, System, unit_files
 PAUSE = Path(__file__).resolve().parents[1] / 'config' / 'restart_pause'
 SERVICES = (
     Service('master', 'ROS master', '/usr/bin/env a', is_watched=False),
-    Service('robots-1', 'Robots', '/usr/bin/env b', ('master',), ('ld90_1.password',)),
-    Service('page', 'Web page', '/usr/bin/env c', ('master', 'robots-1'), ('token_file',)))
+    Service('robots-1', 'Robots', '/usr/bin/env b', ('ld90_1.password',)),
+    Service('page', 'Web page', '/usr/bin/env c', ('token_file',)))
 
 
 def system(version: int = 252) -> System:

@@ -117,7 +117,7 @@ def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
             raise CannotStart('fleet:=0 makes no robots: choose at least 1.')
         fleet = made_fleet(count, graph)
         return fleet, write_file(folder, 'fleet.yaml', fleet_text(fleet))
-    path = os.path.abspath(os.path.expanduser(options.fleet))
+    path = options.fleet
     fleet = load_fleet(path)
     for robot in fleet.robots:
         if robot.vertex not in graph.vertices:

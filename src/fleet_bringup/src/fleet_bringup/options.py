@@ -44,8 +44,11 @@ class Options:
                                       'the AGVs have the one above')
 
 
-def parse(words: Sequence[str]) -> Options:
-    """The options in words `name:=value`; raises CannotStart."""
+def parse(words: Sequence[str], folder: str = '') -> Options:
+    """The options in words `name:=value`; raises CannotStart.
+
+    folder -- where relative files begin; empty: the working directory
+    """
     types = get_type_hints(Options)
     given: Dict[str, Any] = {}
     for word in words:
@@ -56,7 +59,7 @@ def parse(words: Sequence[str]) -> Options:
             near = difflib.get_close_matches(name, types, 1)
             meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(types)}.'
             raise CannotStart(f"There is no argument '{name}' with fleet:=; {meant}")
-        given[name] = _value(name, types[name], value)
+        given[name] = _value(name, types[name], value, folder)
     options = Options(**given)
     if not options.fleet:
         raise CannotStart('fleet:= is missing: say fleet:=4, or name a fleet file.')
@@ -76,7 +79,7 @@ def help_text() -> str:
                      for one in fields(Options))
 
 
-def _value(name: str, kind: type, text: str) -> Any:
+def _value(name: str, kind: type, text: str, folder: str) -> Any:
     try:
         if kind is bool:
             return {'true': True, '1': True, 'false': False, '0': False}[text.lower()]
@@ -90,6 +93,7 @@ def _value(name: str, kind: type, text: str) -> Any:
     except (KeyError, ValueError):
         what = {bool: 'true or false', int: 'a TCP port from 1 to 65535', float: 'a number'}[kind]
         raise CannotStart(f'{name}:={text} must be {what}.') from None
-    if name.endswith(('_file', '_map')) and text:
-        return os.path.abspath(os.path.expanduser(text))
+    is_file = name.endswith(('_file', '_map')) or (name == 'fleet' and not text.isdigit())
+    if is_file and text:
+        return os.path.abspath(os.path.join(folder, os.path.expanduser(text)))
     return text

@@ -18,9 +18,10 @@ import rospkg
 
 from fleet_bringup.errors import CannotStart
 from fleet_services.installation import Machine, NotInstalled, install, remove, systemd_version
-from fleet_services.site_file import read_site
+from fleet_services.site_file import read_site, site_name
 from graph_fleet_manager.files.errors import FileError
 from trajectory_graph import GraphError
+from trajectory_graph.strict_yaml import WrongYaml
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -31,7 +32,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         return 0 if words else 1
     try:
         print('\n'.join(_do(words)))
-    except (NotInstalled, CannotStart, FileError, GraphError) as error:
+    except (NotInstalled, CannotStart, FileError, GraphError, WrongYaml) as error:
         print(error, file=sys.stderr)
         return 1
     except OSError as error:
@@ -46,11 +47,12 @@ def _do(words: List[str]) -> List[str]:
         root, words = Path(words[1]).resolve(), words[2:]
     elif os.geteuid() != 0:
         raise NotInstalled('Services of this computer need root: say sudo.')
+    os.umask(0o022)  # the user of the services reads what root writes here
     machine = Machine(root, systemd_version())
     if machine.is_this and not machine.systemd:
         raise NotInstalled('This computer has no systemd: --root DIR makes the files for another.')
     if len(words) == 2 and words[0] in ('--remove', '--purge'):
-        return remove(words[1], machine, purge=words[0] == '--purge')
+        return remove(site_name(words[1]), machine, purge=words[0] == '--purge')
     if len(words) != 1 or words[0].startswith('-'):
         raise NotInstalled('Say the path of the site file, --remove NAME, or --purge NAME.')
     package = Path(rospkg.RosPack().get_path('fleet_services'))

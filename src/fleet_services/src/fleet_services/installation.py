@@ -6,6 +6,7 @@ import pwd
 import re
 import shutil
 import subprocess
+import tempfile
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,18 +74,21 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
     if machine.is_this:
         _make_user(site.user, machine.path(DATA, site.name))
         _check_reads(site.user, package)
-    shutil.rmtree(settings, ignore_errors=True)
-    settings.mkdir(mode=0o755, parents=True)
-    plan = _make_files(site, system, machine, settings)
-    shutil.copy(package / 'config' / 'restart_pause', settings)
-    _write(settings / 'environment', _environment(site, os.environ))
-    owner = site.user if machine.is_this and not system.has_credentials else ''
-    for name, source in plan.secrets.items():
-        _keep_secret(Path(source), settings / 'secrets' / name, owner)
-    target = machine.path(UNITS, system.target)
-    for unit in _units_of(target):
-        unit.unlink()
+    settings.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(prefix='.', dir=settings.parent))
+    try:
+        plan = _make_settings(site, system, machine, package, made)
+        shutil.rmtree(settings, ignore_errors=True)
+        made.rename(settings)
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
     units = unit_files(plan.services, system)
+    left = [unit for unit in _units_of(machine.path(UNITS, system.target))
+            if unit.name not in units]
+    if machine.runs_systemd and left:
+        _run('systemctl', 'stop', *(unit.name for unit in left))
+    for unit in left:
+        unit.unlink()
     for name, text in units.items():
         _write(machine.path(UNITS, name), text)
     said = [f'{len(units)} units in {machine.path(UNITS)}, their files in {settings}.']
@@ -131,7 +135,20 @@ def _units_of(target: Path) -> List[Path]:
     return [unit for unit in (target, *map(target.with_name, names)) if unit.exists()]
 
 
-def _make_files(site: SiteFile, system: System, machine: Machine, settings: Path) -> Plan:
+def _make_settings(site: SiteFile, system: System, machine: Machine, package: Path,
+                   folder: Path) -> Plan:
+    """All that the units need besides themselves; a site that runs keeps its own until then."""
+    folder.chmod(0o755)
+    plan = _make_files(site, system, folder)
+    shutil.copy(package / 'config' / 'restart_pause', folder)
+    _write(folder / 'environment', _environment(site, os.environ))
+    owner = site.user if machine.is_this and not system.has_credentials else ''
+    for name, source in plan.secrets.items():
+        _keep_secret(Path(source), folder / 'secrets' / name, owner)
+    return plan
+
+
+def _make_files(site: SiteFile, system: System, settings: Path) -> Plan:
     """Graph, map, fleet file and launch files; the paths in them do not name the root."""
     gathered = gather(site.options, str(settings), check=False)
     files, graph = dict(gathered.files), gathered.site
@@ -190,7 +207,7 @@ def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
                             if _INHERITED.fullmatch(name)}
     home = f'/{DATA}/{site.name}'
     kept.update({'HOME': home, 'ROS_HOME': home, 'ROS_IP': site.address, 'LANG': 'C.UTF-8',
-                 'ROS_MASTER_URI': f'http://127.0.0.1:{site.master_port}',
+                 'ROS_MASTER_URI': f'http://{site.address}:{site.master_port}',
                  'PYTHONDONTWRITEBYTECODE': '1'})
     return ''.join(f'{name}="{value}"\n' for name, value in kept.items())
 

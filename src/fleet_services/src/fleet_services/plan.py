@@ -53,7 +53,7 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
         services.append(Service(
             name, _DESCRIPTIONS[part],
             f'{programs["roslaunch"]} --wait --skip-log-check {system.settings}/{name}.launch',
-            tuple(one.name for one in services), tuple(sorted(needed))))
+            tuple(sorted(needed))))
 
     for part in parts_of(entries, site.options):
         if part is Part.ROBOTS:

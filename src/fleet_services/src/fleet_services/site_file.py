@@ -17,7 +17,7 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from typing import Tuple
+from typing import List
 
 import yaml
 
@@ -54,10 +54,10 @@ def read_site(path: str) -> SiteFile:
         for key, value in given.items():
             if key not in KEYS:
                 raise WrongYaml(f'there is no key {key!r}; there are: {", ".join(KEYS)}', value)
-        words = _words(strict_yaml.field(given, 'arguments', root), os.path.dirname(path))
+        words = _words(strict_yaml.field(given, 'arguments', root))
         return SiteFile(
             name=_name(strict_yaml.field(given, 'name', root)),
-            options=parse([*words, 'rviz:=false']),
+            options=parse([*words, 'rviz:=false'], os.path.dirname(path)),
             user=strict_yaml.optional(given, 'user', _name, 'fleet'),
             address=strict_yaml.optional(given, 'address', _address, '127.0.0.1'),
             master_port=strict_yaml.optional(given, 'master_port', tcp_port, 11311),
@@ -66,28 +66,31 @@ def read_site(path: str) -> SiteFile:
         raise FileError.of(path, wrong) from None
 
 
-def _words(one: Field, folder: str) -> Tuple[str, ...]:
-    """Arguments as `name:=value`, with files relative to the site file made absolute."""
+def site_name(text: str) -> str:
+    """A name of a site, or of a user; raises WrongYaml. It becomes part of paths."""
+    if not _NAME.match(text):
+        raise WrongYaml(f'"{text}" must begin with a small letter and have only small letters, '
+                        'digits and "-", 31 at most')
+    return text
+
+
+def _words(one: Field) -> List[str]:
+    """Arguments as `name:=value`."""
     words = []
     for name, node in strict_yaml.mapping(one[1], 'arguments').items():
         if name in _NOT_HERE:
             raise WrongYaml(f'{name} has no place in a service: leave it out', node)
         if not isinstance(node, yaml.ScalarNode):
             raise WrongYaml(f'{name} must be one value', node)
-        value = os.path.expanduser(node.value)
-        is_file = name.endswith(('_file', '_map')) or (name == 'fleet' and not value.isdigit())
-        if is_file:
-            value = os.path.join(os.path.abspath(folder), value)
-        words.append(f'{name}:={value}')
-    return tuple(words)
+        words.append(f'{name}:={node.value}')
+    return words
 
 
 def _name(one: Field) -> str:
-    name = strict_yaml.text(one)
-    if not _NAME.match(name):
-        raise WrongYaml(f'{one[0]} "{name}" must begin with a small letter and have only small '
-                        'letters, digits and "-", 31 at most', one[1])
-    return name
+    try:
+        return site_name(strict_yaml.text(one))
+    except WrongYaml as wrong:
+        raise WrongYaml(f'{one[0]} {wrong.problem}', one[1]) from None
 
 
 def _address(one: Field) -> str:

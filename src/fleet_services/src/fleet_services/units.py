@@ -61,7 +61,7 @@ class System:
         """Path under which the service `name` reads a secret."""
         if self.has_credentials:
             return f'/run/credentials/{self.unit(name)}/{secret}'
-        return f'{self.kept_secret(secret)}'
+        return self.kept_secret(secret)
 
     def kept_secret(self, secret: str) -> str:
         """Path at which a secret is kept."""
@@ -73,7 +73,6 @@ class Service:
     """One unit.
 
     command -- ExecStart
-    after -- names of the services that start before it
     secrets -- names of the secrets that it may read
     is_watched -- it tells systemd when it is ready, and that it works
     """
@@ -81,26 +80,26 @@ class Service:
     name: str
     description: str
     command: str
-    after: Tuple[str, ...] = ()
     secrets: Tuple[str, ...] = ()
     is_watched: bool = True
 
 
 def unit_files(services: Sequence[Service], system: System) -> Dict[str, str]:
-    """The texts of all units, by their names."""
-    units = {system.unit(one.name): _service(one, system) for one in services}
+    """The texts of all units, by their names; services start in this order."""
+    names = [system.unit(one.name) for one in services]
+    units = {name: _service(one, names[:number], system)
+             for number, (name, one) in enumerate(zip(names, services))}
     units[system.target] = '\n'.join((
         '[Unit]', f'Description=Fleet of the site {system.site}',
         f'Wants={" ".join(sorted(units))}', '', '[Install]', 'WantedBy=multi-user.target', ''))
     return units
 
 
-def _service(service: Service, system: System) -> str:
-    before = ' '.join(system.unit(name) for name in service.after)
+def _service(service: Service, before: Sequence[str], system: System) -> str:
     lines: List[str] = [
         '[Unit]', f'Description={service.description} of the site {system.site}',
         f'PartOf={system.target}', 'Wants=network-online.target',
-        f'After=network-online.target {before}'.rstrip(),
+        f'After={" ".join(("network-online.target", *before))}',
         'StartLimitIntervalSec=0',  # it is tried for ever, with growing pauses
         '', '[Service]', f'User={system.user}', f'Group={system.user}',
         f'EnvironmentFile={system.settings}/environment',

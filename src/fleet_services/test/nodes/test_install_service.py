@@ -1,6 +1,7 @@
 """A site below a folder: what is written, and what is taken away again; needs a ROS workspace."""
 from __future__ import annotations
 
+import os
 import stat
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -90,6 +91,36 @@ def test_remove_leaves_the_data_and_purge_does_not(site, capsys):
     assert not journal.exists()
     assert main(['--root', str(root), '--remove', 'hall']) == 1
     assert 'There is no site hall' in capsys.readouterr().err
+
+
+def test_a_site_that_cannot_be_made_anew_keeps_its_files(site, capsys):
+    root = install(site)
+    before = {file: file.read_bytes() for file in root.rglob('*') if file.is_file()}
+    (site / 'tokens').unlink()
+    assert main(['--root', str(root), str(site / 'site.yaml')]) == 1
+    assert 'tokens' in capsys.readouterr().err
+    assert {file: file.read_bytes() for file in root.rglob('*') if file.is_file()} == before
+    assert [folder.name for folder in (root / 'etc/fleet').iterdir()] == ['hall']
+
+
+@pytest.mark.parametrize('name', ['..', '', '../hall', 'hall/..', '/etc', '*'])
+def test_only_the_name_of_a_site_is_removed(root, capsys, name):
+    before = set(root.rglob('*'))
+    for option in ('--remove', '--purge'):
+        assert main(['--root', str(root), option, name]) == 1
+        assert 'must begin with a small letter' in capsys.readouterr().err
+    assert set(root.rglob('*')) == before
+
+
+def test_the_user_of_the_services_can_read_what_is_no_secret(site):
+    before = os.umask(0o077)
+    try:
+        root = install(site)
+    finally:
+        os.umask(before)
+    closed = [path for path in root.rglob('*') if path.parent.name != 'secrets'
+              and path.name != 'secrets' and not stat.S_IMODE(path.stat().st_mode) & 0o004]
+    assert closed == []
 
 
 def test_a_wrong_site_file_is_one_sentence_and_writes_nothing(site, capsys):
