@@ -3,8 +3,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import lru_cache, partial
 from math import inf
-from typing import AbstractSet, Dict, FrozenSet, Tuple
+from typing import Dict, FrozenSet, Set, Tuple
 
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
@@ -90,14 +91,15 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
                             'does not have: choose another.')
     starts = _starts(network, fleet)
     begin = {*starts, *(robot.vertex for robot in fleet.robots)}
+    origins = lru_cache(maxsize=None)(partial(_origins, network, fleet))
     for (source, target), (file, line) in wanted.pairs.items():
-        if not any(_reaches(network, kind, {source}, target) for kind in fleet.types):
+        if source not in origins(target):
             raise FileError(file, f'no robot can drive from vertex {source} to vertex {target}: '
                                   'join them in the graph, or leave this out', line)
     for place, (file, line) in wanted.places.items():
-        if not any(_reaches(network, kind, begin - {place}, place) for kind in fleet.types):
-            raise FileError(file, f'vertex {place} is no destination: no robot type may stand '
-                                  'there, or can come there from a parking place', line)
+        if not origins(place) & (begin - {place} or begin):
+            raise FileError(file, f'vertex {place} is no destination: no robot can come there from '
+                                  'a parking place', line)
     return Site(graph, fleet, settings, wanted.demand, wanted.delays, starts,
                 tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
 
@@ -110,13 +112,16 @@ def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
         replace(robot, type=types[robot.type.name]) for robot in fleet.robots))
 
 
-def _reaches(network: RoadNetwork, kind: RobotType, sources: AbstractSet[int],
-             target: int) -> bool:
-    """Whether a robot can come to the target from one of the sources."""
-    if network.graph.vertices[target].dock and not kind.may_dock(target):
-        return False
-    times = network.paths_to(kind, [network.index[target]])[0]
-    return any(times[network.index[source]] < inf for source in sources)
+def _origins(network: RoadNetwork, fleet: Fleet, target: int) -> FrozenSet[int]:
+    """The vertices from which a robot of some type can drive to the target."""
+    is_dock = network.graph.vertices[target].dock
+    found: Set[int] = set()
+    for kind in fleet.types:
+        if is_dock and not kind.may_dock(target):
+            continue
+        times = network.paths_to(kind, [network.index[target]])[0]
+        found.update(id for id, place in network.index.items() if times[place] < inf)
+    return frozenset(found)
 
 
 def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:
