@@ -73,7 +73,7 @@ die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 prepare() {
   export PATH="/usr/bin:$PATH"  # ROS lives in /usr/bin/python3, even beside another python3
   if [ -f /opt/ros/noetic/setup.bash ]; then
-    _install_missing 2 "$@"
+    install_missing 2 "$@"
     _source /opt/ros/noetic/setup.bash
   else
     local id='' version=''
@@ -81,7 +81,7 @@ prepare() {
     version="$(. /etc/os-release 2>/dev/null; echo "${VERSION_ID:-}")"
     [ "$id" = debian ] && [ "$version" = 12 ] ||
       die "this is ${id:-an unknown system} ${version}, without /opt/ros/noetic; use Debian 12, or install ROS Noetic (Ubuntu 20.04) first."
-    _install_missing 1 "$@"
+    install_missing 1 "$@"
   fi
   _build
   _source "$root/devel/setup.bash"
@@ -89,7 +89,8 @@ prepare() {
 
 _source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
 
-_install_missing() {  # column of the package table, table lines...
+# install_missing COLUMN PACKAGE_LINE...: of these lines of the package table, 1 for Debian and 2 for Ubuntu with Noetic.
+install_missing() {
   local column="$1"; shift
   local wanted missing
   wanted="$(printf '%s\n' "$@" | awk -v c="$column" '{print $c}' | sort -u)"

@@ -14,6 +14,7 @@ case "${1:-}" in
 esac
 
 mkdir -p "$root/build"
+install_missing 1 "python3-venv python3-venv"
 virtual_environment mkdocs /usr/bin/python3 $docs_packages ||
   die "mkdocs could not be installed from PyPI (offline?): see build/pip.log"
 cd "$root"

@@ -9,7 +9,7 @@ import shutil
 import socket
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Tuple
+from typing import Callable, Dict, List, Mapping, Tuple
 
 from joined_masters import Computer, join, loopback_addresses, program
 from network_namespaces import entering, inside
@@ -34,8 +34,9 @@ robots:
 '''
 
 
-def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '') -> str:
-    """A fleet file with the robots that have these computers.
+def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '',
+               places: Mapping[str, int] = AGVS) -> str:
+    """A fleet file with the robots that have these computers, and the AGVs' places.
 
     `driven` is an AGV to simulate, `absent` a robot that has not been delivered yet.
     """
@@ -45,7 +46,8 @@ def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '') ->
         driver = 'driver: agv' if name == driven else f'driver: none, computer: {address}'
         if name == absent:
             driver += ', absent: true'
-        lines.append(f'- {{name: {name}, type: {kind}, vertex: {AGVS.get(name, 16)}, {driver}}}\n')
+        vertex = places.get(name, 16)
+        lines.append(f'- {{name: {name}, type: {kind}, vertex: {vertex}, {driver}}}\n')
     return FLEET + ''.join(lines)
 
 

@@ -79,13 +79,14 @@ class Cable:
 
     def bytes_sent(self) -> Tuple[int, int]:
         """What crossed the link so far, from the first namespace and from the second."""
-        one, other = (int(inside(name, _transmitted)) for name in self.namespaces)
+        one, other = (inside(name, transmitted) for name in self.namespaces)
         return one, other
 
 
-def _transmitted() -> str:
+def transmitted(interface: str = 'eth0') -> int:
+    """Bytes that an interface of this thread's namespace has sent so far."""
     lines = Path('/proc/thread-self/net/dev').read_text(encoding='ascii').splitlines()
-    return next(line.split()[9] for line in lines if line.split()[0] == 'eth0:')
+    return next(int(line.split()[9]) for line in lines if line.split()[0] == f'{interface}:')
 
 
 def entering(namespace: str) -> List[str]:

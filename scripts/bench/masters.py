@@ -2,7 +2,7 @@
 """Ten ROS masters joined by fkie multimaster: nine robots' computers and the fleet manager's.
 
 All are on loopback addresses of a network namespace, whose bytes are counted: needs root. Each
-robot is a simulated AGV. The floor is the same ROS masters and robots without what joins them.
+robot is a simulated AGV. The floor of the bytes is one robot on its computer that is not joined.
 """
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import Dict, List, NamedTuple, Set, Tuple
 
 import rospy
+from joined_fleet import fleet_text
 from joined_masters import Computer, has_fkie, join, loopback_addresses
 from measuring.processes import cpu_seconds, descendants, node_name, proportional
 from measuring.tables import print_table
+from network_namespaces import transmitted
 
 from fleet_bringup.made_fleet import parking_places
 from graph_fleet_manager.fleet import RobotType
@@ -41,25 +43,16 @@ class Use(NamedTuple):
     cores: float
 
 
-def fleet_text(addresses: Dict[str, str], places: List[int], driven: str = '') -> str:
-    """A fleet file; `driven` is the one robot to be simulated on its reader's computer."""
-    rows = [f'- {{name: {name}, type: agv, vertex: {place}, '
-            + ('driver: agv}' if name == driven else f'driver: none, computer: {address}}}')
-            for (name, address), place in zip(addresses.items(), places)]
-    return '\n'.join(('clearance: 0.1', 'robot_types:',
-                      '- {name: agv, radius: 0.35, speed: 1.0, release_ahead: 2.0}', 'robots:',
-                      *rows, ''))
-
-
 class Site:
     """The computers of a fleet manager and of `count` robots, not started yet."""
 
     def __init__(self, folder: Path, count: int) -> None:
-        places = parking_places(load_graph(GRAPH), [AGV], 0.1, count)
         hub, *others = loopback_addresses(count + 1)
-        addresses = dict(zip((f'agv_{number + 1}' for number in range(count)), others))
+        names = [f'agv_{number + 1}' for number in range(count)]
+        addresses = dict(zip(names, others))
+        places = dict(zip(names, parking_places(load_graph(GRAPH), [AGV], 0.1, count)))
         file = folder / 'fleet.yaml'
-        file.write_text(fleet_text(addresses, places))
+        file.write_text(fleet_text(addresses, places=places))
         self.hub = Computer('fleet', hub, [[
             'graph_fleet_manager', 'fleet_manager.launch', f'graph_file:={GRAPH}',
             f'fleet_file:={file}', f'journal:={folder / "fleet.sqlite"}',
@@ -70,9 +63,10 @@ class Site:
         join(self.hub, self.robots)
 
     @staticmethod
-    def _robot(folder: Path, name: str, addresses: Dict[str, str], places: List[int]) -> Computer:
+    def _robot(folder: Path, name: str, addresses: Dict[str, str],
+               places: Dict[str, int]) -> Computer:
         file = folder / f'{name}.yaml'
-        file.write_text(fleet_text(addresses, places, driven=name))
+        file.write_text(fleet_text(addresses, driven=name, places=places))
         return Computer(name, addresses[name], [[
             ROOT / 'test/multimaster_agv.launch', f'robot:={name}', f'fleet_file:={file}',
             f'graph_file:={GRAPH}']], folder / f'{name}.log')
@@ -105,18 +99,11 @@ def use_of(computers: List[Computer]) -> Use:
     return Use(sum(map(proportional, pids)) / len(computers), cores / len(computers))
 
 
-def loopback_bytes() -> int:
-    """So many have passed in this network, each counted once."""
-    line = next(line for line in Path('/proc/net/dev').read_text().splitlines()
-                if line.strip().startswith('lo:'))
-    return int(line.split(':')[1].split()[0])
-
-
 def bytes_a_second() -> float:
     """Now, all computers together."""
-    before, begun = loopback_bytes(), time.monotonic()
+    before, begun = transmitted('lo'), time.monotonic()
     time.sleep(COUNTED)
-    return (loopback_bytes() - before) / (time.monotonic() - begun)
+    return (transmitted('lo') - before) / (time.monotonic() - begun)
 
 
 def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
@@ -164,7 +151,6 @@ def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
         rows.append((f'what joins masters, on {name} computer: memory, cores',
                      f'{use.memory / 1e6:.0f} MB, {use.cores:.3f}', ''))
     return rows
-
 
 
 def main() -> None:
