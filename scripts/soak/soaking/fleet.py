@@ -1,6 +1,7 @@
 """The fleet as its users see it by topics and services."""
 from __future__ import annotations
 
+import copy
 import itertools
 import threading
 import time
@@ -11,6 +12,8 @@ import rospy
 from std_srvs.srv import Trigger
 
 from fleet_simulation.witness import State, Witness
+from fleet_simulation.wrong_plans import WRONG
+from graph_fleet_manager.messages.planning import outcome_of, write_outcome
 from itrci_nav_msgs.msg import (
     EdgeCommand,
     FleetState,
@@ -20,7 +23,6 @@ from itrci_nav_msgs.msg import (
     PlanAnswer,
 )
 from node_lifecycle.master_watch import watch_master
-from soaking.corruption import CORRUPTIONS, corrupted
 from soaking.launch import TRUE_ANSWERS
 
 REPEAT = 5.0  # s after which a request without an answer is sent again, unchanged
@@ -125,5 +127,14 @@ class Fleet:
         self.answers += 1
         if self._chance.random() < self._share:
             self.wrong_answers += 1
-            answer = corrupted(answer, self._chance.choice(sorted(CORRUPTIONS)), self._chance)
+            answer = spoilt(answer, self._chance)
         self._plans.publish(answer)
+
+
+def spoilt(answer: PlanAnswer, chance: Random) -> PlanAnswer:
+    """The answer, wrong in one of the ways of `WRONG`."""
+    wrong = copy.copy(answer)
+    released = {plan.robot: sum(drive.released for drive in plan.drives)
+                for plan in answer.plans}
+    write_outcome(wrong, chance.choice(list(WRONG.values()))(outcome_of(answer), chance), released)
+    return wrong

@@ -2,66 +2,117 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable
+from random import Random
 
 import pytest
 from fleet_builders import AGV, ladder
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.planning.tasks import Outcome
+from fleet_simulation.wrong_plans import WRONG, without_drives
+from graph_fleet_manager.planning.precedence import Constraint
+from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive, Task
 from graph_fleet_manager.supervision.actions import AskPlanner
+from graph_fleet_manager.supervision.plan_check import fault_of
 
-WRONG = 2  # answers
+SPOILT = 2  # answers
 
 
 class MisledFleet(SupervisedFleet):
     """Its first plans are wrong."""
 
-    spoil: Callable[[Outcome], Outcome]
+    spoil = staticmethod(without_drives)
     answers = 0
 
     def _plan(self, question: AskPlanner) -> Outcome:
         self.answers += 1
         outcome = super()._plan(question)
-        return type(self).spoil(outcome) if self.answers <= WRONG else outcome
+        return self.spoil(outcome, self.random) if self.answers <= SPOILT else outcome
 
 
-def without_drives(outcome: Outcome) -> Outcome:
-    """All robots stay where they are, and are said to be served."""
-    return replace(outcome, drives=dict.fromkeys(outcome.drives, ()))
-
-
-def exchanged(outcome: Outcome) -> Outcome:
-    """Each robot has the drives of another one."""
-    names = list(outcome.drives)
-    return replace(outcome, precedence=(), drives={
-        name: outcome.drives[other] for name, other in zip(names, names[1:] + names[:1])})
-
-
-def with_holes(outcome: Outcome) -> Outcome:
-    """The second drive of each robot is left out."""
-    return replace(outcome, precedence=(), drives={
-        name: drives[:1] + drives[2:] for name, drives in outcome.drives.items()})
-
-
-def without_order(outcome: Outcome) -> Outcome:
-    """No robot waits for another one."""
-    return replace(outcome, precedence=())
-
-
-@pytest.mark.parametrize('spoil', [without_drives, exchanged, with_holes, without_order])
-def test_missions_end_though_the_first_plans_were_wrong(spoil, monkeypatch):
-    monkeypatch.setattr(MisledFleet, 'spoil', staticmethod(spoil), raising=False)
-    fleet = MisledFleet(ladder(5), {'a': (AGV, 1), 'b': (AGV, 5)}, parking=(1, 5))
+@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('name', WRONG)
+def test_missions_end_though_the_first_plans_were_wrong(name, seed, monkeypatch):
+    monkeypatch.setattr(MisledFleet, 'spoil', staticmethod(WRONG[name]))
+    fleet = MisledFleet(ladder(5), {'a': (AGV, 1), 'b': (AGV, 5)}, parking=(1, 5), seed=seed)
     fleet.request(1, 5, robot='a')
     fleet.request(2, 1, robot='b')
     fleet.run_until_done(1, 2, limit=120.0)
-    assert fleet.answers > WRONG
 
 
-def test_a_plan_that_leads_a_robot_past_its_destination_is_told(monkeypatch):
-    monkeypatch.setattr(MisledFleet, 'spoil', staticmethod(without_drives), raising=False)
+def test_a_plan_that_leads_a_robot_past_its_destination_is_told():
     fleet = MisledFleet(ladder(5), {'a': (AGV, 1)}, parking=(1,))
     fleet.request(1, 5, robot='a')
     fleet.run_until_done(1, limit=120.0)
     assert any('does not lead a to its destinations' in note for note in fleet.notes)
+
+
+GRAPH = ladder(5)
+TASKS = (Task('a', AGV, vertex=1, destinations=(3,)), Task('b', AGV, vertex=5))
+RIGHT = Outcome({'a': (PlannedDrive(1, 0.0, 2.0), PlannedDrive(2, 2.0, 4.0)),
+                 'b': (PlannedDrive(-4, 0.0, 2.0), PlannedDrive(4, 3.0, 5.0))},
+                (Constraint('a', 1, 0.5, 'b', 1),))
+
+
+def drives(*edges):
+    return tuple(PlannedDrive(edge, float(k), k + 1.0) for k, edge in enumerate(edges))
+
+
+def with_drives(name, *edges):
+    return replace(RIGHT, drives={**RIGHT.drives, name: drives(*edges)})
+
+
+def in_order(*constraints):
+    return replace(RIGHT, precedence=constraints)
+
+
+def test_a_right_plan_has_no_fault():
+    assert fault_of(RIGHT, TASKS, GRAPH) == ''
+
+
+@pytest.mark.parametrize(('outcome', 'words'), [
+    (with_drives('c'), "names a robot 'c', for which it was not asked"),
+    (replace(RIGHT, unserved={'c': 'no way'}), "names a robot 'c', for which it was not asked"),
+    (with_drives('a', 1, 99), 'leads a over edge 99, which the graph lacks'),
+    (with_drives('a', 1, 3), 'leads a from edge 1 to edge 3, which do not meet'),
+    (with_drives('a', 2, 3), 'leads a over edge 2, where it is not'),
+    (with_drives('a', 1), 'does not lead a to its destinations'),
+    (in_order(Constraint('c', 0, 0.5, 'b', 0)), "for drive 0 of 'c', which is none"),
+    (in_order(Constraint('a', 2, 0.5, 'b', 0)), "for drive 2 of 'a', which is none"),
+    (in_order(Constraint('a', 0, 0.5, 'b', -1)), "lets 'b' wait at drive -1"),
+    (in_order(Constraint('a', 0, float('nan'), 'b', 0)), "for drive 0 of 'a', which is none"),
+    (in_order(Constraint('a', 1, 0.5, 'b', 0), Constraint('b', 1, 1.0, 'a', 0)),
+     'lets a wait for itself'),
+])
+def test_a_plan_for_another_question_is_refused_with_the_reason(outcome, words):
+    assert words in fault_of(outcome, TASKS, GRAPH)
+
+
+def test_robots_that_follow_each_other_around_do_not_wait_in_a_ring():
+    """Fraction 0 of a drive is reached before that drive begins."""
+    outcome = in_order(Constraint('a', 1, 0.0, 'b', 1), Constraint('b', 1, 0.0, 'a', 1))
+    assert fault_of(outcome, TASKS, GRAPH) == ''
+
+
+@pytest.mark.parametrize('task', [
+    Task('a', AGV, released=(1, 2), begun=0.5), Task('a', AGV, mid_edge=(1, 0.5)),
+    Task('a', AGV, mid_edge=(-1, 0.5)), Task('a', AGV, vertex=1)])
+def test_a_plan_may_begin_where_the_robot_is(task):
+    assert fault_of(with_drives('a', 1, 2, 3), (task, TASKS[1]), GRAPH) == ''
+
+
+@pytest.mark.parametrize('task', [
+    Task('a', AGV, released=(1, 201)), Task('a', AGV, mid_edge=(2, 0.5)), Task('a', AGV, vertex=2)])
+def test_a_plan_that_begins_elsewhere_is_refused(task):
+    assert 'where it is not' in fault_of(with_drives('a', 1, 2, 3), (task, TASKS[1]), GRAPH)
+
+
+def test_an_answer_of_random_words_never_ends_the_supervisor():
+    """Each spoilt answer is refused or used; no way to spoil one raises."""
+    for seed in range(40):
+        fleet = MisledFleet(ladder(4), {'a': (AGV, 1), 'b': (AGV, 4)}, parking=(1, 4), seed=seed)
+        chance = Random(seed)
+        fleet.spoil = lambda outcome, _, chance=chance: chance.choice(
+            list(WRONG.values()))(chance.choice(list(WRONG.values()))(outcome, chance), chance)
+        fleet.request(1, 4, robot='a')
+        fleet.request(2, 1, robot='b')
+        fleet.run_until_done(1, 2, limit=120.0)

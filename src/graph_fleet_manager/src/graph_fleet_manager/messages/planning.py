@@ -159,17 +159,26 @@ def _type(robot: str, name: str, types: Mapping[str, RobotType]) -> RobotType:
 def answer_message(request: msg.PlanRequest, outcome: Outcome, planning_time: float,
                    rate: float = 1.0) -> msg.PlanAnswer:
     """The plans, as the answer to a request."""
-    clock = Clock(request.header.stamp, rate)
     answer = _answer(request, msg.PlanAnswer.PLANNED)
-    answer.plans = [msg.RobotPlan(task.robot, _drives(outcome.drives[task.robot],
-                                                      len(task.released), clock))
-                    for task in request.tasks]
+    write_outcome(answer, outcome, {task.robot: len(task.released) for task in request.tasks}, rate)
+    answer.planning_time = planning_time
+    return answer
+
+
+def write_outcome(answer: msg.PlanAnswer, outcome: Outcome, released: Mapping[str, int],
+                  rate: float = 1.0) -> None:
+    """Puts the plans into an answer, which has the request's stamp.
+
+    released -- how many drives of each robot are released already
+    """
+    clock = Clock(answer.header.stamp, rate)
+    names = dict.fromkeys((*released, *outcome.drives))  # in the order of the tasks
+    answer.plans = [msg.RobotPlan(name, _drives(outcome.drives[name], released.get(name, 0), clock))
+                    for name in names if name in outcome.drives]
     answer.precedence = [msg.Precedence(*constraint) for constraint in outcome.precedence]
     answer.unserved = [msg.UnservedRobot(*item) for item in outcome.unserved.items()]
     answer.cost = outcome.cost / rate
     answer.lower_bound = outcome.lower_bound / rate
-    answer.planning_time = planning_time
-    return answer
 
 
 def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.PlanAnswer:

@@ -76,10 +76,10 @@ class PlanExecutor:
         question = self._open.pop(number, None)
         if question is None:
             return False
-        wrong = question.unvisited(outcome, world.network.graph)
-        if wrong:
+        fault = question.fault_of(outcome, world.network.graph)
+        if fault:
             self._failures += 1
-            self._tell(f'that of the planner does not lead {wrong} to its destinations')
+            self._tell(f'that of the planner {fault}')
             return True
         self._tell('')
         plan = question.plan(outcome, world)

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from graph_fleet_manager.planning.tasks import Obstacle, Outcome, PlannedDrive, Task
 from graph_fleet_manager.supervision.assumptions import (
@@ -13,6 +13,7 @@ from graph_fleet_manager.supervision.assumptions import (
     assumption_of,
 )
 from graph_fleet_manager.supervision.duties import Duty, Errand, to_visit
+from graph_fleet_manager.supervision.plan_check import fault_of
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.robot_plan import RobotPlan
 from graph_fleet_manager.supervision.robots import ManagedRobot
@@ -48,11 +49,10 @@ class Question:
         plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
         return plan if self._is_in_turn(plan, world) else None
 
-    def unvisited(self, outcome: Outcome, graph: Graph) -> str:
-        """A robot that an answer calls served though its drives do not lead over its destinations;
-        empty: there is none, as long as the planner is right."""
-        return next((task.name for task in self.tasks if task.name not in outcome.unserved
-                     and not _leads_over(task, outcome.drives.get(task.name, ()), graph)), '')
+    def fault_of(self, outcome: Outcome, graph: Graph) -> str:
+        """The first thing for which an answer is no plan; empty: none, as long as the planner is
+        right."""
+        return fault_of(outcome, self.tasks, graph)
 
     def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
         """Was nothing granted meanwhile that another robot goes before, by the new plan?"""
@@ -60,17 +60,6 @@ class Question:
         return not any(plan.in_the_way(name, number - own.base, records)
                        for name, own in plan.plans.items()
                        for number in range(self.assumptions.robots[name].end, records[name].end))
-
-
-def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
-    """Over all destinations in their order? Of what is released some may lie behind."""
-    left = list(task.destinations)
-    vertices = [graph.end_vertex(drive.edge).id for drive in drives
-                if abs(drive.edge) in graph.edges]
-    for vertex in ((task.vertex,) if task.vertex is not None else ()) + tuple(vertices):
-        while left and left[0] == vertex:
-            del left[0]
-    return not left
 
 
 def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float) -> Question:

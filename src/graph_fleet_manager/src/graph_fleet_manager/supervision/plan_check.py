@@ -1,0 +1,103 @@
+"""Is an answer of the planner a plan for the question?
+
+An answer is a message: any program can send one. It is used only if each robot, edge and drive that
+it names exists, if drives follow each other from where the robot is, and if no robots wait for each
+other for ever. Whether two robots may be where it leads them is the interlocking's business.
+"""
+from __future__ import annotations
+
+from collections import Counter
+from typing import Dict, List, Sequence
+
+from graph_fleet_manager.planning.precedence import Constraint
+from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive, Task
+from trajectory_graph import Graph
+
+_SHOWN = 40  # characters of a name that no robot has
+
+
+def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
+    """The first thing that is wrong, as the end of a sentence about the plan; empty: none."""
+    asked = {task.name for task in tasks}
+    for name in (*outcome.drives, *outcome.unserved):
+        if name not in asked:
+            return f'names a robot {name[:_SHOWN]!r}, for which it was not asked'
+    for task in tasks:
+        drives = outcome.drives.get(task.name, ())
+        fault = _fault_of_drives(task, [drive.edge for drive in drives], graph)
+        if fault:
+            return fault
+        if task.name not in outcome.unserved and not _leads_over(task, drives, graph):
+            return f'does not lead {task.name} to its destinations'
+    for constraint in outcome.precedence:
+        if not _is_possible(constraint, outcome):
+            return (f'lets {constraint.then[:_SHOWN]!r} wait at drive {constraint.drive} for drive '
+                    f'{constraint.before} of {constraint.first[:_SHOWN]!r}, which is none')
+    waiting = _ring(outcome)
+    return f'lets {waiting[0]} wait for itself' if waiting else ''
+
+
+def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
+    """Does each edge exist, and begin where the one before it ends?"""
+    name = task.name
+    for edge in edges:
+        if abs(edge) not in graph.edges:
+            return f'leads {name} over edge {abs(edge)}, which the graph lacks'
+    for before, edge in zip(edges, edges[1:]):
+        if graph.end_vertex(before) != graph.start_vertex(edge):
+            return f'leads {name} from edge {before} to edge {edge}, which do not meet'
+    if not edges or not set(map(abs, task.released)) <= set(graph.edges):
+        return ''
+    if task.released:
+        begins_right = tuple(edges[:len(task.released)]) == task.released
+    elif task.mid_edge is not None:
+        begins_right = abs(edges[0]) == abs(task.mid_edge[0])
+    else:
+        begins_right = graph.start_vertex(edges[0]).id == task.vertex
+    return '' if begins_right else f'leads {name} over edge {edges[0]}, where it is not'
+
+
+def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
+    """Over all destinations in their order? Of what is released some may lie behind."""
+    left = list(task.destinations)
+    vertices = [graph.end_vertex(drive.edge).id for drive in drives]
+    for vertex in ((task.vertex,) if task.vertex is not None else ()) + tuple(vertices):
+        while left and left[0] == vertex:
+            del left[0]
+    return not left
+
+
+def _is_possible(constraint: Constraint, outcome: Outcome) -> bool:
+    """Do both drives exist? A fraction that is no number is no fraction either."""
+    return (0 <= constraint.before < len(outcome.drives.get(constraint.first, ()))
+            and 0 <= constraint.drive < len(outcome.drives.get(constraint.then, ()))
+            and 0.0 <= constraint.fraction <= 1.0)
+
+
+def _ring(outcome: Outcome) -> List[str]:
+    """Robots that would wait for each other for ever.
+
+    A drive may begin once the one before it has begun, and the drives for which it waits. One that
+    waits for fraction 0 of a drive waits for the drive before that.
+    """
+    first_node: Dict[str, int] = {}
+    robots: List[str] = []
+    for name, drives in outcome.drives.items():
+        first_node[name] = len(robots)
+        robots += [name] * len(drives)
+    behind: List[List[int]] = [[] for _ in robots]
+    for node in range(1, len(robots)):
+        if robots[node] == robots[node - 1]:
+            behind[node - 1].append(node)
+    for first, before, fraction, then, drive in outcome.precedence:
+        begun = before if fraction > 0.0 else before - 1
+        if begun >= 0:
+            behind[first_node[first] + begun].append(first_node[then] + drive)
+    waits = Counter(node for nodes in behind for node in nodes)
+    ready = [node for node in range(len(robots)) if not waits[node]]
+    for node in ready:  # it grows
+        for later in behind[node]:
+            waits[later] -= 1
+            if not waits[later]:
+                ready.append(later)
+    return sorted({robots[node] for node, count in waits.items() if count})
