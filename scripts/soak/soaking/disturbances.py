@@ -29,6 +29,7 @@ SLOW = 0.15  # factor on the clock of LD-90s that are to drive for long
 OWED = 15.0  # s in which a robot must not drive on, once its stop reached it
 CLEAR = 1.6  # m between a place to which a robot is carried, and all others
 ON_GRAPH = 0.35  # m
+SETTLES = 4.0  # s until a robot that was carried reports that it stands there
 TRIES = 5  # of joining a robot where it stands, until it is carried
 NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                 FleetRobot.OUT_OF_SERVICE)
@@ -107,6 +108,7 @@ class Disturbances:
         self._ld90s = [name for name in self._names if name.startswith('ld90')]
         self._held: Dict[str, int] = {}  # robots that people leave alone for now
         self._refused: Dict[str, int] = {}  # joins in a row, by robot
+        self._carried_at: Dict[str, float] = {}
         self._turn = 0
         self.done: Dict[str, int] = {}
         self.notes: List[str] = []
@@ -186,12 +188,19 @@ class Disturbances:
             math.dist(place, pose[:2]) > CLEAR for other, pose in poses.items()
             if other != name)), places[0][0])
 
+    def _roomiest_vertex(self, name: str) -> int:
+        """The place that is farthest from all other robots."""
+        others = [pose[:2] for other, pose in self._simulators.poses().items() if other != name]
+        return max(self._hall.places, key=lambda id: min(
+            (math.dist(self._hall.places[id], place) for place in others), default=0.0))
+
     # -- people ------------------------------------------------------------------------------------
 
     def help_robots(self) -> None:
         """A person goes to every robot that needs one, puts it onto the graph and joins it."""
         for name, told in self._fleet.robots().items():
-            if self._held.get(name) or told.state not in NEEDS_PERSON:
+            if (self._held.get(name) or told.state not in NEEDS_PERSON
+                    or time.monotonic() < self._carried_at.get(name, -math.inf) + SETTLES):
                 continue
             with self._lock:
                 self._witness.trouble(name, time.monotonic())
@@ -206,14 +215,19 @@ class Disturbances:
             if told.outage_code in (FleetRobot.OUTAGE_TOO_NEAR, FleetRobot.OUTAGE_OFF_GRAPH) or (
                     far > ON_GRAPH and told.state == FleetRobot.OFF_GRAPH) or (
                     self._refused[name] >= TRIES):
-                self._carry_to_a_free_vertex(name)
+                self._carry_away(name)
 
-    def _carry_to_a_free_vertex(self, name: str) -> None:
-        goal = self._free_vertex(name)
+    def _carry_away(self, name: str) -> None:
+        goal = self._roomiest_vertex(name)
+        self._carried_at[name] = time.monotonic()
+        self._refused[name] = 0
         with self._lock:
             self._witness.carry(name, time.monotonic())
-        words = f'other goto {goal}' if name in self._ld90s else f'place {goal}'
-        self._simulators.fault(name, words)
+        if name in self._ld90s:
+            x, y = self._hall.places[goal]
+            self._inject(name, (f'push {round(1000 * x)} {round(1000 * y)}', POWER), goal)
+        else:
+            self._inject(name, (f'place {goal}',), goal)
 
     def remedy_all(self) -> None:
         """Ends each fault that a robot may still have."""

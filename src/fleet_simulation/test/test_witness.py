@@ -56,6 +56,38 @@ def test_distances_of_a_carried_robot_count_again_once_it_is_back_and_clear(
     assert len(witness.broken) == 1
 
 
+def test_a_mission_may_fail_by_a_robot_that_a_person_moves_near_to_its_own(
+        witness: Witness) -> None:
+    witness.ask(7, [1], 0.0)
+    is_told(witness, State.ACTIVE)
+    witness.carry('b', 0.5)
+    look(witness, 1.0, (0.0, 0.0), (1.2, 0.0))
+    is_told(witness, State.FAILED)
+    assert witness.broken == []
+
+
+def test_a_mission_may_not_fail_by_a_carried_robot_that_is_far(witness: Witness) -> None:
+    witness.ask(7, [1], 0.0)
+    is_told(witness, State.ACTIVE)
+    witness.carry('b', 0.5)
+    look(witness, 1.0, (0.0, 0.0), (3.0, 0.0))
+    is_told(witness, State.FAILED)
+    assert len(witness.broken) == 1
+
+
+def test_a_stopped_robot_may_be_carried_and_must_rest_afterwards(witness: Witness) -> None:
+    witness.stop(['a'], 0.0)
+    look(witness, 3.0, (1.0, 0.0))
+    witness.carry('a', 3.1)
+    look(witness, 4.0, (5.0, 0.0))
+    witness.bring_back('a')
+    look(witness, 4.1, (5.0, 0.0))
+    look(witness, 4.2, (5.0, 0.0))
+    assert witness.broken == []
+    look(witness, 5.0, (6.0, 0.0))
+    assert 'a drives 5.0 s after it was stopped' in witness.broken[0]
+
+
 def test_a_stopped_robot_may_come_to_rest_and_not_drive_on(witness: Witness) -> None:
     witness.stop(['a'], 0.0)
     look(witness, 1.0, (1.0, 0.0))

@@ -17,6 +17,7 @@ Place = Tuple[float, float]
 
 SKEW = 0.06  # m that robots move between the answers of two simulators
 NEAR = 0.6  # m from a vertex within which a robot has visited it
+CLOSE = 0.5  # m of room below which a robot that a person moves may end the other one's mission
 STANDS = 0.15  # m that a robot moves while it comes to rest
 
 
@@ -136,7 +137,7 @@ class Witness:
         are too near only if they are in both looks.
         """
         self.looks += 1
-        self._check_distances(first, second)
+        self._check_distances(first, second, now)
         for name, place in second.items():
             self._follow(name, place, now)
             self._check_rest(name, place, now)
@@ -180,13 +181,16 @@ class Witness:
 
     # -- judgements --------------------------------------------------------------------------------
 
-    def _check_distances(self, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
+    def _check_distances(self, first: Mapping[str, Place], second: Mapping[str, Place],
+                         now: float) -> None:
         near: Set[str] = set()
         for one, other in itertools.combinations(sorted(second), 2):
             apart = self._radii[one] + self._radii[other] + self._clearance
             room = max(math.dist(look[one], look[other]) for look in (first, second)) - apart
             if room < 0.0:
                 near.update((one, other))
+            if room < CLOSE and not self._carried.isdisjoint((one, other)):
+                self._troubled[one] = self._troubled[other] = now
             if self._carried.isdisjoint((one, other)):
                 self.nearest = min(self.nearest, room)
                 if room < -SKEW:
@@ -206,6 +210,9 @@ class Witness:
 
     def _check_rest(self, name: str, place: Place, now: float) -> None:
         since = self._stopped.get(name)
+        if name in self._carried:
+            self._rest.pop(name, None)  # a person moves it
+            return
         if since is None or self._cut.get(name) or now < since + self._grace:
             return
         rest = self._rest.setdefault(name, place)

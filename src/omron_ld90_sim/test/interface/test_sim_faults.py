@@ -54,6 +54,28 @@ def test_motors_off_without_the_button() -> None:
     assert other.lines() == events
 
 
+def test_a_robot_that_is_pushed_stands_there_and_drives_on_once_its_motors_are_on() -> None:
+    rig = Faulty()
+    me = rig.on_the_way()
+    place = rig.robot.true_pose
+    rig.faults.inject(f'push {place.x - 100:.0f} {place.y:.0f} 90')
+    assert me.lines() == ['Motors disabled']
+    rig.clock.advance(rig.clock.now + 5.0)
+    assert f'Location: {place.x - 100:.0f} {place.y:.0f} 90' in me.ask('status')
+    me.send('enableMotors')
+    me.until('Motors are enabled')
+    me.send('goto 12')
+    me.until('Arrived at 12')
+
+
+def test_a_robot_that_is_pushed_out_of_its_dock_is_not_docked() -> None:
+    rig = Faulty()
+    rig.me.send('dock')
+    rig.me.until('DockingState: Docked')
+    rig.faults.inject('push 0 0')
+    assert any('DockingState: Undocked' in line for line in rig.me.lines())
+
+
 def test_a_lost_robot_reports_a_wrong_place_until_it_is_localized() -> None:
     rig = Faulty()
     me = rig.on_the_way()
@@ -299,7 +321,7 @@ def test_a_script_names_the_line_that_is_wrong() -> None:
 
 
 def test_the_help_tells_of_every_fault() -> None:
-    assert len(help_text().splitlines()) == 21
+    assert len(help_text().splitlines()) == 22
     assert 'estop press|release' in help_text()
 
 

@@ -270,6 +270,17 @@ class Robot:
             self.announce_stopping()
         return True
 
+    def push(self, pose: Pose) -> None:
+        """A person pushes the robot to `pose`, for which the motors are switched off.
+
+        It still knows where it is.
+        """
+        self.cut_motors(Motors.DISABLED)
+        if self.docking.state is not DockingState.UNDOCKED:
+            self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        self.base.put(pose)
+        self._at_rest()
+
     # -- localization ------------------------------------------------------------------------
 
     def localize(self, pose: Pose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:

@@ -90,6 +90,14 @@ class Faults:
         """
         {'off': lambda: self._robot.cut_motors(Motors.DISABLED)}[action]()
 
+    def push(self, x: str, y: str, turn: str = '') -> None:
+        """push X_MM Y_MM [HEADING_DEG]
+
+        A person pushes the robot there with motors off; enableMotors switches them on.
+        """
+        heading = numbers.angle(turn) if turn else self._robot.true_pose.theta
+        self._robot.push(Pose(numbers.length(x), numbers.length(y), heading))
+
     def lost(self, dx: str = '3000', dy: str = '0', turn: str = '90') -> None:
         """lost [DX_MM DY_MM TURN_DEG]
 

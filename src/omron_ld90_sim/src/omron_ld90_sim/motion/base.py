@@ -69,6 +69,11 @@ class Base:
             if self.speed == 0.0 and self.rotation == 0.0:
                 self._halt()
 
+    def put(self, pose: Pose) -> None:
+        """Stands at another place from now on; a way that wheels did not drive is not counted."""
+        self._halt()
+        self.pose = pose
+
     def _halt(self) -> None:
         self._queue.clear()
         self.speed = self.rotation = self._place = 0.0
