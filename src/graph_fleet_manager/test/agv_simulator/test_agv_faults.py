@@ -12,6 +12,7 @@ from graph_fleet_manager.agv_simulator.control_socket import LONGEST_LINE, Contr
 from graph_fleet_manager.agv_simulator.faults import FAULTS, UnknownFault, help_text, inject
 from graph_fleet_manager.agv_simulator.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
+from node_lifecycle.watchdog import ThreadWatch
 from trajectory_graph.route_protocol import Location
 
 
@@ -149,6 +150,14 @@ def test_a_fault_is_for_the_vehicle_that_is_named(ask) -> None:
     assert ask(b'@agv_2 place 4') == 'ok'
     where = json.loads(ask(b'where'))['robots']
     assert (where['agv_1']['x'], where['agv_2']['x']) == (0.0, 12.0)
+
+
+def test_a_client_that_says_nothing_is_no_standstill_of_the_node(ask) -> None:
+    """The watchdog told people to restart the simulator."""
+    assert ask(b'@agv_1 stall 1').startswith('ok')
+    watch = ThreadWatch(('graph_fleet_manager',), standstill=10.0)
+    watch.look(0.0)
+    assert watch.look(20.0) == []
 
 
 @pytest.mark.parametrize('line, problem', [

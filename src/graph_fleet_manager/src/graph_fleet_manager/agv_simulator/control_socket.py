@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import selectors
 import socketserver
 import threading
 from typing import Callable, Mapping
@@ -40,11 +41,14 @@ class ControlServer(socketserver.ThreadingTCPServer):
 
 class _Conversation(socketserver.StreamRequestHandler):
     timeout = QUIET
+    rbufsize = 0  # a line that was received is not hidden in a buffer
 
     def handle(self) -> None:
         assert isinstance(self.server, ControlServer)
+        waiting = selectors.DefaultSelector()  # the node's watchdog knows it as no standstill
+        waiting.register(self.connection, selectors.EVENT_READ)
         try:
-            while True:
+            while waiting.select(QUIET):
                 line = self.rfile.readline(LONGEST_LINE)
                 if not line.endswith(b'\n'):
                     return
@@ -52,3 +56,5 @@ class _Conversation(socketserver.StreamRequestHandler):
                 self.wfile.write(self.server.answer(words).encode() + b'\n')
         except OSError:
             return  # the other end went away
+        finally:
+            waiting.close()
