@@ -63,6 +63,12 @@ multimaster_packages=(
   "python3-roslaunch   ros-noetic-roslaunch"
   "python3-rosservice  ros-noetic-rosservice"
 )
+# What builds and judges Debian packages: scripts/make_deb.sh
+deb_packages=(
+  "debhelper           debhelper"
+  "dh-python           dh-python"
+  "lintian             lintian"
+)
 docs_packages="mkdocs==1.6.1 mkdocs-material==9.6.23"  # from PyPI, for scripts/docs.sh
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
 

@@ -26,7 +26,8 @@ from soaking.simulators import Simulators
 RECOVERS = 8.0  # s after which a robot whose program or link was away is reached again
 MASTER_RECOVERS = 15.0  # s after which all nodes are known to a new ROS master
 SLOW = 0.15  # factor on the clock of LD-90s that are to drive for long
-OWED = 15.0  # s in which a robot must not drive on, once its stop reached it
+BRAKES = RECOVERS + 3.0 / SLOW  # s after which a slow LD-90 stands whose link is back
+OWED = 9.0  # s in which a robot must not drive on, the grace of the witness included
 CLEAR = 1.6  # m between a place to which a robot is carried, and all others
 ON_GRAPH = 0.35  # m
 SETTLES = 4.0  # s until a robot that was carried reports that it stands there
@@ -154,7 +155,8 @@ class Disturbances:
                 goal=goal, x=round(1000 * x), y=round(1000 * y), turn=round(turn)))
 
     @contextmanager
-    def _affected(self, names: Sequence[str], effect: Effect) -> Iterator[None]:
+    def _affected(self, names: Sequence[str], effect: Effect,
+                  recovers: float = RECOVERS) -> Iterator[None]:
         now = time.monotonic()
         with self._lock:
             for name in names:
@@ -169,7 +171,7 @@ class Disturbances:
             yield
         finally:
             if Effect.CUT in effect:
-                time.sleep(RECOVERS)
+                time.sleep(recovers)
                 with self._lock:
                     self._witness.mend(names, time.monotonic())
             with self._lock:
@@ -296,14 +298,15 @@ class Disturbances:
         self._resume()
 
     def _stop_without_link(self) -> None:
-        """A robot on a long way cannot hear the stop. From then on it is slow, so that it still
-        drives when it can hear again."""
+        """A robot on a long way cannot hear the stop. From then on all LD-90s are slow, so that it
+        still drives when it can hear again. Slow robots take long to brake."""
         name = self._sent_far()
         if not name:
             return
         self._simulators.ld90_speed(SLOW)
         try:
-            with self._affected([name], Effect.CUT | Effect.FAILS):
+            with self._affected([name], Effect.FAILS), \
+                    self._affected(self._ld90s, Effect.CUT, BRAKES):
                 self._inject(name, ('refuse on', 'drop'), 0)
                 self._wait(1.0)
                 if not self._is_stopped():

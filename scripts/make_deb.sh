@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Builds Debian 12 packages of this workspace, and has lintian judge them.
+#
+#   scripts/make_deb.sh            the packages are build/deb/*.deb
+#   scripts/make_deb.sh --try      then installs them in a bare Debian 12 root (build/deb/root) and drives a simulated
+#                                  robot there; needs root and a network
+#
+# Exit status: 0 done; 1 not built, an error of lintian, or the robot did not drive.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+case "${1:-}" in
+  '' | --try) ;;
+  *) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; [ "$1" = -h ] || [ "$1" = --help ]; exit ;;
+esac
+grep -qs '^VERSION_ID="12"' /etc/os-release && grep -qs '^ID=debian' /etc/os-release ||
+  die "Debian packages of ROS 1 are those of Debian 12; this is another system."
+
+install_missing 1 "${run_packages[@]}" "${deb_packages[@]}"
+here="$root/build/deb" log="$root/build/deb.log"
+rm -rf "$here/source" "$here"/*.deb
+mkdir -p "$here/source"
+(cd "$root" && cp -a CHANGELOG.md LICENSE README.md docs examples launch maps rviz src "$here/source")
+find "$here/source" \( -name __pycache__ -o -name '*.egg-info' \) -prune -exec rm -rf {} +
+rm -f "$here/source/src/CMakeLists.txt"
+/usr/bin/python3 "$root/scripts/debian_files.py" "$here/source" "$(printf '%s\n' "${run_packages[@]}" "${multimaster_packages[@]}")"
+say "Building Debian packages"
+(cd "$here/source" && PATH=/usr/bin:/bin:/usr/sbin:/sbin env -u CMAKE_PREFIX_PATH -u ROS_PACKAGE_PATH -u PYTHONPATH \
+  dpkg-buildpackage --build=binary --unsigned-source --unsigned-changes) >"$log" 2>&1 || {
+  tail -20 "$log" >&2
+  die "the packages were not built; the whole log is $log"
+}
+say "Checking them with lintian"
+lintian --fail-on error --tag-display-limit 0 "$here"/*.changes
+say "The packages:" "$here"/*.deb
+[ "${1:-}" = --try ] || exit 0
+
+# A root with nothing but Debian's base system; apt takes the packages as a user's machine would.
+[ "$(id -u)" = 0 ] || die "a bare root is made by root only."
+install_missing 1 "debootstrap debootstrap"
+bare="$here/root"
+if [ ! -f "$bare/.bare" ]; then
+  say "Making a bare Debian 12 root: $bare"
+  rm -rf "$bare"
+  debootstrap --variant=minbase --include=ca-certificates bookworm "$bare" >>"$log" 2>&1 || die "debootstrap failed: see $log"
+  touch "$bare/.bare"
+fi
+rm -rf "$bare/debs" && mkdir "$bare/debs" && cp "$here"/*.deb "$bare/debs"
+cp /etc/resolv.conf "$bare/etc/resolv.conf"
+echo '127.0.0.1 localhost' >"$bare/etc/hosts"  # the installer of a system writes it, debootstrap does not
+mountpoint -q "$bare/proc" || mount -t proc proc "$bare/proc"
+trap 'umount "$bare/proc"' EXIT
+say "Installing the packages there"
+inside() { chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
+inside sh -ec 'apt-get update -q; apt-get install -y -q --no-install-recommends --reinstall /debs/*.deb' >>"$log" 2>&1 ||
+  die "the packages could not be installed: see $log"
+say "Driving a simulated robot there"
+cp "$root/scripts/try_packages.sh" "$bare/tmp/"
+# A network of its own: what runs on this machine is neither heard nor disturbed.
+unshare --net sh -c 'ip link set lo up; exec "$@"' - chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
+  timeout 300 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
+say "Removing the packages"
+inside apt-get purge -y -q omron-ld90 'ros-*' >>"$log" 2>&1 || die "the packages could not be removed: see $log"
