@@ -168,7 +168,7 @@ def write(source: Path, table: str) -> None:
                        for package in packages)
     control += binary(ALL, 'OMRON LD-90 robots and fleets of them under ROS 1. This package '
                       'installs all packages of the workspace, and their documentation.',
-                      ['ros-base', *sorted(own.values())])
+                      ['ros-base', 'rosbash', *sorted(own.values())])
     install = '\n'.join(
         f'\tDESTDIR=$(CURDIR)/debian/{package.debian_name} cmake '
         f'-P build/{package.name}/cmake_install.cmake' for package in packages)

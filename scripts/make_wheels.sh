@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Builds wheels and sdists of the libraries that need no ROS: build/dist/*.whl and *.tar.gz.
+#
+#   scripts/make_wheels.sh                       builds them
+#   scripts/make_wheels.sh python3.8 python3.12  then installs both kinds with each of these Pythons, with dependencies
+#                                                from PyPI, and drives a simulated robot there without ROS
+#
+# Exit status: 0 done; 1 not built, not installed, or the robot did not arrive.
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+case "${1:-}" in -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;; esac
+
+here="$root/build/dist" log="$root/build/wheels.log"
+mkdir -p "$root/build"
+virtual_environment wheels /usr/bin/python3 --system-site-packages $wheel_packages ||
+  die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
+rm -rf "$here"
+mkdir -p "$here/sources"
+cp -r "${pure_libraries[@]/#/$root/src/}" "$here/sources"  # building leaves files beside the sources
+for library in "${pure_libraries[@]}"; do
+  "$root/build/wheels/bin/python" -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
+    die "$library was not built: see $log"
+done
+rm -rf "$here/sources"
+say "Built:" "$here"/*
+
+# drive PYTHON: a simulated robot and a client that drives it, both as installed
+drive() {
+  local port sim
+  port="$(free_port)"
+  (cd / && exec "$1/bin/ld90_sim" --map "$root/maps/lab.map" --port "$port" --password adept --speed 10) >>"$log" 2>&1 &
+  sim=$!
+  until "$1/bin/python" -c "import socket; socket.create_connection(('127.0.0.1', $port))" 2>/dev/null; do
+    kill -0 $sim || return 1
+  done
+  (cd / && timeout 60 "$1/bin/python" "$root/examples/drive_without_ros.py" --port "$port" 127.0.0.1 12 <<<adept)
+  local result=$?
+  kill $sim
+  wait $sim 2>/dev/null || true
+  return $result
+}
+
+unset PYTHONPATH
+for python in "$@"; do
+  for kind in whl tar.gz; do
+    environment="$here/$(basename "$python")_$kind"
+    say "$("$python" --version), from .$kind files"
+    "$python" -m venv "$environment" &&
+      "$environment/bin/python" -m pip install -q --disable-pip-version-check "$here"/*."$kind" >>"$log" 2>&1 ||
+      die "they could not be installed with $python: see $log"
+    "$environment/bin/ld_map" info "$root/maps/lab.map" >/dev/null || die "ld_map does not run"
+    drive "$environment" || die "the robot did not arrive: see $log"
+  done
+done
