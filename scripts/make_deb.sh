@@ -60,4 +60,5 @@ cp "$root/scripts/try_packages.sh" "$bare/tmp/"
 unshare --net sh -c 'ip link set lo up; exec "$@"' - chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
   timeout 600 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
 say "Removing the packages"
-inside apt-get purge -y -q omron-ld90 'ros-*' >>"$log" 2>&1 || die "the packages could not be removed: see $log"
+inside sh -ec "apt-get purge -y -q \$(dpkg-query -f '\${source:Package} \${Package}\n' -W | awk '\$1 == \"omron-ld90\" {print \$2}')" >>"$log" 2>&1 ||
+  die "the packages could not be removed: see $log"

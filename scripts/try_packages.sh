@@ -21,3 +21,9 @@ heard --filter "len(m.robots) == 4 and all(robot.state < 2 for robot in m.robots
 rosrun graph_fleet_manager mission 18 39 --wait
 say "its mission has succeeded"
 kill -INT $!; wait $! || true
+
+say "services of a site: rosrun fleet_services install_service"
+mkdir -p /tmp/site
+printf 'name: hall\nuser: fleet\narguments:\n  fleet: 2\n  longest_edge: 1.5\n' >/tmp/site/site.yaml
+rosrun fleet_services install_service --root /tmp/machine /tmp/site/site.yaml
+ls /tmp/machine/etc/systemd/system/*.service >/dev/null
