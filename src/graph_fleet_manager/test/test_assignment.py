@@ -1,25 +1,31 @@
-"""Missions are shared out so that the sum of the times is least."""
+"""Missions are shared out among many robots at once."""
 from __future__ import annotations
 
-import numpy as np
-import pytest
-from scipy.optimize import linear_sum_assignment
+from dataclasses import replace
+from random import Random
 
-from graph_fleet_manager.supervision.assignment import least_sum
+from fleet_builders import AGV, ladder
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
+from graph_fleet_manager.supervision.assignment import assign
+from graph_fleet_manager.supervision.missions import Mission, Request
 
-@pytest.mark.parametrize('seed', range(20))
-def test_the_sum_is_least_whatever_the_shape(seed):
-    random = np.random.default_rng(seed)
-    shape = tuple(random.integers(1, 9, 2))
-    costs = np.where(random.random(shape) < 0.3, 1e15, random.integers(0, 5, shape).astype(float))
-    costs += 1e7 * np.arange(shape[0])[:, np.newaxis] * (costs < 1e15)
-    rows, columns = least_sum(costs)
-    assert len(rows) == len(set(rows)) == len(set(columns)) == min(shape)
-    best = linear_sum_assignment(costs)
-    assert costs[rows, columns].sum() == pytest.approx(costs[best].sum(), rel=1e-12)
+TRUCK = replace(AGV, name='truck')
 
 
-def test_what_costs_nothing_is_a_choice_too():
-    rows, columns = least_sum(np.array([[0.0, 5.0], [5.0, 0.0]]))
-    assert dict(zip(rows.tolist(), columns.tolist())) == {0: 0, 1: 1}
+def test_each_of_many_robots_gets_a_mission_that_its_type_can_serve():
+    """The matching once took minutes where robots could not serve all missions."""
+    vertices = [100 * row + k for row in (0, 1) for k in range(1, 90)]
+    graph = ladder(90)
+    chance = Random(1)
+    robots = {f'r{k}': (chance.choice((AGV, TRUCK)), vertex)
+              for k, vertex in enumerate(vertices)}
+    fleet = SupervisedFleet(graph, robots)
+    fleet.run(1.0)
+    missions = [Mission(id, Request(id, (chance.choice(vertices),),
+                                    robot_type=chance.choice((kind.name, ''))))
+                for id, (kind, _) in enumerate(robots.values(), 1)]
+    supervisor = fleet.supervisor
+    found = assign(missions, supervisor.robots, supervisor.robots, supervisor.acceptance,
+                   supervisor.networks, fleet.now)
+    assert len(found.assigned) == len(robots)

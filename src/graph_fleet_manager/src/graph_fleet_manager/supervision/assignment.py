@@ -6,19 +6,13 @@ from math import inf
 from typing import AbstractSet, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.optimize import linear_sum_assignment
 
 from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.missions import Acceptance, Mission
 from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.robots import ManagedRobot
-
-try:  # already loaded by the road network; scipy.optimize takes 5 MB more
-    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
-except ImportError:  # scipy before 1.6
-    from scipy.optimize import linear_sum_assignment
-    min_weight_full_bipartite_matching = None
 
 _NEVER = 1e15   # s: as good as never; the matching wants finite costs
 _LATER = 1e7    # s: more than all ways together; an older mission goes first, however long its path
@@ -94,23 +88,12 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
                 time = time_to(mission.request.destinations[0], free[name], networks.network)
                 if time < inf:
                     costs[row, names.index(name)] = time + row * _LATER
-    rows, columns = least_sum(costs)
+    # The matching of scipy.sparse may take minutes where 200 robots cannot serve all missions.
+    rows, columns = linear_sum_assignment(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
             found.append((pending[row], names[column]))
     return found
-
-
-def least_sum(costs: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Rows and columns, each at most once and as many as can be, the sum of whose costs is least.
-
-    costs -- (n, m), finite and not negative
-    """
-    if min_weight_full_bipartite_matching is None:
-        rows, columns = linear_sum_assignment(costs)
-    else:  # a sparse matrix does not have what is 0
-        rows, columns = min_weight_full_bipartite_matching(csr_matrix(costs + 1.0))
-    return rows, columns
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
