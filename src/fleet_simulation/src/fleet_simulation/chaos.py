@@ -327,7 +327,7 @@ class Chaos:
         return set(map(abs, used))
 
     def use(self, graph: Graph) -> None:
-        """A graph comes into force, which is as good as a restart."""
+        """A graph comes into force. The supervisor then begins as after a restart."""
         self.fleet.graph = graph
         for agv in self.fleet.agvs.values():
             agv.graph = graph

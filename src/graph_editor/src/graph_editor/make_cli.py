@@ -152,7 +152,7 @@ def _parser() -> argparse.ArgumentParser:
     add_site_arguments(parser)
     parser.add_argument('--output', required=True, metavar='G.yaml', help='graph to write; a file '
                         'edited by hand is not overwritten')
-    parser.add_argument('--force', action='store_true', help='overwrite it all the same')
+    parser.add_argument('--force', action='store_true', help='overwrite an existing file')
     parser.add_argument('--keep-ids', metavar='OLD.yaml', help='graph whose ids stay for what is '
                         'still there')
     parser.add_argument('--draw', metavar='OUT.png', help='picture of the result to draw')

@@ -29,7 +29,7 @@ def run_main(module: str) -> None:
     """For a node: imports the module and calls its `main()`, whose result is the exit status.
 
     Until the node itself takes signals, SIGINT ends the program at once. As an exception it can be
-    swallowed where libraries are imported: the node would start all the same, and roslaunch would
+    swallowed where libraries are imported: the node would still start, and roslaunch would
     wait 15 s for it to end.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)

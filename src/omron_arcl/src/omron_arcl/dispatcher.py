@@ -83,7 +83,7 @@ class Dispatcher:
         """Ends a command: the unsent is dropped, the driving stopped, a query no longer awaited.
 
         A driving command that has been replaced is left to the one that replaced it. A stop goes
-        to the robot all the same.
+        to the robot anyway.
         """
         if execution.result is not None:
             return

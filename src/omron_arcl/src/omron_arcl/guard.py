@@ -58,7 +58,7 @@ class Guard:
 
 
 def is_unlisted(command: Command, help_list: HelpList) -> bool:
-    """Whether the robot's own help list lacks a command. It may take it all the same."""
+    """Whether the robot's own help list lacks a command. The robot may still take it."""
     return bool(help_list.descriptions) and not (
         help_list.full_name(command.name)
         or help_list.full_name(command.text.split(' ', 1)[0]))

@@ -12,7 +12,7 @@ from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, OccupancyGrid
 
 PITCH = 25  # mm, of the grid that is searched
-MAX_CELLS = 16_000_000  # of a larger map nothing is said
+MAX_CELLS = 16_000_000  # a larger map is not judged
 HALF_WIDTH = 250  # mm, of the narrowest robot of the family, the LD-60 and LD-90
 NEARBY = 300  # mm around a place in which the robot counts as there
 

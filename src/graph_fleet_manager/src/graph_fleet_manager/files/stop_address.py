@@ -26,7 +26,7 @@ def note(master_uri: str, service_uri: str) -> None:
 
 
 def noted(master_uri: str) -> Optional[str]:
-    """What was written down last, be it true by now or not; None: nothing."""
+    """What was written last, true by now or not; None: nothing."""
     with contextlib.suppress(OSError, UnicodeDecodeError):
         return _path(master_uri).read_text(encoding='ascii')
     return None

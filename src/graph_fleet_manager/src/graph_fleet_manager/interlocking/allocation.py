@@ -13,7 +13,7 @@ class Knowledge(Enum):
     """What is known of where a robot is."""
 
     KNOWN = 'known'
-    """It is within its allocation, be it switched on or off."""
+    """It is within its allocation, switched on or off."""
     UNKNOWN = 'unknown'
     """It was never heard of, so it may be anywhere."""
     ABSENT = 'absent'

@@ -410,7 +410,7 @@ def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _clock_is_right,
     _robot_is_known, _others_are_known, _last_order_is_settled, _robot_is_clear_of_others)
-"""Hold before a robot is granted anything, be it an edge that it holds already."""
+"""Hold before a robot is granted anything, also an edge that it holds already."""
 
 CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _place_is_free)
 """Hold before a robot is granted an edge."""

@@ -150,7 +150,7 @@ class EventLoop:
                 self._room.acquire(blocking=False)
 
     def hurry(self, due: Optional[float]) -> None:
-        """The next tick is wanted at `due`, be it before its time; None: in its time."""
+        """The next tick is wanted at `due`, perhaps before its time; None: in its time."""
         if due is not None:
             self._due = min(self._due, due)
 

@@ -27,7 +27,7 @@ from itrci_nav_msgs.srv import (
 )
 
 PATIENCE = 5.0       # s that a call waits for its turn
-STOP_PATIENCE = 0.5  # s that a stop does, before it goes past a supervisor that hangs
+STOP_PATIENCE = 0.5  # s that a stop waits before it bypasses a supervisor that hangs
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """What a service does: why it is not done (empty: it is), and what is to be done."""

@@ -32,7 +32,7 @@ class JournalFile:
         self.open(0.0)
 
     def open(self, now: float) -> None:
-        """Opens it if it is not open, and has not just been tried in vain."""
+        """Opens it if it is not open, and the last try did not just fail."""
         if self.journal is not None or now < self._try_at:
             return
         self._try_at = now + AGAIN

@@ -204,8 +204,8 @@ class PathSupervisor:
     def _begin(self, now: float) -> Sequence[Action]:
         """Begins to supervise, if that is due: once it is known which edges are closed.
 
-        Another graph is as good as a restart: everything that matters is in the journal, which is
-        waited for, and graph_server has seen to it that no robot's route breaks.
+        Another graph means the same as a restart. The journal has everything that matters, and is
+        waited for. graph_server has made sure that no robot's route breaks.
         """
         self._file.open(now)
         journal = self._file.journal

@@ -57,7 +57,7 @@ class Errand:
         if paths:
             beyond += self.seconds_to(paths[0])
         self.lower_bound = ready + beyond
-        """The least that it can cost, were it alone; infinite where something is out of reach."""
+        """The least cost of the robot alone; infinite where something is out of reach."""
         if rests is not None:
             nearest = network.paths_to_nearest(kind, rests, common)
             self.to_go.append(estimated(nearest))

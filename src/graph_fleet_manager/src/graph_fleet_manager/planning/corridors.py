@@ -2,7 +2,7 @@
 
 Draw the drives of one robot along x, those of another along y, and mark each pair of drives that
 exclude each other: the plans are a way through this picture that passes every mark on one side. The
-marks that touch each other, be it at a corner, are a *corridor*: one order holds for all of them,
+marks that touch each other, also at a corner, are a *corridor*: one order holds for all of them,
 whether the robots drive through it one behind the other or against each other. The way may as well
 lead past its other side, unless one of the robots has been let in, stands in it already, or ends in
 it (edge grouping: Feng et al., AAAI 2025).

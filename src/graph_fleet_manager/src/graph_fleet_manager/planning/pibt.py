@@ -66,8 +66,10 @@ class PibtAgent:
         return self.estimate(state)[state % self._vertices]
 
     def has_path(self, deadline: float) -> bool:
-        """Could it come to its targets in their order, were it alone? False also where that is not
-        known by the deadline (monotonic s)."""
+        """Could it come to its targets in their order if it were alone?
+
+        False also where this is not known by the deadline (monotonic s).
+        """
         vertex = self.vertex(self.begin)
         for target in self.targets[self.leg(self.begin):]:
             reached, ahead = {vertex}, [vertex]

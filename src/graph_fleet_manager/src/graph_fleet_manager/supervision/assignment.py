@@ -14,7 +14,7 @@ from graph_fleet_manager.supervision.missions import Acceptance, Mission
 from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_NEVER = 1e15   # s: as good as never; the matching wants finite costs
+_NEVER = 1e15   # s: stands for never; the matching needs finite costs
 _LATER = 1e7    # s: more than all ways together; an older mission goes first, however long its path
 
 

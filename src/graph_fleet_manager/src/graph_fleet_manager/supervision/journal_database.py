@@ -120,7 +120,7 @@ class JournalDatabase:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """All that is done in it is on the disk at its end, or nothing of it.
+        """At its end all that was done in it is on the disk, or nothing.
 
         Raises JournalUnavailable, also where the file is another one than after the last commit:
         what is written to a file that was deleted or replaced is lost.

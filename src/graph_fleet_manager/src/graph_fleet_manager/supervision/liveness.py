@@ -74,7 +74,7 @@ class Liveness:
     def takes_up(self, report: Report, has_order: bool, now: float) -> bool:
         """Does a report tell of another route than the last, or is there no order to answer?
 
-        A robot that took up an order, be it an older one, is not deaf.
+        A robot that took up an order, even an older one, is not deaf.
         """
         route = report.route_id, report.edges
         takes_up = not has_order or route != self._route

@@ -72,7 +72,7 @@ class PlanExecutor:
     # -- answers of the planner -------------------------------------------------------------------
 
     def plan_made(self, number: int, outcome: Outcome, world: World) -> bool:
-        """Takes the planner's answer, be it late, if it serves; tells whether it was waited for."""
+        """Takes the planner's answer, even a late one, if it serves; was it waited for?"""
         question = self._open.pop(number, None)
         if question is None:
             return False

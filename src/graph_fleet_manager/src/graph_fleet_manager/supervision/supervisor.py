@@ -123,7 +123,7 @@ class Supervisor:
 
     @property
     def look_at(self) -> Optional[float]:
-        """When the next `tick` is wanted, be it before its time; None: in its time.
+        """When the next `tick` is wanted, perhaps before its time; None: in its time.
 
         What reports have changed is stored by it, with all that follows, in one commit.
         """

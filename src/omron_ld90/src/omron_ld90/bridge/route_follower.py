@@ -81,7 +81,7 @@ class RouteFollower:
     def restore(self, record: p.RouteRecord, is_recent: bool, now: float) -> None:
         """What the bridge knew of the last route when it last ran.
 
-        A route that ran is gone on with, unless the bridge was away for too long.
+        The bridge continues a route that ran, unless it was away for too long.
         """
         order = RouteOrder(record.route_id, record.edges, record.stamp)
         self.route = RouteRun(order, self.settings, self.robot.tracker, self.robot.location, None,

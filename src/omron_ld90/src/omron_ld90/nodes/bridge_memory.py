@@ -1,6 +1,6 @@
 """What the bridge remembers of its last route over a restart.
 
-A route is gone on with only when the same launch has restarted the bridge, or when its whole
+The bridge continues a route only when the same launch has restarted the bridge, or when its whole
 computer died: the ROS master may outlive a launch, and what a person ends and starts again must
 not drive by itself.
 """

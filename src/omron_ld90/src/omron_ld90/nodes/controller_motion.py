@@ -31,7 +31,7 @@ class MotionFile:
         """What was kept; None where nothing was, or nothing that can be read.
 
         Where the file cannot be taken away, later epochs may have got lost: no program knows the
-        one of such a memory, so that none goes on by it. A stop that is owed counts all the same.
+        one of such a memory, so that none goes on by it. An owed stop still counts.
         """
         try:
             with open(self._path, encoding='utf-8') as stream:
@@ -54,7 +54,7 @@ class MotionFile:
         """Replaces the file by a complete new one.
 
         It is not forced to the disk, for which no stop may wait. Where it cannot be written, the
-        robot is driven all the same: only a restart would know less.
+        robot is still driven: only a restart would know less.
         """
         if not self._path or memory == self._kept:
             return

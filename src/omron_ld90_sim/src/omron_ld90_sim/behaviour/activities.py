@@ -46,7 +46,7 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
 
 
 def pass_goal(robot: Robot, goal: MapObject) -> Script:
-    """Drives to a goal on the way; nothing of it is told but to humans."""
+    """Drives to a goal on the way; only people are told of it."""
     robot.extended = f'Going to {goal.name}'
     yield from _reach(robot, goal.name, *_place(goal))
 
