@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import json
 import socket
-import time
 
 import pytest
 from agv_builders import GRAPH, Conversation
@@ -13,10 +12,7 @@ from graph_fleet_manager.agv_simulator.control_socket import LONGEST_LINE, Contr
 from graph_fleet_manager.agv_simulator.faults import FAULTS, UnknownFault, help_text, inject
 from graph_fleet_manager.agv_simulator.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
-from node_lifecycle.watchdog import ThreadWatch
 from trajectory_graph.route_protocol import Location
-
-SILENT = 2.0  # s
 
 
 def on_its_way() -> Conversation:
@@ -153,15 +149,6 @@ def test_a_fault_is_for_the_vehicle_that_is_named(ask) -> None:
     assert ask(b'@agv_2 place 4') == 'ok'
     where = json.loads(ask(b'where'))['robots']
     assert (where['agv_1']['x'], where['agv_2']['x']) == (0.0, 12.0)
-
-
-def test_a_client_that_says_nothing_is_no_standstill_of_the_node(ask) -> None:
-    """The watchdog told people to restart the simulator."""
-    assert ask(b'@agv_1 stall 1').startswith('ok')
-    watch = ThreadWatch(('graph_fleet_manager',), standstill=SILENT)
-    watch.look(time.monotonic())
-    time.sleep(1.1 * SILENT)  # the client is silent, which takes time
-    assert watch.look(time.monotonic()) == []
 
 
 @pytest.mark.parametrize('line, problem', [

@@ -1,0 +1,24 @@
+"""The watchdog of the node, and clients of the AGV simulator's control socket."""
+from __future__ import annotations
+
+import socket
+import time
+
+from graph_fleet_manager.agv_simulator.control_socket import ControlServer
+from node_lifecycle.watchdog import ThreadWatch
+
+SILENT = 2.0  # s
+
+
+def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
+    """The watchdog told people to restart the simulator."""
+    server = ControlServer(0, lambda line: None, dict)
+    with socket.create_connection(('127.0.0.1', server.port), timeout=20.0) as connection:
+        connection.sendall(b'where\n')
+        assert connection.recv(100) == b'{}\n'
+        watch = ThreadWatch(('graph_fleet_manager',), standstill=SILENT)
+        watch.look(time.monotonic())
+        time.sleep(1.1 * SILENT)  # the client is silent, which takes time
+        assert watch.look(time.monotonic()) == []
+    server.shutdown()
+    server.server_close()
