@@ -31,7 +31,7 @@ def test_every_promise_holds_for_five_minutes() -> None:
     ('owed-stop', ('--only', 'stop-without-link', '--corrupted', '0'), 'after it was stopped'),
     ('restart', ('--only', 'stop-and-kill', '--corrupted', '0'), 'after it was stopped')])
 def test_a_planted_defect_is_found(defect: str, options: tuple, finding: str) -> None:
-    ran = soak(4.0, '--plant', defect, '--until-broken', *options)
+    ran = soak(8.0, '--plant', defect, '--until-broken', *options)
     assert ran.returncode == 1, ran.stdout
     assert finding in ran.stdout
 

@@ -5,6 +5,7 @@ import pytest
 
 from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandError
+from graph_fleet_manager.commands.fleet_client import name_problem
 from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.srv import DeclareAbsent
@@ -61,3 +62,12 @@ def test_which_robots_are_absent_must_be_said(called, arguments):
     with pytest.raises(SystemExit) as end:
         fleet._fleet(['absent', *arguments])
     assert end.value.code == WRONG and not called
+
+
+@pytest.mark.parametrize(('host', 'expected'), [
+    ('localhost', ''), ('127.0.0.1', ''),
+    ('no-such-computer.invalid', "This computer's own name, no-such-computer.invalid, has no")])
+def test_a_computer_whose_name_has_no_address_is_told(host, expected):
+    """Subscribers call a publisher back by that name, so nothing it sends would arrive."""
+    assert name_problem(host).startswith(expected)
+    assert bool(name_problem(host)) == bool(expected)

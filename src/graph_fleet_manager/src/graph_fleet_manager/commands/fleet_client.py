@@ -1,6 +1,7 @@
 """What the commands share: a ROS master that is there, messages waited for, plain errors."""
 from __future__ import annotations
 
+import socket
 import sys
 import threading
 import time
@@ -84,10 +85,21 @@ def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
     deadline = time.monotonic() + PATIENCE
     while publisher.get_num_connections() == 0:
         if time.monotonic() > deadline:
-            raise CommandError(f'No node listens to {topic}: is the fleet manager running? Start '
-                               'it with fleet_manager.launch.')
+            raise CommandError(name_problem(rosgraph.network.get_host_name()) or (
+                f'No node listens to {topic}: is the fleet manager running? Start it with '
+                'fleet_manager.launch.'))
         time.sleep(0.02)
     return publisher
+
+
+def name_problem(host: str) -> str:
+    """Why nodes cannot reach a program that gives `host` as its address; empty: they may."""
+    try:
+        socket.getaddrinfo(host, None)
+    except OSError:
+        return (f"This computer's own name, {host}, has no address, so no node can reach programs "
+                'here: export ROS_IP=ADDRESS, or put the name into /etc/hosts.')
+    return ''
 
 
 def call(service: str, kind: Type[Any] = Trigger) -> str:
