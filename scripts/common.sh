@@ -13,6 +13,7 @@ run_packages=(
   "rviz                ros-noetic-rviz"
   "ros-robot-state-publisher ros-noetic-robot-state-publisher"
   "ros-message-generation    ros-noetic-message-generation"
+  "ros-message-runtime       ros-noetic-message-runtime"
   "python3-rospy       ros-noetic-rospy"
   "python3-actionlib   ros-noetic-actionlib"
   "python3-diagnostic-updater  ros-noetic-diagnostic-updater"
@@ -77,6 +78,9 @@ docs_packages="mkdocs==1.6.1 mkdocs-material==9.6.23"  # from PyPI, for scripts/
 say() { printf '== %s\n' "$*"; }
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
+# operating_system: its id and its version, such as "debian 12"
+operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
+
 # prepare PACKAGE_LINE...: installs what is missing of these, and builds the workspace.
 prepare() {
   export PATH="/usr/bin:$PATH"  # ROS lives in /usr/bin/python3, even beside another python3
@@ -84,11 +88,8 @@ prepare() {
     install_missing 2 "$@"
     _source /opt/ros/noetic/setup.bash
   else
-    local id='' version=''
-    id="$(. /etc/os-release 2>/dev/null; echo "${ID:-}")"
-    version="$(. /etc/os-release 2>/dev/null; echo "${VERSION_ID:-}")"
-    [ "$id" = debian ] && [ "$version" = 12 ] ||
-      die "this is ${id:-an unknown system} ${version}, without /opt/ros/noetic; use Debian 12, or install ROS Noetic (Ubuntu 20.04) first."
+    [ "$(operating_system)" = "debian 12" ] ||
+      die "this is $(operating_system), without /opt/ros/noetic; use Debian 12, or install ROS Noetic (Ubuntu 20.04) first."
     install_missing 1 "$@"
   fi
   _build

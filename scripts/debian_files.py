@@ -21,9 +21,6 @@ from typing import Dict, List, Mapping, Sequence, Tuple
 ALL = 'omron-ld90'
 """The package that depends on all others and on ROS's commands, and holds the documentation."""
 
-NAMES = {'message_runtime': 'ros-message-runtime'}
-"""Debian's names of ROS packages that are neither in the table nor Python modules."""
-
 CONTROL = """\
 Source: {source}
 Section: misc
@@ -133,7 +130,7 @@ def debian_names(table: str) -> Dict[str, str]:
 
 def needed(keys: Sequence[str], names: Mapping[str, str], own: Mapping[str, str]) -> List[str]:
     """As Debian calls them; ROS packages outside the table are Python modules."""
-    return sorted({own.get(key) or names.get(key) or NAMES.get(key) or (
+    return sorted({own.get(key) or names.get(key) or (
         key if key.startswith('python3-') else 'python3-' + key.replace('_', '-'))
         for key in keys})
 

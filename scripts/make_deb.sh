@@ -13,8 +13,8 @@ case "${1:-}" in
   '' | --try) ;;
   *) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; [ "$1" = -h ] || [ "$1" = --help ]; exit ;;
 esac
-grep -qs '^VERSION_ID="12"' /etc/os-release && grep -qs '^ID=debian' /etc/os-release ||
-  die "Debian packages of ROS 1 are those of Debian 12; this is another system."
+[ "$(operating_system)" = "debian 12" ] ||
+  die "Debian packages of ROS 1 are those of Debian 12; this is $(operating_system)."
 
 install_missing 1 "${run_packages[@]}" "${deb_packages[@]}"
 here="$root/build/deb" log="$root/build/deb.log"
@@ -37,7 +37,7 @@ say "The packages:" "$here"/*.deb
 
 # A root with nothing but Debian's base system; apt takes the packages as a user's machine would.
 [ "$(id -u)" = 0 ] || die "a bare root is made by root only."
-install_missing 1 "debootstrap debootstrap"
+install_missing 1 "debootstrap debootstrap" "iproute2 iproute2"
 bare="$here/root"
 if [ ! -f "$bare/.bare" ]; then
   say "Making a bare Debian 12 root: $bare"

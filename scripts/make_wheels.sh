@@ -13,6 +13,8 @@ case "${1:-}" in -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; e
 
 here="$root/build/dist" log="$root/build/wheels.log"
 mkdir -p "$root/build"
+: >"$log"
+install_missing 1 "python3-venv python3-venv"
 virtual_environment wheels /usr/bin/python3 --system-site-packages $wheel_packages ||
   die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
 rm -rf "$here"

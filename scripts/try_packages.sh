@@ -1,4 +1,4 @@
-# Sourced by bash in a root where the Debian packages are installed: drives a simulated robot, then a fleet of four.
+# Run by scripts/make_deb.sh --try in a root where the Debian packages are installed: drives a simulated robot, then a fleet of four.
 export ROS_IP=127.0.0.1 ROS_HOME=/tmp/try
 trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT
 

@@ -189,9 +189,11 @@ class Witness:
             room = max(math.dist(look[one], look[other]) for look in (first, second)) - apart
             if room < 0.0:
                 near.update((one, other))
-            if room < CLOSE and not self._carried.isdisjoint((one, other)):
-                self._troubled[one] = self._troubled[other] = now
-            if self._carried.isdisjoint((one, other)):
+            if not self._carried.isdisjoint((one, other)):
+                if room < CLOSE:
+                    self.trouble(one, now)
+                    self.trouble(other, now)
+            else:
                 self.nearest = min(self.nearest, room)
                 if room < -SKEW:
                     self._break(f'{one} and {other} are too near by {-room:.2f} m, at '

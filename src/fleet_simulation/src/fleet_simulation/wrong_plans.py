@@ -4,11 +4,9 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from random import Random
-from typing import Callable, Dict, Mapping, Tuple
+from typing import Callable, Dict
 
-from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
-
-_Drives = Mapping[str, Tuple[PlannedDrive, ...]]
+from graph_fleet_manager.planning.tasks import Outcome
 
 ELSEWHERE = (0, 1, -1, 7, 2 ** 31 - 1, 1 - 2 ** 31)
 """Edges that are drawn for others: most graphs have some of them and lack some."""
@@ -76,7 +74,7 @@ def of_an_unknown_robot(outcome: Outcome, chance: Random) -> Outcome:
 
 
 def reversed_order(outcome: Outcome, _: Random) -> Outcome:
-    """Each robot waits for that which should wait for it."""
+    """Each robot waits for the robots that should wait for it."""
     return replace(outcome, precedence=tuple(
         one._replace(first=one.then, before=one.drive, then=one.first, drive=one.before)
         for one in outcome.precedence))

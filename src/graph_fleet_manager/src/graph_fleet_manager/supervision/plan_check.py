@@ -21,7 +21,7 @@ def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
     asked = {task.name for task in tasks}
     for name in (*outcome.drives, *outcome.unserved):
         if name not in asked:
-            return f'names a robot {name[:_SHOWN]!r}, for which it was not asked'
+            return f'names robot {name[:_SHOWN]!r}, which was not in the question'
     for task in tasks:
         drives = outcome.drives.get(task.name, ())
         fault = _fault_of_drives(task, [drive.edge for drive in drives], graph)
@@ -31,8 +31,9 @@ def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
             return f'does not lead {task.name} to its destinations'
     for constraint in outcome.precedence:
         if not _is_possible(constraint, outcome):
-            return (f'lets {constraint.then[:_SHOWN]!r} wait at drive {constraint.drive} for drive '
-                    f'{constraint.before} of {constraint.first[:_SHOWN]!r}, which is none')
+            return (f'has an impossible order: drive {constraint.drive} of '
+                    f'{constraint.then[:_SHOWN]!r} waits for fraction {constraint.fraction:g} of '
+                    f'drive {constraint.before} of {constraint.first[:_SHOWN]!r}')
     waiting = _ring(outcome)
     return f'lets {waiting[0]} wait for itself' if waiting else ''
 
@@ -44,9 +45,9 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
         if abs(edge) not in graph.edges:
             return f'leads {name} over edge {abs(edge)}, which the graph lacks'
     for before, edge in zip(edges, edges[1:]):
-        if graph.end_vertex(before) != graph.start_vertex(edge):
+        if graph.end_vertex(before).id != graph.start_vertex(edge).id:
             return f'leads {name} from edge {before} to edge {edge}, which do not meet'
-    if not edges or not set(map(abs, task.released)) <= set(graph.edges):
+    if not edges or not all(abs(edge) in graph.edges for edge in task.released):
         return ''
     if task.released:
         begins_right = tuple(edges[:len(task.released)]) == task.released
@@ -54,7 +55,8 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
         begins_right = abs(edges[0]) == abs(task.mid_edge[0])
     else:
         begins_right = graph.start_vertex(edges[0]).id == task.vertex
-    return '' if begins_right else f'leads {name} over edge {edges[0]}, where it is not'
+    return ('' if begins_right else
+            f'leads {name} over edge {edges[0]} first, but {name} is elsewhere')
 
 
 def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
