@@ -124,6 +124,19 @@ class Promises:
                     - agv.kind.radius - fleet.agvs[name].kind.radius - fleet.clearance)
             assert room > -1e-6, f'{order} is too near to what {other} has: {fleet.picture()}'
 
+    def grants(self, name: str, edge: int) -> None:
+        """An edge is granted to a robot now; the program that asked for it does not matter."""
+        supervisor = self.fleet.supervisor
+        robot = supervisor.robots[name]
+        is_inside = robot.position is not None and robot.position.vertex is None
+        for is_wrong, why in (
+                (self.stopped is not None and not self.stopped.is_past, 'the fleet is stopped'),
+                (bool(supervisor.trouble), 'the journal cannot be written'),
+                (robot.needs_person, 'a person must look after it'),
+                (not robot.liveness.is_seen, 'it has not reported since the start'),
+                (abs(edge) in self.fleet.closed and not is_inside, 'the edge is closed')):
+            assert not is_wrong, f'{name} is granted {edge}, but {why}: {self.fleet.picture()}'
+
     def tells(self, status: Status) -> None:
         """A status is told now: it is on the disk, and what was at an end stays there."""
         key = status.request_id, status.stamp
