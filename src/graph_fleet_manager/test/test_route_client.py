@@ -226,6 +226,14 @@ def test_a_robot_on_what_it_was_to_be_told_of_is_not_where_it_stood_once_that_is
     assert client.take(Report(0, (), (), Pose(2, 0.5), stamp=102.0)).left
 
 
+def test_a_robot_that_stands_off_its_route_blocks_no_more_because_its_report_comes_late(client):
+    away = Report(0, (), (), Pose(3, 0.5), stamp=100.0)
+    client.take(replace(away, age=1.0))
+    assert [area.radius for area in client.allocation.areas] == [AGV.speed], 'it may still move'
+    client.take(replace(away, stamp=101.0, age=2.0))
+    assert [area.radius for area in client.allocation.areas] == [0.0]
+
+
 @pytest.mark.parametrize('state', [AHEAD, FAILED])
 def test_a_route_that_began_on_edges_that_a_new_graph_lacks_is_left_to_a_person(client, ids, state):
     client.extend([1, 2, 3], ids)
@@ -254,6 +262,15 @@ def test_a_robot_that_stands_on_an_edge_of_another_graph_keeps_it(client, ids):
     client.stop_after_loss(ids)
     client.take(Report(client.due(0.0).route_id, (), (), Pose(1, 0.0), stamp=100.0))
     assert client.allocation.areas
+
+
+def test_a_robot_that_has_driven_there_and_back_holds_no_more_after_a_restart(client, ids):
+    client.extend([1, -1], ids)
+    client.take(report(1, [1, -1], 2))
+    assert not client.allocation.holds
+    again = RouteClient(RouteRecord(GRAPH, AGV))
+    again.restore(client.memory)
+    assert again.allocation == client.allocation
 
 
 def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client, ids):

@@ -715,7 +715,8 @@ def _memory_key(robot: Believed, of: Callable[[int], int]) -> object:
     return (of(stored.route_id), stored.edges, stored.done, stored.position, stored.over,
             tuple(sorted((of(id), base) for id, base in stored.bases.items())),
             tuple(sorted(map(of, stored.ended))), stored.is_stopping, stored.shortened,
-            stored.cleared, stored.tail, stored.evidence._replace(location=None))
+            stored.cleared, stored.tail, tuple(sorted(map(of, stored.acknowledged))),
+            stored.evidence._replace(location=None))
 
 
 def walk(yard: Yard, random: Random, steps: int, trouble: float = 0.03) -> Optional[Found]:

@@ -24,7 +24,7 @@ _STEP = 0.5          # m in which the area around such a robot grows
 class Outlier:
     """A location outside of what the robot was granted.
 
-    age       -- s, how old it was as it arrived
+    age       -- s for which the robot may have moved on from there; 0: it stands
     disproofs -- later locations that were elsewhere
     """
 
@@ -64,7 +64,7 @@ class Evidence:
         """The last one, x, y in m."""
         self.is_absent = False
         self.clock_is_off = False
-        self._age = 0.0          # s, of the last location as it arrived
+        self._age = 0.0          # s for which the robot may have moved on from its last location
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
         self._is_moved = False   # by a giver other than the fleet manager, as last reported
         self._strays = 0         # locations in a row that were outliers
@@ -102,13 +102,15 @@ class Evidence:
             self._strays += 1
             return
         before, self.location = self.location, point
-        self._is_moved = (before is not None and math.dist(before, point) > TREMBLE
-                          and not (is_obedient and report.is_running))
+        has_moved = before is None or math.dist(before, point) > TREMBLE
+        drives = is_obedient and report.is_running
+        self._is_moved = before is not None and has_moved and not drives
         self.reach = 0.0
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
             if judged.disproofs < DISPROOFS)
-        self._age = report.age
+        # A robot that stands does not grow, however late its report arrives.
+        self._age = report.age if has_moved or drives else 0.0
         if is_covered:
             self._strays = 0
         else:

@@ -54,6 +54,8 @@ class Memory(NamedTuple):
     """Of the last report, s by the robot's clock: reports from before it tell nothing."""
     withdrawn: Optional[int] = None
     """Id of an order that is not given any more, but may reach the robot yet."""
+    acknowledged: Tuple[int, ...] = ()
+    """Ids of the routes that the robot has taken up."""
 
     @property
     def held(self) -> Tuple[int, ...]:

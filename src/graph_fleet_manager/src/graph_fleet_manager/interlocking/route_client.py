@@ -471,7 +471,8 @@ class RouteClient:
         return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
                       record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,
                       self._shortened, (number - record.first, fraction),
-                      record.tail, self.evidence.memory, self._stamp, self.withdrawn)
+                      record.tail, self.evidence.memory, self._stamp, self.withdrawn,
+                      tuple(sorted(self._acknowledged)))
 
     @property
     def _shortened(self) -> Optional[int]:
@@ -485,6 +486,7 @@ class RouteClient:
         self._changed()
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
+        self._acknowledged = set(memory.acknowledged)
         self.record.restore(memory.edges, memory.done, memory.position, memory.cleared,
                             memory.tail)
         self.evidence.restore(memory.evidence, now)

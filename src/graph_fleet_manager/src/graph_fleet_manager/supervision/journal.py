@@ -328,7 +328,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'stopping': client.is_stopping, 'shortened': client.shortened,
         'place': _position_values(client.position), 'cleared': client.cleared, 'tail': client.tail,
         'evidence': _evidence_values(client.evidence), 'stamp': client.stamp,
-        'withdrawn': client.withdrawn,
+        'withdrawn': client.withdrawn, 'acknowledged': client.acknowledged,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge,
@@ -344,7 +344,7 @@ def _memory(text: str) -> RobotMemory:
                     stored.get('shortened'),
                     tuple(stored.get('cleared', (0, 0.0))), tuple(stored.get('tail', ())),
                     _evidence(stored.get('evidence')), stored.get('stamp', 0.0),
-                    stored.get('withdrawn'))
+                    stored.get('withdrawn'), tuple(stored.get('acknowledged', ())))
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
