@@ -81,9 +81,12 @@ class Drive:
 
     def advance(self, seconds: float, hold: bool = False, emergency: bool = False) -> None:
         """Lets time pass; with `hold` it brakes and stands, with `emergency` harder."""
+        if self.at_rest and (hold or (self.at_end and self._turn_to is None)):
+            return
         steps = max(1, math.ceil(seconds / STEP - 1e-9))
         for _ in range(steps):
             self._step(seconds / steps, hold, emergency)
+        self._update_place()
 
     # --- one step ---------------------------------------------------------------------------------
 
@@ -152,23 +155,26 @@ class Drive:
             left_over = self.arc - length
             self.index += 1
             self.arc = 0.0
-            if stops:
-                self.speed = 0.0
-            else:
+            if not stops:
                 self.arc = left_over
-            if not last and stops:
+                continue
+            self.speed = 0.0
+            self._face_along(self.path[self.index - 1], length)
+            if not last:
                 self._face_ahead()
-        self._tell_place()
 
-    def _tell_place(self) -> None:
-        """Heading on the curve, and the vertex that it stands on."""
+    def _face_along(self, edge: int, arc: float) -> None:
+        """Sets the heading to that of the curve of an edge."""
+        ahead = self.graph.curve(edge).heading_at(arc)
+        self.heading = angle_between(math.pi if self._backwards else 0.0, ahead)
+
+    def _update_place(self) -> None:
+        """Sets the heading on the curve, and the vertex on which the vehicle stands."""
         edge = self.edge
         if edge is None:
             return
-        curve = self.graph.curve(edge)
         if self._turn_to is None:
-            ahead = curve.heading_at(curve.length if self.at_end else self.arc)
-            self.heading = angle_between(math.pi if self._backwards else 0.0, ahead)
+            self._face_along(edge, self.graph.curve(edge).length if self.at_end else self.arc)
         self.vertex = None
         if self.speed < AT_REST and (self.at_end or self.arc < ON_PLACE):
             self.vertex = (self.graph.end_vertex(edge) if self.at_end

@@ -80,6 +80,7 @@ class RandomMissions:
                 for kept in (self._open, self._sent, self._heard):
                     del kept[message.request_id]
                 self._ended[message.state] += 1
+                self._fill()  # at once, so that no robot waits for the next look
                 rospy.loginfo('Missions: %d succeeded, %d failed, %d refused, %d cancelled.',
                               *(self._ended[state] for state in (
                                   MissionStatus.SUCCEEDED, MissionStatus.FAILED,
@@ -88,20 +89,24 @@ class RandomMissions:
     def _tick(self, _event: rospy.timer.TimerEvent) -> None:
         self._ask()
         with self._lock:
-            homes = [self._places[edge] for edge in self._robots if edge in self._places]
-            if not self._requests.get_num_connections() or not homes:
-                return
-            now = rospy.Time.now()
             for request_id, request in self._open.items():
                 if request_id not in self._heard and (
                         time.monotonic() - self._sent[request_id] > REPEAT):
                     self._requests.publish(request)
-            while len(self._open) < len(self._robots) and self._left:
-                request = self._request(self._random.choice(homes), now)
-                self._open[request.request_id] = request
-                self._sent[request.request_id] = time.monotonic()
-                self._requests.publish(request)
-                self._left -= 1
+            self._fill()
+
+    def _fill(self) -> None:
+        """Requests missions until each robot that works can have one."""
+        homes = [self._places[edge] for edge in self._robots if edge in self._places]
+        if not self._requests.get_num_connections() or not homes:
+            return
+        now = rospy.Time.now()
+        while len(self._open) < len(self._robots) and self._left:
+            request = self._request(self._random.choice(homes), now)
+            self._open[request.request_id] = request
+            self._sent[request.request_id] = time.monotonic()
+            self._requests.publish(request)
+            self._left -= 1
 
     def _ask(self) -> None:
         """About acknowledged missions without news: their end may have been missed."""
