@@ -95,7 +95,7 @@ class PlanExecutor:
         """The planner could not answer; the plan in force stays."""
         if self._open.pop(number, None) is not None:
             self._failures += 1
-            self._tell(f'the planner gave none: {reason}')
+            self._tell(f'the planner found none: {reason}')
 
     def _tell(self, trouble: str) -> None:
         self.trouble = trouble
@@ -218,6 +218,6 @@ def _words(refusal: Refusal) -> str:
     if refusal.gate is Gate.NOT_READY:
         return 'a new location of its own'
     if refusal.gate is Gate.UNKNOWN_ROBOT:
-        return (f'{refusal.other}, which was never heard of: switch it on, or '
+        return (f'{refusal.other}, which has never reported: switch it on, or '
                 f'`fleet absent {refusal.other}`')
     return refusal.other or refusal.gate.value
