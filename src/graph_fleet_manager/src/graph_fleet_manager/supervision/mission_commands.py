@@ -75,5 +75,5 @@ def not_done(before: Status, command: Command, trouble: str) -> Status:
 def not_stored(before: Status, command: Command, trouble: str) -> Status:
     """The status after a command that was carried out, but could not be stored on the disk."""
     return replace(before, command=command, command_code=CommandCode.NOT_STORED,
-                   reason=f'{command.name} is carried out, but forgotten if the fleet manager '
-                          f'ends before it can be stored: {trouble}')
+                   reason=f'{command.name} is carried out, but will be lost if the fleet '
+                          f'manager ends before it can be stored: {trouble}')

@@ -241,9 +241,7 @@ class Acceptance:
         self._check_part(request, robots)
 
     def _check_part(self, request: Request, robots: Iterable[str]) -> None:
-        """Raises RequestRefused if edges do not connect all destinations with each other and with
-        at least one of the robots.
-        """
+        """Raises RequestRefused unless edges connect all destinations and one of the robots."""
         first, *others = request.destinations
         part = self.graph.part_of(first)
         for other in others:

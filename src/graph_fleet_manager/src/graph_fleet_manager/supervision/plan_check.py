@@ -25,7 +25,7 @@ def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
     asked = {task.name for task in tasks}
     for name in (*outcome.drives, *outcome.unserved):
         if name not in asked:
-            return f'names robot {name[:_SHOWN]!r}, which was not in the question'
+            return f'names robot {name[:_SHOWN]!r}, which the question does not have'
     for task in tasks:
         drives = outcome.drives.get(task.name, ())
         fault = _fault_of_drives(task, [drive.edge for drive in drives], graph)
@@ -47,7 +47,7 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
     name = task.name
     for edge in edges:
         if abs(edge) not in graph.edges:
-            return f'leads {name} over edge {abs(edge)}, which the graph lacks'
+            return f'leads {name} over edge {abs(edge)}, which the graph does not have'
     for before, edge in zip(edges, edges[1:]):
         if graph.end_vertex(before).id != graph.start_vertex(edge).id:
             return f'leads {name} from edge {before} to edge {edge}, which do not meet'

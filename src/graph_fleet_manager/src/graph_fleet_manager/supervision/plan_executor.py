@@ -84,7 +84,7 @@ class PlanExecutor:
         fault = question.fault_of(outcome, world.network.graph)
         if fault:
             self._failures += 1
-            self._tell(f'that of the planner {fault}')
+            self._tell(f'the planner sent a plan that {fault}')
             return True
         self._tell('')
         plan = question.plan(outcome, world)
@@ -104,8 +104,8 @@ class PlanExecutor:
 
     def _tell(self, trouble: str) -> None:
         self.trouble = trouble
-        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. It is asked '
-                                'again and again.', 'The planner answers again.')
+        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. The planner '
+                                'is asked again until it gives one.', 'The planner answers again.')
 
     # -- what goes on -----------------------------------------------------------------------------
 

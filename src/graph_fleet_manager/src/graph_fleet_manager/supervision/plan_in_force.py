@@ -53,8 +53,7 @@ class PlanInForce:
         return ''
 
     def asked_to_move(self, working: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
-        """Robots that must move because a robot of `working`, or another such robot, waits for
-        them.
+        """Robots that must move because one of `working`, or another such robot, waits for them.
 
         ends -- number behind the record of each robot: drives that are released need no request
         """
