@@ -83,7 +83,7 @@ class PlanService:
         for (kind, edge), seconds in request.edge_times.items():
             if not 0.0 < seconds < 1e6:
                 raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '
-                                 'must be a time; leave it out.')
+                                 'must be above 0 and below 1e6 s; omit it.')
 
     def _check_ids(self, asker: str, vertices: Tuple[int, ...], edges: Tuple[int, ...]) -> None:
         for id in vertices:

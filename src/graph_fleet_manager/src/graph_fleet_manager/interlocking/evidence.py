@@ -85,7 +85,7 @@ class Evidence:
             found.append(Area((self.location,), self.reach))
         return tuple(found)
 
-    # -- what changes it --------------------------------------------------------------------------
+    # -- changes ----------------------------------------------------------------------------------
 
     def see(self, report: Report, graph: Graph, is_covered: bool, is_obedient: bool) -> None:
         """Evaluates the location in a report.
@@ -169,7 +169,7 @@ class Evidence:
         """Was this location, which arrived at `now`, taken after the robot was declared absent?"""
         return now - max(report.age, 0.0) > self._absent_since
 
-    # -- what outlives a restart ------------------------------------------------------------------
+    # -- storing and restoring --------------------------------------------------------------------
 
     @property
     def memory(self) -> EvidenceMemory:

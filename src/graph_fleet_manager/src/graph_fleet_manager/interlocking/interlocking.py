@@ -194,7 +194,7 @@ class Interlocking:
             robot.client.try_again(self._new_id, count)
         return refusal
 
-    # -- what goes out ----------------------------------------------------------------------------
+    # -- orders that are sent ---------------------------------------------------------------------
 
     def orders(self, now: float) -> List[Tuple[str, Sending]]:
         """All orders that are due now. Orders that stop a robot or shorten its route pass no gate.
@@ -227,7 +227,7 @@ class Interlocking:
         self._with_areas.discard(name)
         self._unknown.discard(name)
 
-    # -- which robots are in each other's way ------------------------------------------------------
+    # -- robots that exclude each other ------------------------------------------------------------
 
     @property
     def unknown_robots(self) -> List[str]:

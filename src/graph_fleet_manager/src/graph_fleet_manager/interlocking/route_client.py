@@ -69,7 +69,7 @@ class RouteClient:
         """Has the robot reported since the start?"""
         self._allocation: Optional[Allocation] = None
 
-    # -- what is known ----------------------------------------------------------------------------
+    # -- state ------------------------------------------------------------------------------------
 
     @property
     def order(self) -> Optional[Order]:
@@ -485,7 +485,7 @@ class RouteClient:
             if order.edges and self._is_shorter(order):
                 self.record.shorten(order.end, report.age)
 
-    # -- what outlives a restart ------------------------------------------------------------------
+    # -- storing and restoring --------------------------------------------------------------------
 
     @property
     def memory(self) -> Memory:

@@ -57,7 +57,7 @@ class RouteRecord:
         self._tail_at = 0  # number of the edge that the first edge of the tail had
         self._slack, self._stopping = slack, stopping
 
-    # -- what is known ----------------------------------------------------------------------------
+    # -- state ------------------------------------------------------------------------------------
 
     @property
     def end(self) -> int:
@@ -140,7 +140,7 @@ class RouteRecord:
         return (self.position is not None
                 and self.position.distance(self.graph, self.pose) > NEAR + TREMBLE)
 
-    # -- what changes it --------------------------------------------------------------------------
+    # -- changes ----------------------------------------------------------------------------------
 
     def append(self, edges: Sequence[int]) -> None:
         """Adds edges to the record. A robot that stands on an edge must begin with that edge."""

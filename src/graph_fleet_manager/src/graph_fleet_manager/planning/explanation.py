@@ -79,14 +79,14 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
     destinations = agent.errand.destinations
     goal = (f'vertex {network.vertex_ids[destinations[-1]]}' if destinations else 'parking')
     if not others:
-        return f'no way to {goal} was found in the time given'
+        return f'no path to {goal} was found in the given time'
     where = []
     for name in others:
         booked = reservations.booked.get(name)
         if booked is None:
             where.append(f'{name}, which cannot move')
         elif booked.plan:
-            where.append(f'{name}, which comes to vertex '
+            where.append(f'{name}, which will end at vertex '
                          f'{network.vertex_ids[network.destination(booked.plan[-1].drive)]}')
         elif booked.mid_edge is None:
             where.append(f'{name}, which stands at vertex {network.vertex_ids[booked.vertex]}')

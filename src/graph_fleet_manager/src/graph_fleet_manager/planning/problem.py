@@ -217,7 +217,7 @@ def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
             if (network.destination(network.drive(first))
                     != network.origin[network.drive(second)]):
                 raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
-                                 f'{first} ends; mend its route.')
+                                 f'{first} ends; correct its route.')
         numbers = (task.begun, task.ready, *task.dwells,
                    *(() if task.mid_edge is None else task.mid_edge[1:]))
         if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:

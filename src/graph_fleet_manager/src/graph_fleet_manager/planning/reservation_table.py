@@ -23,7 +23,7 @@ class MidEdgePosition(NamedTuple):
     y: float
 
     def behind(self, drive: int) -> float:
-        """The fraction of `drive`, one of the two drives on its edge, that lies behind the robot."""
+        """The fraction of `drive`, one of the drives on its edge, that lies behind the robot."""
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
     def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:

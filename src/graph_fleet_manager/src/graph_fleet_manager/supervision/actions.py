@@ -35,7 +35,7 @@ class AskPlanner:
     """Ask the planner for a plan. Its answer returns this number.
 
     edge_times -- learned driving times, in place of length / speed
-    seed       -- of the planner's random choices; it changes if the last plan served not all robots
+    seed       -- of the planner's random choices; it changes if a plan did not serve all robots
     """
 
     number: int

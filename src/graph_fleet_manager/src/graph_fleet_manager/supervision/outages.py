@@ -36,11 +36,11 @@ class Sign(Enum):
     SILENCE = 'no report came for a while'
     NO_ANSWER = 'an order was not answered for a while'
     ANSWER = 'the robot takes up orders'
-    CLOCK_OFF = 'its locations are from the future'
-    CLOCK_RIGHT = 'they are not any more'
+    CLOCK_OFF = 'the time stamps of its locations are in the future'
+    CLOCK_RIGHT = 'the time stamps of its locations are right again'
     LINK_LOST = 'its computer cannot reach it'
     LINK_BACK = 'its computer reaches it, and it stands where it was expected'
-    EMERGENCY = 'it tells of an emergency stop'
+    EMERGENCY = 'it reports an emergency stop'
     DRIVES = 'it drives on, or has nothing to drive'
     STANDS = 'it stands where it was stopped'
     EXCLUDED = 'by evidence it is too near to another robot'
@@ -51,7 +51,7 @@ class Sign(Enum):
     TAKEN_OUT = 'a person takes it out of service'
     BROUGHT_IN = 'a person brings it into service'
     DECLARED_ABSENT = 'a person says that it is not on the site'
-    LOCATED = 'a location came that was taken after that'
+    LOCATED = 'a location came that was taken after it was declared absent'
 
 
 _NEED_PERSON: FrozenSet[Outage] = frozenset((

@@ -47,7 +47,7 @@ class Outbox:
         self._actions: List[Action] = []
         self._wrong: Dict[str, str] = {}
 
-    # -- what follows -----------------------------------------------------------------------------
+    # -- adding actions ---------------------------------------------------------------------------
 
     def put(self, action: Action) -> None:
         """Adds an action."""
@@ -84,7 +84,7 @@ class Outbox:
         """All orders that are due are to be sent."""
         self._is_sending = True
 
-    # -- what goes out ----------------------------------------------------------------------------
+    # -- taking actions ---------------------------------------------------------------------------
 
     def take(self, now: float) -> List[Action]:
         """All actions to be done now, orders to robots first. Their data are on the disk."""
@@ -103,7 +103,7 @@ class Outbox:
 
     @property
     def due(self) -> Optional[float]:
-        """When to take the waiting actions; None: none wait.
+        """When to take the waiting actions; None: none wait, or the disk cannot be written.
 
         A commit is due TOGETHER s after the last one.
         """

@@ -107,7 +107,7 @@ class PlanExecutor:
         self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. The planner '
                                 'is asked again until it gives one.', 'The planner answers again.')
 
-    # -- what goes on -----------------------------------------------------------------------------
+    # -- execution --------------------------------------------------------------------------------
 
     def go_on(self, world: World, now: float) -> None:
         """Has due edges granted, and asks for another plan if this one is not useful any more."""

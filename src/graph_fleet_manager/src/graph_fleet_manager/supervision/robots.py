@@ -97,7 +97,7 @@ class ManagedRobot:
         return self.position is not None and self.position.vertex in vertices
 
     def position_at(self, pose: Pose) -> Optional[GraphPosition]:
-        """Where the robot can begin a route, for a pose.
+        """Where the robot can begin a route if it is at this pose.
 
         It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
         still drive into it.
@@ -162,8 +162,8 @@ class ManagedRobot:
     def must_stop(self, report: Report, now: float) -> bool:
         """Must the robot be stopped because an order was on its way when it dropped out?
 
-        A robot that needs a person may drive that order. A robot whose link is back may drive it
-        later.
+        - A robot that needs a person is stopped if it drives that order.
+        - A robot whose link is back is stopped because that order may still reach it.
         """
         if self.needs_person:
             return self.client.drives_withdrawn(report)
@@ -226,7 +226,7 @@ class ManagedRobot:
         """Was the robot never on the graph?"""
         return self.record.position is None and not self.record.held
 
-    # -- the clock --------------------------------------------------------------------------------
+    # -- time -------------------------------------------------------------------------------------
 
     def look(self, now: float, heard: float) -> bool:
         """Detects that the robot is silent or deaf. Returns whether its allocation has grown.
@@ -267,8 +267,8 @@ class ManagedRobot:
     def begin_elsewhere(self) -> None:
         """Chooses another starting place after a refusal.
 
-        Each robot decides by itself how near to a vertex it must be. A robot near a vertex begins
-        there if it was taken as on an edge, and otherwise on its edge.
+        Each robot decides by itself how near to a vertex it must be. So a robot near a vertex is
+        now settled on the vertex if it counted as on its edge, and on its edge otherwise.
         """
         record, client = self.record, self.client
         if not self._has_refused or not client.is_ready or client.order is not None:
@@ -313,7 +313,7 @@ class ManagedRobot:
                                 f'{", ".join(map(str, held))}, but is {whereabouts}')
         return False
 
-    # -- people -----------------------------------------------------------------------------------
+    # -- commands of people -----------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:
         """Why a person cannot put it back into service now; empty: it is possible, or it works."""

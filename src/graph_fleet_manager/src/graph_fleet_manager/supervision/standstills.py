@@ -13,7 +13,7 @@ ENOUGH = 5    # number of remembered standstills that must have lasted longer th
 
 
 class Standstills:
-    """Standstills of all robots that had something to drive. Waiting for a turn is none."""
+    """Standstills of all robots that had something to drive. Waiting for a turn does not count."""
 
     def __init__(self) -> None:
         self._lasted: Deque[float] = deque(maxlen=KEPT)

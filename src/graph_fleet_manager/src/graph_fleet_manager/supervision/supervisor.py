@@ -272,7 +272,7 @@ class Supervisor:
         return self._out.take_unless_due_later(now)
 
     def _take_up_stop(self, robot: ManagedRobot) -> None:
-        """Takes over a stop that was sent to a robot while a supervisor hung."""
+        """Stops the fleet because a robot got a stop that bypassed a hanging supervisor."""
         if self.is_stopped or robot.client.is_stopping:
             return
         self._out.note(f'{robot.name} was stopped by a command that bypassed the fleet manager '
@@ -325,7 +325,7 @@ class Supervisor:
         self.robots[name].battery.tell(charge, now)
         return self._out.take_unless_due_later(now)
 
-    # -- people -----------------------------------------------------------------------------------
+    # -- commands of people -----------------------------------------------------------------------
 
     def take_out(self, name: str, now: float) -> List[Action]:
         """Takes a robot out of service. It stops where it is."""
@@ -455,8 +455,7 @@ class Supervisor:
     def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
         """Does what time requires. It is to be called ten to twenty times a second.
 
-        heard -- time until which all arrived reports were handled; a robot's silence is measured by
-                 it
+        heard -- time until which all arrived reports were handled; silence is judged by it
         """
         self._heard = now if heard is None else heard
         self._go_on(now)
