@@ -140,7 +140,7 @@ class PlanningPipeline:
     # -- paths for robots without one -------------------------------------------------------------
 
     def _serve(self, missing: Sequence[Agent], deadline: float) -> None:
-        """Finds paths for these robots. A robot without one is unserved, and keeps its old plan."""
+        """Finds paths for these robots. A robot without one is unserved, and keeps any old plan."""
         failed = list(missing)
         if self._old:
             for agent in missing:
