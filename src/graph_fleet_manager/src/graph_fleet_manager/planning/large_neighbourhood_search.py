@@ -55,7 +55,7 @@ class LargeNeighbourhoodSearch:
         return self._now[name].cost - self._all[name].errand.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
-        """Improves until the deadline (monotonic s), for `rounds`, or as long as possible."""
+        """Improves until the deadline (monotonic s), for `rounds`, or until no gain is left."""
         cost = best = sum(path.cost for path in self._now.values())
         while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
             if time.monotonic() >= deadline:

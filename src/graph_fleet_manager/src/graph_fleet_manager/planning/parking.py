@@ -136,7 +136,7 @@ class Parking:
 
     def _by_promise(self) -> List[int]:
         """The candidates: dead ends first, then vertices with few edges."""
-        import networkx as nx  # here: 8 MB that no node needs which only uses the parking places
+        import networkx as nx  # imported here: most nodes need not load its 8 MB
         roads = nx.Graph(zip(self._begin.tolist(), self._end.tolist()))
         roads.add_nodes_from(range(self._vertices))
         cut = set(nx.articulation_points(roads))
