@@ -80,7 +80,7 @@ def test_robots_that_have_a_path_when_time_is_over_keep_it(monkeypatch):
     tasks = [Task(f'r{k}', AGV, 100 * k + 1, destinations=(100 * k + 5,), stays=True)
              for k in range(3)]
     outcome = planner.plan(tasks, deadline=now() + 100.0, rounds=0)
-    assert outcome.unserved == {'r2': 'no way to vertex 205 was found in the time given'}
+    assert outcome.unserved == {'r2': 'no path to vertex 205 was found in the given time'}
     assert [len(outcome.drives[name]) for name in ('r0', 'r1', 'r2')] == [4, 4, 0]
 
 

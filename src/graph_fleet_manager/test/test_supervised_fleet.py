@@ -400,7 +400,7 @@ def test_a_mission_that_the_battery_cannot_end_is_not_begun():
     fleet.request(1, 6)
     fleet.run(10.0)
     assert fleet.state(1) is MissionState.PENDING
-    assert fleet.statuses[-1].reason == 'no free robot has battery enough for it'
+    assert fleet.statuses[-1].reason == 'no free robot has enough charge for it'
 
 
 def test_two_robots_that_report_one_place_are_not_moved():

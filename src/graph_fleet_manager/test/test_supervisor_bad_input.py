@@ -101,7 +101,7 @@ def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
     fleet.request(1, 6)
     fleet.run(3.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
-    assert fleet.statuses[-1].reason == 'a: it reports to be off the graph' and not fleet.sent
+    assert fleet.statuses[-1].reason == 'a: it reports that it is off the graph' and not fleet.sent
 
 
 def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_there(fleet):

@@ -92,7 +92,7 @@ def test_a_battery_that_falls_silent_is_named_as_what_its_robot_waits_for():
     fleet.run(MUTE + 5.0)
     assert view_of(fleet, 'a').state is RobotState.IDLE
     assert view_of(fleet, 'a').waits_for == (
-        'word of its battery, of which nothing was heard for 60 s')
+        'a report of its battery, which has not come for 60 s')
     charge(fleet, a=0.2)
     fleet.run(1.0)
     assert view_of(fleet, 'a').state is RobotState.CHARGING
@@ -107,7 +107,7 @@ def test_a_mission_says_that_nothing_is_heard_of_the_battery_that_it_waits_for()
     fleet.run(3.0)
     assert fleet.state(1) is MissionState.PENDING
     assert fleet.statuses[-1].reason == (
-        'a must charge first, and nothing is heard of the battery of a')
+        'a must charge first, and there is no battery report from a')
 
 
 def test_with_what_its_battery_told_last_a_robot_may_work():
@@ -170,13 +170,13 @@ def test_a_robot_that_finds_no_dock_says_why():
     charge(fleet, a=0.2)
     fleet.request(1, 1)
     fleet.run(3.0)
-    assert view_of(fleet, 'a').waits_for == 'a dock: fleet file and graph have none for its type'
+    assert view_of(fleet, 'a').waits_for == 'a dock: the fleet file and the graph have none for its type'
     assert fleet.statuses[-1].reason == 'a must charge first'
     fleet = yard({'a': 4})
     fleet.close(5)
     charge(fleet, a=0.2)
     fleet.run(3.0)
-    assert view_of(fleet, 'a').waits_for == 'a dock: it reaches none'
+    assert view_of(fleet, 'a').waits_for == 'a dock: it can reach none'
 
 
 def test_for_a_mission_that_needs_more_than_is_left_a_robot_charges_first():
@@ -211,4 +211,4 @@ def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():
     fleet.close(3)
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].dock is None
-    assert view_of(fleet, 'a').waits_for == 'a dock: it reaches none'
+    assert view_of(fleet, 'a').waits_for == 'a dock: it can reach none'

@@ -58,7 +58,7 @@ def test_after_the_stop_the_mission_goes_on_once_the_disk_has_room_and_people_sa
     fleet.run(5.0)
     problems, actions = fleet.supervisor.resume_fleet(fleet.now)
     fleet.do(actions)
-    assert len(problems) == 1 and 'go on only once that is stored' in problems[0]
+    assert len(problems) == 1 and 'go on only after this is stored' in problems[0]
     stood = travelled(fleet)
     fleet.run(10.0)
     assert travelled(fleet) == stood, 'it goes on though its order is on no disk'

@@ -170,7 +170,7 @@ def test_who_was_given_a_route_by_somebody_else_is_not_ordered_what_he_has_not_h
     assert fleet.agvs['a'].visited == [4, 5]
     problem, actions = fleet.supervisor.bring_in('a', fleet.now)
     fleet.do(actions)
-    assert 'told to stop first, as an old order may reach it' in problem
+    assert 'told to stop first, because an old order may still reach it' in problem
     fleet.run(3.0)
     assert not fleet.bring_in('a')
 

@@ -71,9 +71,9 @@ def test_a_right_plan_has_no_fault():
 
 
 @pytest.mark.parametrize(('outcome', 'words'), [
-    (with_drives('c'), "names robot 'c', which was not in the question"),
-    (replace(RIGHT, unserved={'c': 'no way'}), "names robot 'c', which was not in the question"),
-    (with_drives('a', 1, 99), 'leads a over edge 99, which the graph lacks'),
+    (with_drives('c'), "names robot 'c', which the question does not have"),
+    (replace(RIGHT, unserved={'c': 'no way'}), "names robot 'c', which the question does not have"),
+    (with_drives('a', 1, 99), 'leads a over edge 99, which the graph does not have'),
     (with_drives('a', 1, 3), 'leads a from edge 1 to edge 3, which do not meet'),
     (with_drives('a', 2, 3), 'leads a over edge 2 first, but a is elsewhere'),
     (with_drives('a', 1), 'does not lead a to its destinations'),

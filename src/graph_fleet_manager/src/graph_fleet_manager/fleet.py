@@ -1,23 +1,23 @@
-"""The robots of a fleet: what their types measure, how fast they are, how near they may come."""
+"""The robots of a fleet: the size and speed of their types, and the distance between robots."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import FrozenSet, Optional, Tuple
 
-DOCK_APPROACH = 2.0  # m of free manoeuvre in front of a dock
+DOCK_APPROACH = 2.0  # m in front of a dock in which a robot manoeuvres freely
 
 
 @dataclass(frozen=True)
 class RobotType:
-    """What robots of one kind have in common; lengths in m, speeds in m/s.
+    """The common properties of robots of one type. Lengths in m, speeds in m/s.
 
-    radius           -- of the disc that holds the robot however it turns
-    speed            -- what it drives where the edge allows
-    play             -- how far it may stray from its curve
-    obeys_edge_speed -- does it keep to an edge's speed where that is lower? Where an edge's speed
-                        is 0 no robot may drive, in any case
-    docks            -- dock vertices at which it charges and may park; None: at none, but it may be
-                        sent to any
+    radius           -- of the disc that contains the robot in each orientation
+    speed            -- its speed if the edge allows it
+    play             -- the distance by which it may stray from its curve
+    obeys_edge_speed -- it keeps to a lower speed of an edge; no robot may drive where the speed is
+                        0
+    docks            -- dock vertices at which it charges and may park; None: none, but it may be
+                        sent to any dock
     """
 
     name: str
@@ -28,12 +28,13 @@ class RobotType:
     docks: Optional[FrozenSet[int]] = None
 
     def __hash__(self) -> int:
-        """Of the name alone, for types are looked up often, and no two of a fleet share it."""
+        """The hash of the name alone: types are looked up often, and names are unique in a fleet.
+        """
         return hash(self.name)
 
     @property
     def reach(self) -> float:
-        """How far from its curve any part of the robot may be, in m."""
+        """The largest distance of any part of the robot from its curve, in m."""
         return self.radius + self.play
 
     def drives_at(self, edge_speed: float) -> float:
@@ -43,16 +44,16 @@ class RobotType:
         return min(self.speed, edge_speed) if self.obeys_edge_speed else self.speed
 
     def may_dock(self, vertex: int) -> bool:
-        """May it be sent to this dock?"""
+        """May a robot of this type be sent to this dock?"""
         return self.docks is None or vertex in self.docks
 
 
 @dataclass(frozen=True)
 class Robot:
-    """One robot and the vertex that it stands on at first.
+    """One robot, and the vertex on which it stands at first.
 
-    driver -- what drives it; `agv`: it is one that `agv_sim` simulates
-    absent -- it is not on the site: in repair, or not delivered yet
+    driver -- the program that drives it; `agv`: `agv_sim` simulates it
+    absent -- it is not at the site: in repair, or not delivered yet
     """
 
     name: str
@@ -67,7 +68,7 @@ class Fleet:
     """All robots that share a graph.
 
     clearance     -- m that stays free between any two robots
-    dock_approach -- m before a dock in which no other robot drives while a robot docks or leaves
+    dock_approach -- m before a dock that no other robot enters while a robot docks or leaves
     """
 
     types: Tuple[RobotType, ...]

@@ -1,4 +1,4 @@
-"""What is asked of the fleet's planner, as the supervisor asks it and the node answers it."""
+"""Requests to the planner, as the supervisor sends them and the planner node answers them."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -7,21 +7,21 @@ from typing import FrozenSet, Mapping, Tuple
 from graph_fleet_manager.planning.tasks import Obstacle, Task
 
 Times = Mapping[Tuple[str, int], float]
-"""Seconds by robot type's name and signed edge id."""
+"""Seconds by the name of the robot type and the signed edge id."""
 
 
 @dataclass(frozen=True)
 class PlanRequest:
-    """Everything that is to be planned; the planner remembers nothing of the fleet.
+    """All data for one plan. The planner keeps no state of the fleet.
 
-    tasks       -- one for each robot that obeys, names unique
-    obstacles   -- robots that do not
+    tasks       -- one for each robot that obeys; names are unique
+    obstacles   -- robots that cannot be planned for
     closed      -- ids of the edges that no robot may use
     edge_times  -- learned seconds by robot type's name and signed edge; they replace length / speed
     parking     -- ids of the vertices at which robots may be parked
-    time_limit  -- s in which ways are searched for
-    improvement -- s until which the plan is made better; both count from when planning begins
-    seed        -- of all that is random; 0: the planner's own
+    time_limit  -- s for the search, from the beginning of planning
+    improvement -- s until which the plan is improved, from the beginning of planning
+    seed        -- of all random choices; 0: the planner's own
     """
 
     tasks: Tuple[Task, ...]

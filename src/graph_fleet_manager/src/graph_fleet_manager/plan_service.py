@@ -1,7 +1,7 @@
-"""The planner as a service to the supervisor: requests in, plans out; of the graph it has.
+"""The planner as a service to the supervisor: it answers requests with plans on its graph.
 
-It keeps what depends on the graph only, so that a request costs no geometry, and nothing else: the
-same request has the same answer, regardless of earlier requests.
+It keeps only what depends on the graph, so that a request needs no geometry. The same request has
+the same answer, regardless of earlier requests.
 """
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, Task
 from trajectory_graph import Graph
 
-_PLANNERS_KEPT = 4  # closures and learned times come and go
+_PLANNERS_KEPT = 4  # planners for different closed edges and learned times
 
 
 class _Roadmap(NamedTuple):
-    """What a planner is made for."""
+    """The closed edges and learned times for which a planner is made."""
 
     closed: FrozenSet[int]
     edge_times: FrozenSet[Tuple[Tuple[str, int], float]]
@@ -32,9 +32,9 @@ class PlanService:
     """Plans on one graph for the robot types of one fleet.
 
     graph  -- the trajectory graph
-    fleet  -- robot types, clearance and the approach to docks; its robots do not matter
+    fleet  -- robot types, clearance and dock approach; its robots are not used
     search -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
-    seed   -- of all that is random where a request has none
+    seed   -- of all random choices for a request without a seed
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_path,
@@ -47,19 +47,18 @@ class PlanService:
         self._planners: Dict[_Roadmap, FleetPlanner] = {}
 
     def prepare(self) -> None:
-        """Computes beforehand what depends on the graph only."""
+        """Computes in advance what depends only on the graph."""
         self._planner(_Roadmap(frozenset(), frozenset())).prepare()
 
     def parking_by_name(self) -> FrozenSet[int]:
-        """Ids of all vertices at which the graph allows parking, even where that cuts robots
-        off."""
+        """Ids of all vertices at which the graph allows parking, even if that cuts robots off."""
         return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
                          for vertex in named_parking(self._open, kind))
 
     def answer(self, request: PlanRequest, received: Optional[float] = None) -> Outcome:
-        """The plans; limits count from `received` (monotonic s, now by default).
+        """Returns the plans. Limits count from `received` (monotonic s; default: now).
 
-        Raises CannotPlan where the request makes no sense.
+        Raises CannotPlan for an invalid request.
         """
         begun = time.monotonic() if received is None else received
         self._check(request)
@@ -84,7 +83,7 @@ class PlanService:
         for (kind, edge), seconds in request.edge_times.items():
             if not 0.0 < seconds < 1e6:
                 raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '
-                                 'must be a time; leave it out.')
+                                 'must be above 0 and below 1e6 s; omit it.')
 
     def _check_ids(self, asker: str, vertices: Tuple[int, ...], edges: Tuple[int, ...]) -> None:
         for id in vertices:
@@ -95,7 +94,7 @@ class PlanService:
                 raise CannotPlan(f'{asker}: the graph has no edge {id}; choose another.')
 
     def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
-        """The planner for these closures and times; made where it was not used of late."""
+        """The planner for these closed edges and times, kept from an earlier request or new."""
         planner = self._planners.pop(roadmap, None)
         if planner is None:
             network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))

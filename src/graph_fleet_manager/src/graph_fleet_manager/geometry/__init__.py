@@ -1,1 +1,1 @@
-"""Which places two robots may not hold at once; planner and interlocking rely on it alike."""
+"""The places that two robots may not hold at once, for planner and interlocking alike."""

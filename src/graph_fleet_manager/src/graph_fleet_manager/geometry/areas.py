@@ -1,4 +1,4 @@
-"""Where a robot may be that no place of the graph describes."""
+"""Areas: where a robot may be besides the places of the graph."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Point = Tuple[float, float]
 
 @dataclass(frozen=True)
 class Area:
-    """All points within `radius` (m) of a line through these points, or of this one point."""
+    """All points within `radius` (m) of a line through these points, or of the single point."""
 
     line: Tuple[Point, ...]
     radius: float = 0.0
@@ -33,6 +33,6 @@ def are_nearer(one: Sequence[Point], other: Sequence[Point], distance: float) ->
 
 
 def _segments(line: Sequence[Point]) -> Tuple[np.ndarray, np.ndarray]:
-    """First and last points (2,N) of a line's segments; a single point is one segment."""
+    """First and last points (2,N) of a line's segments. A single point is one segment."""
     points = np.array(line, dtype=float).T
     return (points, points) if len(line) == 1 else (points[:, :-1], points[:, 1:])

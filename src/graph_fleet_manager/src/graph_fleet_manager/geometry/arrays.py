@@ -1,19 +1,19 @@
-"""Rows of different lengths, one behind the other in flat arrays."""
+"""Rows of different lengths, stored one after the other in flat arrays."""
 from __future__ import annotations
 
 import numpy as np
 
 
 def count_up(lengths: np.ndarray) -> np.ndarray:
-    """0, 1 .. n - 1 for each n of `lengths`, one row behind the other."""
+    """0, 1 .. n - 1 for each n of `lengths`, one row after the other."""
     ends = np.cumsum(lengths)
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - lengths, lengths)
 
 
 def order_of(numbers: np.ndarray) -> np.ndarray:
-    """Indices that sort small counting numbers; equal ones keep their order.
+    """Indices that sort small counting numbers. Equal numbers keep their order.
 
-    As numbers of 16 bits, where they fit, numpy sorts them several times as fast.
+    If the numbers fit into 16 bits, numpy sorts them several times as fast.
     """
     largest = int(numbers.max()) if len(numbers) else 0
     return np.argsort(numbers.astype(np.min_scalar_type(largest)), kind='stable')

@@ -1,7 +1,7 @@
-"""Where on a straight line a point is nearer than a given distance to another straight line.
+"""The part of a straight line on which a point is nearer than a distance to another line.
 
-All points nearer than r to a line segment make a *capsule*: a rectangle with a half disc at each
-end. It is convex, so a point that moves straight is in it from one moment to one other, or never.
+All points nearer than r to a line segment form a *capsule*: a rectangle with a half disc at each
+end. A capsule is convex. So a point on a straight path is in it during one interval, or never.
 """
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 
 def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.ndarray,
                 distance: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """When points that move from `start` to `end` are in the capsules around `first`..`last`.
+    """The times at which points moving from `start` to `end` are in capsules `first`..`last`.
 
-    All (2,N) in m, `distance` (N,); time runs from 0 to 1. Returns entries and exits (N,); where
-    the entry is greater than the exit, the point is never nearer than the distance.
+    All are (2,N) in m, `distance` is (N,). Time runs from 0 to 1. Returns entries and exits (N,).
+    If the entry is greater than the exit, the point is never nearer than the distance.
     """
     path = end - start
     entry, exit = np.full(path.shape[1], np.inf), np.full(path.shape[1], -np.inf)
@@ -23,7 +23,8 @@ def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.
                  _within_disc(start - last, path, distance),
                  _within_rectangle(start - first, path, last - first, distance)):
         low, high = np.maximum(part[0], 0.0), np.minimum(part[1], 1.0)
-        # A part that is entered at the very end, or left at the very beginning, is not entered.
+        # A part that is entered only at the very end, or left at the very beginning, does not
+        # count.
         absent = (part[0] >= part[1]) | (part[0] >= 1.0) | (part[1] <= 0.0)
         low[absent], high[absent] = np.inf, -np.inf
         entry, exit = np.minimum(entry, low), np.maximum(exit, high)
@@ -32,7 +33,7 @@ def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.
 
 def _within_disc(offset: np.ndarray, path: np.ndarray,
                  radius: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """For |offset + t path| < radius: two roots, equal where that never holds."""
+    """The two times between which |offset + t path| < radius; equal: never."""
     square = path[0] * path[0] + path[1] * path[1]
     half = offset[0] * path[0] + offset[1] * path[1]
     rest = offset[0] * offset[0] + offset[1] * offset[1] - radius * radius
@@ -68,10 +69,10 @@ def _across(vectors: np.ndarray, unit: np.ndarray) -> np.ndarray:
 
 def _within(at: np.ndarray, step: np.ndarray, least: np.ndarray,
             most: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """When at + t step lies strictly between `least` and `most`; (inf, -inf) for never."""
+    """When at + t step lies strictly between `least` and `most`; (inf, -inf): never."""
     still = step == 0.0
     safe = np.where(still, 1.0, step)
-    with np.errstate(over='ignore'):  # of steps next to nothing: infinity is right
+    with np.errstate(over='ignore'):  # a step near 0 overflows to infinity, which is right
         one, other = (least - at) / safe, (most - at) / safe
     low, high = np.minimum(one, other), np.maximum(one, other)
     if still.any():

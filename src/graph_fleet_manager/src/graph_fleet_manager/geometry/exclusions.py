@@ -1,10 +1,11 @@
-"""Which places two robots may not hold at once, from geometry; computed once per graph.
+"""Exclusions: the places that two robots may not hold at once, computed once for each graph.
 
-A robot that waits holds a vertex; a robot that drives holds a whole edge, both ends included, for
-it may come to rest anywhere on it. What lies behind it is given back piece by piece: with every
-pair of places goes the *clear fraction* of the drive after which it is out of the other's way.
-Robots are discs, and their true curves count, so edges exclude each other where they meet, run near
-each other, or cross without a vertex, and vertices exclude edges that pass too near.
+A robot that waits holds a vertex. A robot that drives holds a whole edge, both ends included,
+because it may come to rest anywhere on it. The part behind it is given back piece by piece: each
+pair of places has the *clear fraction* of the drive after which it is out of the other's way.
+
+Robots are discs, and their true curves count. So edges exclude each other if they meet, run near
+each other, or cross without a vertex. Vertices exclude edges that pass too near.
 """
 from __future__ import annotations
 
@@ -19,27 +20,27 @@ from graph_fleet_manager.geometry.arrays import count_up
 from graph_fleet_manager.geometry.capsules import time_within
 from graph_fleet_manager.geometry.pieces import Pieces
 
-ROUNDING = 1e-11  # m: places exactly as far apart as asked do not exclude each other
-_AT_ONCE = 100000  # pairs of pieces looked at in one step, to bound the memory
+ROUNDING = 1e-11  # m: places exactly at the required distance do not exclude each other
+_AT_ONCE = 100000  # number of pairs of pieces examined in one step, to bound the memory
 
 
 class OutOfTime(Exception):
-    """The time given was over before the conflicts were known."""
+    """The given time was over before the conflicts were known."""
 
 
 class Approach(NamedTuple):
-    """What one robot alone may use while it docks or leaves a dock."""
+    """The places that only one robot may use while it docks or leaves a dock."""
 
     edges: Dict[int, Tuple[float, float]]  # place: the fractions between which it is the approach
-    vertices: FrozenSet[int]               # without the dock, where a docked robot is in no way
+    vertices: FrozenSet[int]               # without the dock, where a docked robot blocks nothing
 
 
 class Conflicts(NamedTuple):
     """For each place the places that exclude it at one distance; rows as in a CSR matrix.
 
     Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
-    fractions of edge p, driven forward or backward, after which `other` is free again; 1 also where
-    it is not even free at the end. For a vertex p they mean nothing.
+    fractions of edge p, driven forward or backward, after which `other` is free again. They are 1
+    also if `other` is not even free at the end. For a vertex p they have no meaning.
     """
 
     starts: np.ndarray     # (P + 1,)
@@ -54,12 +55,12 @@ class Conflicts(NamedTuple):
 
 
 class Exclusions:
-    """Conflicts between places for every distance that two robots must keep.
+    """Conflicts between places, for each distance that two robots must keep.
 
     pieces     -- the curves
     ends       -- (E,2) vertex places at the origin and the destination of each edge
-    vertices   -- how many vertices there are
-    approaches -- of the docks
+    vertices   -- number of vertices
+    approaches -- approaches of the docks
     """
 
     def __init__(self, pieces: Pieces, ends: np.ndarray, vertices: int,
@@ -70,7 +71,7 @@ class Exclusions:
         self.places = vertices + len(ends)
         self._approaches = approaches
         self.deadline = inf
-        """Monotonic s after which no more conflicts are looked for: `at` raises OutOfTime."""
+        """Monotonic s after which the search for conflicts stops, and `at` raises OutOfTime."""
         self._by_distance: Dict[float, Conflicts] = {}
 
     def at(self, distance: float) -> Conflicts:
@@ -83,7 +84,7 @@ class Exclusions:
              distance: float) -> Dict[int, Tuple[float, float]]:
         """Places nearer than `distance` (m) to a line through these points (m), or to one point.
 
-        With each edge goes the part of it that is too near: fractions in the edge's own direction.
+        With each edge goes the part of it that is too near, as fractions in its own direction.
         """
         pieces = self._pieces
         found: Dict[int, Tuple[float, float]] = {}
@@ -128,9 +129,9 @@ class Exclusions:
         return pairs.conflicts()
 
     def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
-        """What excludes a vertex excludes the edges at it, up to that end: true to the last digit.
+        """Makes what excludes a vertex exclude also the edges at it, up to that end.
 
-        Geometry says the same but for rounding, and the searches rely on it.
+        Geometry gives the same result except for rounding, but the searches need it exactly.
         """
         ends = self._ends.ravel()  # at 2 * edge + 0 its origin, + 1 its destination
         by_vertex = np.argsort(ends, kind='stable')
@@ -160,7 +161,7 @@ class _Pairs:
             self._new.append((place, other, low, high))
 
     def merge(self) -> None:
-        """One entry per pair, with the stretch that covers all that were added; sorted."""
+        """Leaves one sorted entry for each pair, with the stretch that covers all added ones."""
         columns = [(self.place, self.other, self.low, self.high), *self._new]
         place, other, low, high = map(np.concatenate, zip(*columns))
         self._new = []
@@ -175,7 +176,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Where rounding let only one of two places see the other, the whole of it conflicts."""
+        """If rounding made only one of two places conflict with the other, adds the other fully."""
         key = self.place * self._places + self.other
         mirrored = self.other * self._places + self.place
         missing = ~np.isin(mirrored, key)
@@ -206,10 +207,10 @@ def _cut(pieces: Pieces, longest: float) -> Pieces:
 
 
 class _Stretches(NamedTuple):
-    """Pieces that follow each other on one place, so few that they are looked for together."""
+    """Short runs of pieces on one place; each run is compared as a whole first."""
 
     first: np.ndarray   # (S,) index of the first piece
-    pieces: np.ndarray  # (S,) how many
+    pieces: np.ndarray  # (S,) number of pieces
     place: np.ndarray   # (S,)
     middle: np.ndarray  # (2, S) m
     radius: np.ndarray  # (S,) m: the curves of all pieces are within it around the middle
@@ -258,8 +259,10 @@ def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
 
 def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
                      distance: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of pairs of stretches the pairs of pieces that may be too near: the number of the pair of
-    stretches, ascending, and the two pieces."""
+    """The pairs of pieces, of pairs of stretches, that may be too near.
+
+    Returns the number of the pair of stretches, ascending, and the two pieces.
+    """
     pair = np.repeat(np.arange(len(one)), stretches.pieces[one])
     ours = stretches.first[one][pair] + count_up(stretches.pieces[one])
     whole = other[pair]
@@ -276,15 +279,18 @@ def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
 
 def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndarray,
           distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
-    """Of pairs of stretches those that are too near, both ways round: the places, and the part of
-    the first one that is too near to the second."""
+    """The pairs of stretches that are too near, in both directions.
+
+    Yields the places, and the part of the first one that is too near to the second.
+    """
     pair, ours, theirs = _pairs_of_pieces(stretches, one, other, distance)
     keep = distance - ROUNDING + pieces.margin[ours] + pieces.margin[theirs]
     half = stretches.piece_half
     apart = _distance(stretches.piece_middle, ours, stretches.piece_middle, theirs)
     for mine, yours in ((ours, theirs), (theirs, ours)):
         entry, exit = np.zeros(len(pair)), np.ones(len(pair))
-        partly = np.flatnonzero(apart + half[mine] >= keep)  # the others lie within it altogether
+        # all other pieces lie fully within the distance
+        partly = np.flatnonzero(apart + half[mine] >= keep)
         to, of = mine[partly], yours[partly]
         entry[partly], exit[partly] = time_within(
             pieces.start.take(to, axis=1), pieces.end.take(to, axis=1),
@@ -301,7 +307,7 @@ def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndar
 
 
 def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
-    """Each edge of a dock's approach excludes all else in it."""
+    """Each edge of a dock's approach excludes all other places in the approach."""
     pairs = [(edge, other, *stretch) for edge, stretch in approach.edges.items()
              for other in (*approach.edges, *approach.vertices) if other != edge]
     place, other, low, high = zip(*pairs) if pairs else ((), (), (), ())

@@ -1,7 +1,7 @@
-"""All curves of a graph as straight pieces, each knowing how far the true curve strays from it.
+"""All curves of a graph as straight pieces, each with its largest distance from the true curve.
 
 A *place* is where a robot can be while it waits or drives: a vertex, or an edge with its two ends.
-Places are counted: first the vertices, then the edges, both in the graph's order.
+Places are numbered: first the vertices, then the edges, both in the graph's order.
 """
 from __future__ import annotations
 
@@ -12,23 +12,26 @@ import numpy as np
 from trajectory_graph import CurveType, Graph
 from trajectory_graph.curves import bezier_arc_lengths, bezier_lengths, bezier_points
 
-TOLERANCE = 5e-3  # m, how far a curve may be from its pieces; what it really is, is accounted for
-_FINE = 64  # parts of a spline from which the pieces are chosen; a power of two
-_COARSE = 16  # so many fine parts are one piece where the curve is nearly straight
-_AT_ONCE = 256  # splines looked at in one step, so that their arrays stay in the processor's cache
-_BULGE = 1.5  # a part's curve strays from its chord no more than so many times what its middle does
+# m: the largest distance of a curve from its pieces; the actual distance is accounted for
+TOLERANCE = 5e-3
+_FINE = 64  # number of parts of a spline from which the pieces are chosen; a power of two
+_COARSE = 16  # number of fine parts in one piece if the curve is nearly straight
+# number of splines computed in one step, so that their arrays stay in the processor's cache
+_AT_ONCE = 256
+# bound of a part's distance from its chord, in multiples of the distance of the part's middle
+_BULGE = 1.5
 
 
 class Pieces(NamedTuple):
-    """N straight pieces; the curve of a place is followed by its pieces in order."""
+    """N straight pieces. The pieces of a place follow its curve in order."""
 
     place: np.ndarray   # (N,)
     start: np.ndarray   # (2, N) m
     end: np.ndarray     # (2, N) m, equal to the start for a vertex
     begins: np.ndarray  # (N,) 0..1, fraction of the edge's arc length at `start`
     ends: np.ndarray    # (N,) the same at `end`; in between it grows evenly
-    margin: np.ndarray  # (N,) m: nowhere is the curve farther than this from the piece's point at
-                        # the same arc length
+    margin: np.ndarray  # (N,) m: the largest distance of the curve from the piece's point at the
+                        # same arc length
 
 
 class Splines(NamedTuple):
@@ -39,7 +42,7 @@ class Splines(NamedTuple):
 
 
 def splines_of(graph: Graph) -> Splines:
-    """The splines; to find their control points takes long enough to do it once."""
+    """The splines with their control points. Computing these is slow, so it is done once."""
     edges = [k for k, edge in enumerate(graph.edges.values())
              if edge.curve_type is CurveType.SPLINE]
     ids = list(graph.edges)
@@ -68,7 +71,7 @@ def pieces_of(graph: Graph, splines: Splines) -> Pieces:
 
 
 def edge_lengths(graph: Graph, splines: Splines) -> np.ndarray:
-    """Arc length (m) of every edge, in the graph's order."""
+    """Arc length (m) of each edge, in the graph's order."""
     lengths = np.zeros(len(graph.edges))
     for k, edge in enumerate(graph.edges.values()):
         if edge.curve_type is CurveType.LINE:
@@ -81,11 +84,12 @@ def edge_lengths(graph: Graph, splines: Splines) -> np.ndarray:
 
 
 def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
-    """The pieces of splines: chords, halved until no point of the curve strays too far."""
+    """The pieces of splines: chords, halved until no point of the curve is too far from its chord.
+    """
     t = np.linspace(0.0, 1.0, 2 * _FINE + 1)
     points, arcs = bezier_points(control, t), bezier_arc_lengths(control, t)
     arcs /= arcs[:, -1:]
-    # How far the middle of a fine part is from its chord tells how far the curve is from the part.
+    # The distance of a fine part's middle from its chord bounds that of the curve from the part.
     which, begins = np.repeat(np.arange(len(places)), _FINE), np.tile(np.arange(_FINE), len(places))
     bulge = _strayed(points, arcs, which, 2 * begins, 2).reshape(len(places), _FINE).max(axis=1)
     bulge *= _BULGE
@@ -111,7 +115,7 @@ def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
 
 def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np.ndarray,
              step: int) -> np.ndarray:
-    """Greatest distance (m) of each chord from its part of the curve, at the same arc lengths.
+    """Largest distance (m) of each chord from its part of the curve, at the same arc lengths.
 
     A chord leads from point `begins` to point `begins` + `step` of curve `which`.
     """

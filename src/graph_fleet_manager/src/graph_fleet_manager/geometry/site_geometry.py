@@ -1,6 +1,7 @@
-"""The places of one graph, their curves, and which of them two robots may not hold at once.
+"""The places of one graph, their curves, and the places that exclude each other.
 
-It knows neither closed edges nor times, so one of it serves a graph as long as that is in force.
+It depends neither on closed edges nor on times. So one instance serves a graph as long as it is in
+force.
 """
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ from trajectory_graph import Graph
 
 
 class SiteGeometry:
-    """Places are counted: first the vertices, then the edges, both in the graph's order.
+    """The numbered places of a graph: first the vertices, then the edges, in the graph's order.
 
     graph         -- the trajectory graph
     dock_approach -- m before a dock that belong to the robot that docks or leaves
@@ -29,7 +30,7 @@ class SiteGeometry:
         self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
         self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
         self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
-        """Number of each vertex by its id, which is its place."""
+        """Number of each vertex by its id. This is also its place."""
         self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
         self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
                               for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)
@@ -44,12 +45,12 @@ class SiteGeometry:
 
     @cached_property
     def exclusions(self) -> Exclusions:
-        """Which places exclude each other, for every distance that is asked for."""
+        """The places that exclude each other, for each requested distance."""
         return Exclusions(pieces_of(self.graph, self._splines), self.ends, len(self.vertex_ids),
                           self._approaches())
 
     def _approaches(self) -> Tuple[Approach, ...]:
-        """All that lies within `dock_approach` of each dock along the edges."""
+        """All places within `dock_approach` of each dock along the edges."""
         docks = [vertex.id for vertex in self.graph.vertices.values() if vertex.dock]
         if not docks:
             return ()
@@ -77,7 +78,7 @@ class SiteGeometry:
         return Approach(edges, frozenset(near) - {dock})
 
     def _near(self, dock: int, roads: List[List[Tuple[int, float]]]) -> Dict[int, float]:
-        """Vertices nearer to a dock than `dock_approach` along the edges, and how near (m)."""
+        """Vertices nearer to a dock than `dock_approach` along the edges, with the distance (m)."""
         near: Dict[int, float] = {}
         queue = [(0.0, dock)]
         while queue:

@@ -1,5 +1,5 @@
-"""Which places each robot may occupy: allocations, the evidence for them, and grants.
+"""The interlocking: it owns the allocation of each robot and grants edges to robots.
 
-Neither a plan nor a planner, neither ROS nor a clock: regardless of the plan, robots drive only
-what `Interlocking.grant` gives them.
+A robot drives only edges that `Interlocking.grant` has granted, regardless of the plan. This
+package depends neither on a plan, nor on the planner, nor on ROS, nor on a clock.
 """

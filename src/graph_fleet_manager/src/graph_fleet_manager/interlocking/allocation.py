@@ -1,4 +1,4 @@
-"""What one robot may occupy or still reach, given all evidence."""
+"""The allocation of one robot: all places that it may occupy or still reach, given all evidence."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -10,20 +10,20 @@ from graph_fleet_manager.geometry.areas import Area
 
 
 class Knowledge(Enum):
-    """What is known of where a robot is."""
+    """What the fleet manager knows of a robot's place."""
 
     KNOWN = 'known'
-    """It is within its allocation, switched on or off."""
+    """The robot is within its allocation, switched on or off."""
     UNKNOWN = 'unknown'
-    """It was never heard of, so it may be anywhere."""
+    """The robot has never reported, so it may be anywhere."""
     ABSENT = 'absent'
-    """A person declared that it is not on the site."""
+    """A person declared that the robot is not on the site."""
 
 
 class Hold(NamedTuple):
     """An edge that a robot may be on.
 
-    cleared -- the fraction of it, in driving direction, that lies behind the robot
+    cleared -- the fraction of the edge, in driving direction, that lies behind the robot
     """
 
     edge: int
@@ -33,11 +33,11 @@ class Hold(NamedTuple):
 
 @dataclass(frozen=True)
 class Allocation:
-    """All that one robot may occupy or still reach.
+    """All places that one robot may occupy or still reach.
 
-    holds  -- edges that it was granted and has not certainly left, in driving order
-    vertex -- id of the one on which it stands
-    areas  -- where it stands between vertices, and what evidence adds to all this
+    holds  -- edges that the robot was granted and has not certainly left, in driving order
+    vertex -- id of the vertex on which the robot stands; None: it stands on none
+    areas  -- where the robot stands between vertices, and the areas that evidence adds
     """
 
     kind: RobotType

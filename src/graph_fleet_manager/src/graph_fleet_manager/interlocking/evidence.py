@@ -1,4 +1,4 @@
-"""What reports tell of where a robot is, beyond the route record, and until when that counts."""
+"""Evidence of one robot's place beyond the route record, and the rules that end its validity."""
 from __future__ import annotations
 
 import math
@@ -15,17 +15,18 @@ from graph_fleet_manager.interlocking.reports import (
 )
 from trajectory_graph import Graph
 
-MANUAL_REACH = 10.0  # m that a robot which a person drives, and which is silent, may have come
-DISPROOFS = 2        # later locations elsewhere that disprove an outlier
-_STEP = 0.5          # m in which the area around such a robot grows
+# m that a silent robot may have moved while a person drives it
+MANUAL_REACH = 10.0
+DISPROOFS = 2        # number of later locations elsewhere that disprove an outlier
+_STEP = 0.5          # m: the step in which the area around such a robot grows
 
 
 @dataclass(frozen=True)
 class Outlier:
-    """A location outside of what the robot was granted.
+    """A location outside the places that the robot was granted.
 
     age       -- s for which the robot may have moved on from there; 0: it stands
-    disproofs -- later locations that were elsewhere
+    disproofs -- number of later locations that were elsewhere
     """
 
     point: Point
@@ -33,12 +34,12 @@ class Outlier:
     disproofs: int = 0
 
     def area(self, kind: RobotType) -> Area:
-        """Where the robot may be by it."""
+        """The area in which the robot may be according to this outlier."""
         return Area((self.point,), max(self.age, 0.0) * kind.speed)
 
 
 class EvidenceMemory(NamedTuple):
-    """What of it must outlive a restart."""
+    """The part of the evidence that must survive a restart."""
 
     outliers: Tuple[Outlier, ...] = ()
     lost: Tuple[Area, ...] = ()
@@ -49,47 +50,48 @@ class EvidenceMemory(NamedTuple):
 
 
 class Evidence:
-    """All that is known of one robot beside what it was granted."""
+    """All that is known of one robot's place in addition to its grants."""
 
     def __init__(self, kind: RobotType) -> None:
         self._kind = kind
         self.outliers: Tuple[Outlier, ...] = ()
         self.lost: Tuple[Area, ...] = ()
-        """Curves that it held on a graph which is not in force any more."""
+        """Curves that the robot held on a graph which is not in force any more."""
         self.foreign: Tuple[int, ...] = ()
-        """Edges of a route that it was not given here, and drives."""
+        """Edges that the robot drives although this fleet manager did not order their route."""
         self.reach = 0.0
-        """m around its last location that it may have been driven by hand, silently."""
+        """Radius (m) around the last location in which a silent robot may have been driven by hand.
+        """
         self.location: Optional[Point] = None
-        """The last one, x, y in m."""
+        """The last location, x, y in m."""
         self.is_absent = False
         self.clock_is_off = False
         self._age = 0.0          # s for which the robot may have moved on from its last location
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
-        self._is_moved = False   # by a giver other than the fleet manager, as last reported
-        self._strays = 0         # locations in a row that were outliers
+        self._is_moved = False   # by another giver than the fleet manager, as last reported
+        self._strays = 0         # number of consecutive locations that were outliers
         self._absent_since = -math.inf
 
     @property
     def is_confirmed(self) -> bool:
-        """Do two locations, one after the other, tell that the robot is outside?"""
+        """Have two consecutive locations shown that the robot is outside its grants?"""
         return self._strays >= 2
 
     @property
     def areas(self) -> Tuple[Area, ...]:
-        """Where the robot may be by all this."""
+        """The areas in which the robot may be according to this evidence."""
         found = [*self.lost, *(outlier.area(self._kind) for outlier in self.outliers)]
         if self.reach and self.location is not None:
             found.append(Area((self.location,), self.reach))
         return tuple(found)
 
-    # -- what changes it --------------------------------------------------------------------------
+    # -- changes ----------------------------------------------------------------------------------
 
     def see(self, report: Report, graph: Graph, is_covered: bool, is_obedient: bool) -> None:
-        """Takes up a location.
+        """Evaluates the location in a report.
 
-        is_covered  -- the robot is on what it was granted
-        is_obedient -- it drives a route that it was given here, or nothing
+        is_covered  -- the robot is on a place that it was granted
+        is_obedient -- the robot drives a route that it was given here, or it drives nothing
         """
         self.clock_is_off = report.is_ahead
         self.foreign = () if is_obedient else report.left
@@ -117,7 +119,8 @@ class Evidence:
             self._stray(point)
 
     def uncover(self) -> None:
-        """What covered the last location is not the robot's any more."""
+        """The robot does not hold the place of its last location any more: that is an outlier now.
+        """
         if self.location is not None:
             self._stray(self.location)
 
@@ -127,9 +130,9 @@ class Evidence:
                            if math.dist(one.point, point) > TREMBLE), Outlier(point, self._age))
 
     def grow(self, silence: float) -> bool:
-        """Nothing was heard of the robot for so many seconds; tells whether that changes anything.
+        """Grows the area of a robot that has been silent for `silence` s. Returns whether it grew.
 
-        Only a robot that was last seen to move by another giver may be elsewhere by now.
+        Only a robot that was last seen to move by another giver may have moved since.
         """
         if not self._is_moved or self.is_absent:
             return False
@@ -141,16 +144,16 @@ class Evidence:
         return True
 
     def settle(self) -> None:
-        """The robot stands where it is known to stand, and nowhere else."""
+        """The robot stands where it is known to stand, so all other evidence is void."""
         self.outliers, self.lost, self.foreign, self.reach = (), (), (), 0.0
         self._strays, self._is_moved = 0, False
 
     def lose(self, areas: Tuple[Area, ...]) -> None:
-        """The graph in force lacks what the robot held."""
+        """Adds the areas of edges that the robot held and that the graph in force does not have."""
         self.lost = (*self.lost, *areas)
 
     def leave_lost(self, margin: float) -> None:
-        """The robot cannot come to the lost areas any more that are farther away than this (m)."""
+        """Drops the lost areas that are farther than `margin` (m) from the robot's location."""
         here = self.location
         if here is not None:
             self.lost = tuple(area for area in self.lost
@@ -159,7 +162,7 @@ class Evidence:
     # -- robots that are not on the site ----------------------------------------------------------
 
     def declare_absent(self, now: float) -> None:
-        """A person says that the robot is not on the site; `now`: the supervisor's time."""
+        """A person declares that the robot is not on the site. `now` is the supervisor's time."""
         self.settle()
         self.location = None
         self.is_absent, self._absent_since = True, now
@@ -168,22 +171,22 @@ class Evidence:
         """Was this location, which arrived at `now`, taken after the robot was declared absent?"""
         return now - max(report.age, 0.0) > self._absent_since
 
-    # -- what outlives a restart ------------------------------------------------------------------
+    # -- storing and restoring --------------------------------------------------------------------
 
     @property
     def memory(self) -> EvidenceMemory:
-        """What is to be stored."""
+        """The evidence to be stored."""
         return EvidenceMemory(self.outliers, self.lost, self.foreign, self.reach, self.location,
                               self.is_absent)
 
     def restore(self, memory: EvidenceMemory, now: float) -> None:
-        """As it was before a restart; `now`: the supervisor's time."""
+        """Sets the evidence to its state before a restart. `now` is the supervisor's time."""
         (self.outliers, self.lost, self.foreign, self.reach, self.location,
          self.is_absent) = memory
         self._absent_since = now
 
 
 def _judged(outlier: Outlier, point: Point) -> Outlier:
-    """An outlier after a later location."""
+    """An outlier with its count of disproofs updated by a later location."""
     is_elsewhere = math.dist(outlier.point, point) > NEAR
     return replace(outlier, disproofs=outlier.disproofs + 1 if is_elsewhere else 0)

@@ -1,7 +1,8 @@
-"""The interlocking: nothing that moves a managed robot leaves the process except by its `grant`.
+"""The interlocking: each permission to move a managed robot passes through its `grant`.
 
-The idea is that of a railway: the signal box does not trust the schedule. A plan says which robot
-goes first; whether a robot may have an edge now is decided here, from allocations and gates alone.
+It works like a railway's signal box, which does not trust the timetable. The plan says which robot
+goes first. The interlocking decides whether a robot may have an edge now, from allocations and
+gates alone.
 """
 from __future__ import annotations
 
@@ -29,11 +30,11 @@ from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
 from graph_fleet_manager.interlocking.orders import Sending
 from graph_fleet_manager.interlocking.route_client import NewId, RouteClient
 
-_REMEMBERED = 1000  # areas whose places are known
+_REMEMBERED = 1000  # number of areas of which the near places are remembered
 
 
 class Gate(Enum):
-    """Why something is not granted; the values are words for people."""
+    """Why something is not granted. The values are shown to people."""
 
     FLEET_STOP = 'the fleet is stopped'
     JOURNAL = 'the journal cannot be written'
@@ -51,8 +52,8 @@ class Gate(Enum):
 class Refusal(NamedTuple):
     """Why an edge is not granted.
 
-    edge  -- signed id of the edge that is refused
-    other -- name of the robot that is in the way, if one is
+    edge  -- signed id of the refused edge
+    other -- name of the robot that is in the way; empty: no robot is
     """
 
     gate: Gate
@@ -60,34 +61,34 @@ class Refusal(NamedTuple):
     other: str = ''
 
 class InterlockedRobot(Protocol):
-    """What the interlocking must know of a robot."""
+    """The properties of a robot that the interlocking needs."""
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """The robot's name."""
 
     @property
     def type(self) -> RobotType:
-        """What it measures."""
+        """The robot's type, with its measures."""
 
     @property
     def client(self) -> RouteClient:
-        """Its orders, its reports, and by them its allocation."""
+        """The robot's orders and reports, and the allocation that results from them."""
 
     @property
     def needs_person(self) -> bool:
-        """May it drive only once a person has brought it back?"""
+        """Must a person bring the robot back before it may drive again?"""
 
     @property
     def is_silent(self) -> bool:
-        """Does it not report, so that it may have forgotten its route?"""
+        """Has the robot stopped reporting, so that it may have forgotten its route?"""
 
 
 class Claim(NamedTuple):
     """A place of the site's geometry that a robot may be on.
 
-    forward -- an edge: is it driven in its own direction?
-    cleared -- an edge: the fraction of it, in driving direction, that lies behind the robot
+    forward -- for an edge: the robot drives it in the edge's own direction
+    cleared -- for an edge: the fraction of it, in driving direction, that lies behind the robot
     """
 
     place: int
@@ -97,7 +98,7 @@ class Claim(NamedTuple):
 
 @dataclass(frozen=True)
 class Grant:
-    """How many of the edges are granted, and why the next one is not (None: all are)."""
+    """The edges that are granted, and why the next one is not (None: all are granted)."""
 
     edges: Tuple[int, ...]
     refusal: Optional[Refusal] = None
@@ -105,12 +106,12 @@ class Grant:
 
 @dataclass(frozen=True)
 class Asked:
-    """An edge that a robot wants, as the conditions see it.
+    """An edge that a robot requests, as the conditions see it.
 
-    edge      -- signed id; 0: all that it holds, again
-    before    -- the edge before that one, 0: it begins where the record ends
-    is_inside -- does the robot stand on it, between its ends?
-    claim     -- the part of it that the robot would hold
+    edge      -- signed id; 0: the request is to order again all edges that the robot holds
+    before    -- the edge before this one; 0: the edge begins where the record ends
+    is_inside -- the robot stands on the edge, between its ends
+    claim     -- the part of the edge that the robot would hold
     """
 
     robot: InterlockedRobot
@@ -123,8 +124,12 @@ class Asked:
 class Interlocking:
     """Grants edges to the robots of one site.
 
+    No two allocations may exclude each other: the curves of the places of two robots must stay at
+    least both reaches and the clearance apart. `grant` therefore gives a robot only edges that all
+    GATES and all CONDITIONS allow.
+
     clearance -- m that stays free between any two robots
-    robots    -- all robots of which something is known, those that left the fleet file included
+    robots    -- all robots that the fleet manager knows, also those that left the fleet file
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
@@ -132,9 +137,9 @@ class Interlocking:
         self.is_stopped = False
         """Is the fleet stopped?"""
         self.trouble = ''
-        """Why the journal cannot be written, a clause; empty: it can."""
+        """Why the journal cannot be written, as a clause; empty: it can be written."""
         self.closed: AbstractSet[int] = frozenset()
-        """Ids of the edges that robots may not be sent into."""
+        """Ids of the edges onto which no robot may be sent."""
         self._geometry, self._clearance = geometry, clearance
         self._robots = robots
         self._new_id = new_id
@@ -147,13 +152,13 @@ class Interlocking:
     # -- grants -----------------------------------------------------------------------------------
 
     def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
-        """Grants as many of these edges as the robot may have now, from the first on.
+        """Grants the longest beginning of these edges that the robot may have now.
 
-        What is granted is in the robot's allocation and ordered at once. It is sent only when it is
-        on the disk.
+        The granted edges are added to the robot's allocation and ordered at once. The order is sent
+        only after it is stored on the disk.
 
-        edges -- signed ids, in driving order, behind all that the robot was granted before
-        renew -- under a new route id, as for another mission
+        edges -- signed ids, in driving order; they follow all edges granted before
+        renew -- use a new route id, for example for another mission
         """
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
@@ -179,9 +184,9 @@ class Interlocking:
             before = edge
 
     def grant_again(self, robot: InterlockedRobot, count: int) -> Optional[Refusal]:
-        """Orders once more, under a new id, so many edges that the robot holds.
+        """Orders `count` edges that the robot holds once more, under a new route id.
 
-        An emergency stop, or a restart, kept it from driving them.
+        It is used after an emergency stop or a restart kept the robot from driving these edges.
         """
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
@@ -189,46 +194,49 @@ class Interlocking:
             robot.client.try_again(self._new_id, count)
         return refusal
 
-    # -- what goes out ----------------------------------------------------------------------------
+    # -- orders that are sent ---------------------------------------------------------------------
 
     def orders(self, now: float) -> List[Tuple[str, Sending]]:
-        """All orders that are due now. Stops and cuts pass no gate."""
+        """All orders that are due now. Orders that stop a robot or shorten its route pass no gate.
+        """
         found: List[Tuple[str, Sending]] = []
         for name, robot in self._robots.items():
             client = robot.client
             if client.order is None or (not client.takes_away and self._is_held_back(robot)):
                 continue
             if robot.is_silent and not client.is_stopping:
-                continue  # it may have forgotten its route, and would drive a part of it
+                continue  # it may have forgotten its route, and would drive only a part of it
             sending = client.due(now)
             if sending is not None:
                 found.append((name, sending))
         return found
 
     def _is_held_back(self, robot: InterlockedRobot) -> bool:
-        """Must an order that lets a robot drive wait? A repeat relies on no new word on the disk.
+        """Must an order that lets a robot drive wait?
+
+        A repeated order does not wait for the journal: it is stored already.
         """
         return self.is_stopped or robot.needs_person or (
             bool(self.trouble) and robot.client.is_new_motion)
 
     def forget(self, name: str) -> None:
-        """A robot is not among those of the site any more."""
+        """Removes a robot that is not a robot of the site any more."""
         before = self._known.pop(name, None)
         if before is not None:
             self._drop(name, before)
         self._with_areas.discard(name)
         self._unknown.discard(name)
 
-    # -- which robots are in each other's way ------------------------------------------------------
+    # -- robots that exclude each other ------------------------------------------------------------
 
     @property
     def unknown_robots(self) -> List[str]:
-        """Robots that may be anywhere, so that nothing is granted."""
+        """Names of the robots that may be anywhere. While there is one, nothing is granted."""
         self._refresh()
         return sorted(self._unknown)
 
     def excluding(self, name: str) -> str:
-        """A robot whose allocation and that of this one exclude each other; empty: none."""
+        """Name of a robot whose allocation excludes that of this robot; empty: there is none."""
         self._refresh()
         robot, own = self._robots[name], self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
@@ -257,7 +265,7 @@ class Interlocking:
         return ''
 
     def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
-        """A robot that holds what excludes this claim of `robot`; empty: none."""
+        """Name of a robot that holds a place which excludes this claim of `robot`; empty: none."""
         exclusions = self._geometry.exclusions
         kind = robot.type
         for other_kind, claims in self._claims.items():
@@ -302,7 +310,7 @@ class Interlocking:
         return claims
 
     def _refresh(self) -> None:
-        """Takes up every allocation that has changed."""
+        """Reads each allocation that has changed since the last call."""
         for name, robot in self._robots.items():
             allocation, before = robot.client.allocation, self._known.get(name)
             if allocation is before:
@@ -324,22 +332,25 @@ class Interlocking:
 
 
 def _meets(part: Optional[Tuple[float, float]], claim: Claim) -> bool:
-    """Does the part of a place that is too near to something lie ahead on a claim of that place?"""
+    """Does the blocked part of a place lie on the part of it that the claim still covers?
+
+    part -- the part of the place that is too near to something, from and to a fraction; None: none
+    """
     if part is None:
         return False
     end = part[1] if claim.forward else 1.0 - part[0]
     return not claim.cleared or end > claim.cleared
 
 
-# -- what must hold for a grant -------------------------------------------------------------------
+# -- conditions of a grant ------------------------------------------------------------------------
 
 Condition = Callable[[Interlocking, Asked], Optional[Refusal]]
-"""Why an edge is not granted; None: this condition holds."""
+"""Returns why an edge is not granted; None: this condition is met."""
 
 
 def first_refusal(conditions: Sequence[Condition], site: Interlocking,
                   asked: Asked) -> Optional[Refusal]:
-    """Why the first of these conditions that does not hold refuses; None: all hold."""
+    """Returns the refusal of the first condition that is not met; None: all are met."""
     for condition in conditions:
         refusal = condition(site, asked)
         if refusal is not None:
@@ -379,7 +390,7 @@ def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    """On the edge before, on all that was granted, or on where the robot stands."""
+    """The edge must join the edge before it, the end of all grants, or the robot's position."""
     record = asked.robot.client.record
     graph = record.graph
     if asked.before:
@@ -410,7 +421,7 @@ def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _clock_is_right,
     _robot_is_known, _others_are_known, _last_order_is_settled, _robot_is_clear_of_others)
-"""Hold before a robot is granted anything, also an edge that it holds already."""
+"""All must be met before a robot is granted anything, also an edge that it holds already."""
 
 CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _place_is_free)
-"""Hold before a robot is granted an edge."""
+"""All must be met, in addition, for each edge that a robot is granted."""

@@ -1,4 +1,4 @@
-"""Orders to one robot, what its reports say of them, and what of both outlives a restart."""
+"""Orders to one robot, the results of its reports, and the state to keep over a restart."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -19,12 +19,12 @@ class Order(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Number, in the record, behind its last edge."""
+        """Number, in the record, of the first edge behind the order's last edge."""
         return self.base + len(self.edges)
 
 
 class Sending(NamedTuple):
-    """An order to be sent now; a repeated one goes out exactly as before."""
+    """An order to be sent now. A repeated order is sent exactly as before."""
 
     route_id: int
     edges: Tuple[int, ...]
@@ -33,7 +33,7 @@ class Sending(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What must outlive a restart; the edges of the record are counted from 0 here."""
+    """The state of a route client that must survive a restart. Edges are counted from 0 here."""
 
     route_id: int
     edges: Tuple[int, ...]
@@ -44,16 +44,16 @@ class Memory(NamedTuple):
     ended: Tuple[int, ...] = ()
     is_stopping: bool = False
     shortened: Optional[int] = None
-    """So many edges of the record are left by an order to which there was no answer yet."""
+    """Number of edges that are left by a shortening order which is not yet acknowledged."""
     cleared: Tuple[int, float] = (0, 0.0)
     """Edge and fraction that certainly lie behind the robot."""
     tail: Tuple[int, ...] = ()
-    """Edges that were taken back, but may be reached before it stands."""
+    """Edges that were taken back, but that the robot may still reach before it stands."""
     evidence: EvidenceMemory = EvidenceMemory()
     stamp: float = 0.0
-    """Of the last report, s by the robot's clock: reports from before it tell nothing."""
+    """Stamp of the last report, in s by the robot's clock. Earlier reports are ignored."""
     withdrawn: Optional[int] = None
-    """Id of an order that is not given any more, but may reach the robot yet."""
+    """Id of an order that was withdrawn, but may still reach the robot."""
     acknowledged: Tuple[int, ...] = ()
     """Ids of the routes that the robot has taken up."""
 
@@ -63,10 +63,12 @@ class Memory(NamedTuple):
         return (*self.edges[self.cleared[0]:], *self.tail, *self.evidence.foreign)
 
     def on(self, graph: Graph) -> Memory:
-        """What of it is true on a graph, maybe another than when this was stored.
+        """The part of this state that is valid on a graph, which may differ from the stored one.
 
-        Edges that are driven may be gone: a route that began with them goes on under another id.
-        Where more is gone no position is left, but a stop under way is, and which routes are over.
+        - If only edges are missing that the robot has driven, the record begins behind them, and
+          the next order gets another route id.
+        - If more edges are missing, no position is kept. A stop under way is kept.
+        - The ids of routes that are over are kept in both cases.
         """
         position = self.position
         if position is not None and not position.is_on(graph):
@@ -75,7 +77,8 @@ class Memory(NamedTuple):
             edge for edge in self.tail if abs(edge) in graph.edges))
         if is_on(graph, self.edges) and position == self.position:
             return kept
-        # With a full disk more is driven than is stored. What is not driven every new graph has.
+        # With a full disk the robot may have driven more edges than are stored. Each new graph has
+        # all edges that are not driven yet.
         for done in range(min(self.cleared[0], self.done), len(self.edges)):
             if is_on(graph, self.edges[done:]):
                 return kept._replace(
@@ -89,14 +92,14 @@ class Memory(NamedTuple):
 
 @dataclass
 class Heard:
-    """What a report told.
+    """The results of one report.
 
     passed  -- vertices passed since the last report, in order
-    failed  -- why the route failed; no reason: it did not
-    refused -- why an order was not taken up; no reason: it was
-    was_shorter -- that order was to end the route sooner
+    failed  -- why the route failed; no reason: it did not fail
+    refused -- why the robot refused an order; no reason: it refused none
+    was_shorter -- the refused order was one that stops the robot or shortens its route
     foreign -- the robot drives a route that it was not given here
-    left    -- nothing is to be driven, but the robot is not where its route ended
+    left    -- the robot has nothing to drive, but is not where its route ended
     """
 
     passed: List[int] = field(default_factory=list)

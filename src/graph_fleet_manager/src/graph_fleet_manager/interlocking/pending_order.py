@@ -1,4 +1,4 @@
-"""The order that a robot has not acknowledged yet: sent, and repeated unchanged until it has."""
+"""The order that a robot has not acknowledged yet. It is repeated unchanged until then."""
 from __future__ import annotations
 
 from typing import Optional
@@ -9,9 +9,9 @@ REPEAT = 1.0  # s after which an order that was not acknowledged is repeated
 
 
 class PendingOrder:
-    """At most one order of one robot.
+    """At most one unacknowledged order of one robot.
 
-    takes_away -- it stops the robot, or cuts its route short, regardless of its driver by now
+    takes_away -- the order stops the robot or shortens its route; it is valid in each epoch
     """
 
     def __init__(self) -> None:
@@ -22,29 +22,29 @@ class PendingOrder:
 
     @property
     def is_stop(self) -> bool:
-        """Is the robot to stop where it is?"""
+        """Is the order a stop?"""
         return self.order is not None and not self.order.edges
 
     @property
     def is_new_motion(self) -> bool:
-        """Was it never sent, and does it let the robot drive?"""
+        """Does the order let the robot drive, and was it never sent?"""
         return self.order is not None and self._sent_at is None and not self.takes_away
 
     def give(self, order: Order, takes_away: bool = False, known_epoch: int = 0) -> None:
-        """This is ordered now, and nothing of before any more.
+        """Sets the order, in place of any order before it.
 
-        known_epoch -- of the robot's motion, in which it makes sense; 0: none is known
+        known_epoch -- epoch of the robot's motion in which the order is valid; 0: none is known
         """
         self.order, self.takes_away = order, takes_away
         self._known_epoch = 0 if takes_away else known_epoch
         self._sent_at = None
 
     def drop(self) -> None:
-        """It is acknowledged, refused, or not to be sent any more."""
+        """Removes the order: it is acknowledged, refused, or not to be sent any more."""
         self.order = None
 
     def due(self, now: float) -> Optional[Sending]:
-        """What is to be sent now, if anything."""
+        """The message to send now; None: nothing is due."""
         if self.order is None:
             return None
         is_repeat = self._sent_at is not None

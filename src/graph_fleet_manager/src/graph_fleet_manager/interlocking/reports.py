@@ -1,4 +1,4 @@
-"""What robots tell of their routes, as the route protocol has it, and what is wrong with it."""
+"""The reports of robots about their routes, as in the route protocol, and the check of them."""
 from __future__ import annotations
 
 import math
@@ -10,13 +10,16 @@ from graph_fleet_manager.geometry.areas import Point
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
 
-LONGEST = 1000     # edges in a route; more is a mistake or an attack
-NEAR = 0.3         # m from a vertex at which a robot stands on it at most, regardless of its play
-AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
-TREMBLE = 0.05     # m by which the location of a robot that stands may change
-CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns from there on
-_OLD = 10.0        # s that a location may be old as it arrives
-_OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a clock set back
+LONGEST = 1000     # number of edges in a route; a longer one is a mistake or an attack
+# m from a vertex within which a robot can count as standing on it, whatever its play
+NEAR = 0.3
+# m from a vertex within which a robot without play counts as standing on it
+AT_VERTEX = 0.02
+TREMBLE = 0.05     # m by which the reported location of a standing robot may change
+CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns above this
+_OLD = 10.0        # s: a location that is older at its arrival is old
+# s: a report that is older than the last one by more shows that the clock was set back
+_OVERTAKEN = 10.0
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Pose:
 
 
 def distance(graph: Graph, one: Pose, other: Pose) -> float:
-    """Metres between two poses, along their edge or straight; infinite from off the graph."""
+    """Metres between two poses: along their common edge, else straight; infinite off the graph."""
     if one.edge == other.edge:
         length = graph.curve(one.edge).length if one.edge else 0.0
         return abs(one.fraction - other.fraction) * length
@@ -48,10 +51,10 @@ def point_of(graph: Graph, pose: Pose) -> Point:
 class Report:
     """One report of a robot.
 
-    stamp -- s, when the location that it uses was taken, by the robot's clock; 0: it had none
-    age   -- s since then as it arrived; negative where the robot's clock is ahead
-    location -- in metres; None where the robot did not tell it
-    epoch -- of the robot's motion, which an order must know; 0: it tells none
+    stamp -- time of the location used, in s by the robot's clock; 0: it used no location
+    age   -- age of that location at its arrival, in s; negative if the robot's clock is ahead
+    location -- x, y in m; None: the robot did not report it
+    epoch -- epoch of the robot's motion, which an order must name; 0: the robot reports none
     """
 
     route_id: int
@@ -66,7 +69,7 @@ class Report:
 
     @property
     def completed(self) -> int:
-        """How many edges, from the first on, are COMPLETE."""
+        """Number of edges that are COMPLETE, counted from the first on."""
         for index, state in enumerate(self.states):
             if state is not EdgeState.COMPLETE:
                 return index
@@ -79,7 +82,7 @@ class Report:
 
     @property
     def is_failed(self) -> bool:
-        """Has the route, or what was left of it, failed?"""
+        """Has the route, or its remaining part, failed?"""
         return EdgeState.FAILED in self.states
 
     @property
@@ -93,41 +96,42 @@ class Report:
         return self.age < -CLOCK_ERROR
 
     def located(self, graph: Graph) -> Optional[Point]:
-        """Where the robot is, x, y in m; None where the report does not tell it."""
+        """The robot's location, x, y in m; None: the report has none."""
         if self.location is not None:
             return self.location.x, self.location.y
         return point_of(graph, self.pose) if self.pose.edge else None
 
 
 class WrongReport(Exception):
-    """A report that cannot be true; the text, a clause, says why."""
+    """A report that cannot be true. Its text is a clause that says why."""
 
 
 def check_report(report: Report, graph: Graph) -> None:
     """Raises WrongReport for a report that makes no sense on this graph."""
     if len(report.edges) != len(report.states):
-        raise WrongReport('it has not one state for each edge')
+        raise WrongReport('it does not have one state for each edge')
     if len(report.edges) > LONGEST:
         raise WrongReport(f'its route has more than {LONGEST} edges')
     if not math.isfinite(report.pose.fraction) or not 0.0 <= report.pose.fraction <= 1.0:
         raise WrongReport(f'it is at {100.0 * report.pose.fraction} % of an edge')
     if not (math.isfinite(report.stamp) and math.isfinite(report.age)):
-        raise WrongReport('its stamp is no time')
+        raise WrongReport('its stamp is not a finite number')
     if report.pose.edge and abs(report.pose.edge) not in graph.edges:
         raise WrongReport(f'it is on edge {report.pose.edge}, which the graph does not have')
 
 
 def is_overtaken(stamp: float, last: float) -> bool:
-    """Was what has this stamp overtaken by what has the stamp `last`? Both by the robot's clock."""
+    """Is a message with the stamp `stamp` older than one with `last`? Both by the robot's clock."""
     return 0.0 < last - stamp < _OVERTAKEN
 
 
 def old_location(name: str, report: Report) -> str:
-    """What is to be said of a robot whose location was old as it arrived; empty: it was not."""
+    """The warning about a robot whose location was old at its arrival; empty: it was not old."""
     if report.age <= _OLD:
         return ''
-    return (f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
-            'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
+    return (f'The locations of {name} are more than {_OLD:.0f} s old when they arrive. Either they '
+            'are not renewed, or the clock of its computer is wrong: check NTP. Until then other '
+            'robots stay far behind it.')
 
 
 @dataclass(frozen=True)
@@ -139,20 +143,19 @@ class GraphPosition:
     fraction: float = 0.0
 
     def is_on(self, graph: Graph) -> bool:
-        """Does a graph have this position?"""
+        """Does the graph have this position?"""
         return abs(self.edge) in graph.edges if self.vertex is None else (
             self.vertex in graph.vertices)
 
     def point(self, graph: Graph) -> Point:
-        """x, y in m."""
+        """The point x, y in m."""
         if self.vertex is None:
             return point_of(graph, Pose(self.edge, self.fraction))
         vertex = graph.vertices[self.vertex]
         return vertex.x, vertex.y
 
     def distance(self, graph: Graph, pose: Pose) -> float:
-        """Metres from there to a pose, along their edge or straight; infinite from off the graph.
-        """
+        """Metres to a pose: along the common edge, else straight; infinite off the graph."""
         if self.vertex is None:
             return distance(graph, Pose(self.edge, self.fraction), pose)
         if not pose.edge:
@@ -160,10 +163,11 @@ class GraphPosition:
         return math.dist(self.point(graph), point_of(graph, pose))
 
     def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
-        """Is it on one of these edges, or at an end of one?
+        """Is the position on one of these edges, or at an end of one?
 
-        A robot that strays by up to `play` (m) from its edge is told on the one that is nearest,
-        which beside another edge need not be its own: then it is no farther than twice that away.
+        A robot that strays by up to `play` (m) from its edge reports the nearest edge. Beside
+        another edge this need not be its own edge. The reported position is then at most twice the
+        play from the robot's own edge.
         """
         if self.vertex is None:
             if abs(self.edge) in map(abs, edges):
@@ -179,12 +183,13 @@ class GraphPosition:
 
 
 def nearness(kind: RobotType) -> float:
-    """m from a vertex at which a robot of this type stands on it."""
+    """Distance (m) from a vertex within which a robot of this type counts as standing on it."""
     return min(kind.play + AT_VERTEX, NEAR)
 
 
 def position_of(pose: Pose, graph: Graph, near: float) -> Optional[GraphPosition]:
-    """The position that a pose means: a vertex within `near` m of it; None off the graph."""
+    """The position that a pose means: the vertex within `near` m, else the edge; None: off graph.
+    """
     if not pose.edge:
         return None
     length = graph.curve(pose.edge).length

@@ -1,7 +1,8 @@
-"""The fleet manager's side of the route protocol, for one robot: orders out, reports in.
+"""The fleet manager's side of the route protocol for one robot: it orders and reads reports.
 
-What the robot holds by them is its route record; a route is a part of that, from its *base* on,
-under an id. With what else reports tell they make the robot's allocation.
+The edges that the robot was ordered to drive are its route record. A route is the part of the
+record from its *base* on, under one id. The record and the evidence in the reports result in the
+robot's allocation.
 """
 from __future__ import annotations
 
@@ -24,67 +25,75 @@ from graph_fleet_manager.interlocking.reports import (
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from trajectory_graph.route_protocol import Reason, ReasonCode, RouteRefusal
 
-NEW_ID_AFTER = 50  # edges
+NEW_ID_AFTER = 50  # number of edges in a route after which the next order gets a new id
 _SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
 
 NewId = Callable[[], int]
-"""Gives a route id that was never used."""
+"""Returns a route id that was never used."""
 
 
 class RouteClient:
-    """Orders routes, repeats what is not acknowledged, and follows the reports on a record."""
+    """Orders routes, repeats unacknowledged orders, and updates the route record from reports.
+
+    It also keeps the evidence of the robot's place. `allocation` combines the record and the
+    evidence. Only the interlocking extends a route.
+    """
 
     def __init__(self, record: RouteRecord) -> None:
         self.record = record
         self.evidence = Evidence(record.kind)
         self.route_id = 0
         self.over = True
-        """The last route cannot be extended: another one needs another id."""
+        """The last route cannot be extended: the next one needs another id."""
         self.to_order_anew = 0
-        """So many edges were under way before a restart, on a route that cannot be repeated."""
+        """Number of edges ordered before a restart, on a route that cannot be repeated."""
         self._pending = PendingOrder()
-        self._epoch = 0  # of the robot's motion, as it reported last
-        self._bases: Dict[int, int] = {}  # of routes by id, in the order in which they were given
+        self._epoch = 0  # epoch of the robot's motion, as last reported
+        # base of each route by id, in the order in which they were given
+        self._bases: Dict[int, int] = {}
         self._acknowledged: Set[int] = set()
         self._since_loss: Set[int] = set()
-        """Ids of routes that were given since the robot has lost edges of its record."""
+        """Ids of the routes that were given after the robot lost edges of its record."""
         self._ended: Set[int] = set()
         self.withdrawn: Optional[int] = None
-        """Id of an order that is not given any more, but may reach the robot yet."""
-        self._ordered: Optional[int] = None  # before a restart, if it was less than the record
+        """Id of an order that was withdrawn, but may still reach the robot."""
+        # end of the order before a restart, if it was shorter than the record
+        self._ordered: Optional[int] = None
         self._awaits_report = False
-        self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
-        self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
+        # by the robot's clock; earlier reports do not show what the robot drives after the refusal
+        self._refused_at = 0.0
+        # number behind the last edge of a shorter route that the robot refused
+        self._cut_refused = 0
         self._stamp = 0.0
         self.is_heard = False
         """Has the robot reported since the start?"""
         self._allocation: Optional[Allocation] = None
 
-    # -- what is known ----------------------------------------------------------------------------
+    # -- state ------------------------------------------------------------------------------------
 
     @property
     def order(self) -> Optional[Order]:
-        """What is not acknowledged yet."""
+        """The order that is not acknowledged yet."""
         return self._pending.order
 
     @property
     def is_stopping(self) -> bool:
-        """Was it told to stop, without an answer yet?"""
+        """Was the robot told to stop, and has not answered yet?"""
         return self._pending.is_stop
 
     @property
     def is_new_motion(self) -> bool:
-        """Is the order one that was never sent, and lets the robot drive?"""
+        """Does the order let the robot drive, and was it never sent?"""
         return self._pending.is_new_motion
 
     @property
     def takes_away(self) -> bool:
-        """Does the order stop the robot, or cut its route short?"""
+        """Does the order stop the robot, or shorten its route?"""
         return self._pending.takes_away
 
     @property
     def is_ready(self) -> bool:
-        """May it be given more? Not while it is being shortened, or after a refusal."""
+        """May the robot be given more? Not while its route is shortened, nor after a refusal."""
         return not self._awaits_report and (self.order is None or not self._is_shorter(self.order))
 
     @property
@@ -94,20 +103,20 @@ class RouteClient:
 
     @property
     def allocation(self) -> Allocation:
-        """All that the robot may occupy or still reach; the same object until that changes."""
+        """All places that the robot may occupy or still reach. A new object whenever it changes."""
         if self._allocation is None:
             self._allocation = self._allocated()
         return self._allocation
 
     @property
     def is_by_evidence(self) -> bool:
-        """Does anything but grants tell where the robot is?"""
+        """Does anything except grants determine where the robot may be?"""
         return bool(self.evidence.areas or self.evidence.foreign) or (
             self.record.position is not None and self.record.position.vertex is None)
 
     @property
     def progress(self) -> Tuple[object, ...]:
-        """What of a report must outlive a restart: when it changes, all is to be stored."""
+        """The part of the state that must be stored as soon as a report changes it."""
         record = self.record
         return (record.done, record.end, record.generation, record.tail, self.over,
                 self.is_stopping, self.evidence.memory._replace(location=None))
@@ -127,15 +136,16 @@ class RouteClient:
 
     @property
     def _turns_back_to(self) -> Optional[int]:
-        """Number of the edge to which an order that is under way under a new id may lead back.
+        """Number of the edge to which an unacknowledged order under a new id may lead back.
 
-        The robot may have driven on by then, to where it takes that order for the next round.
+        The record may pass the beginning of that order's route again. The robot may already be
+        there when the order arrives. It then takes the order as one for the next round.
         """
         return min((base for id, base in self._bases.items()
                     if id not in self._acknowledged and self._returns_to(base)), default=None)
 
     def _returns_to(self, number: int) -> bool:
-        """Does the record come back to where one of its edges begins?"""
+        """Does the record come back to the beginning of edge `number`?"""
         record = self.record
         first, *later = record.part(number, record.end) or (0,)
         return any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id
@@ -155,7 +165,7 @@ class RouteClient:
         self.withdrawn = None
 
     def _order_until(self, end: int, takes_away: bool = False) -> None:
-        """Orders the track up to there, from where the route begins."""
+        """Orders the record up to edge number `end`, from the base of the route."""
         base = self._bases[self.route_id]
         self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away,
                            self._epoch)
@@ -166,7 +176,7 @@ class RouteClient:
     # -- orders -----------------------------------------------------------------------------------
 
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
-        """Lets the robot drive more edges; `renew`: under a new id, as for another mission."""
+        """Lets the robot drive more edges; `renew`: under a new id (for another mission)."""
         self._changed()
         if renew or self.over or self.record.end - self._bases[self.route_id] >= NEW_ID_AFTER:
             self._begin(new_id())
@@ -174,16 +184,17 @@ class RouteClient:
         self._order_until(self.record.end)
 
     def shorten(self, new_id: NewId) -> bool:
-        """Asks the robot to stop at the end of its edge; tells whether it may drive farther.
+        """Asks the robot to stop at the end of its edge. Returns whether it may drive farther.
 
-        Where it refuses, as it cannot brake in time, at the end of the next one.
+        If the robot refuses because it cannot brake in time, the next call asks it to stop at the
+        end of the following edge.
         """
         self._changed()
         if self.is_new_motion and self.record.told <= self.record.done:
-            self.record.cut(self.record.done)  # it was never told of all this
+            self.record.cut(self.record.done)  # the robot was never told of these edges
             self._pending.drop()
             self.over = True
-            if self.record.has_left():  # while it was thought to be on what it would be told of
+            if self.record.has_left():  # the record had covered its location only by these edges
                 self.evidence.uncover()
         if len(self.record.ahead) <= 1:
             return False
@@ -193,28 +204,32 @@ class RouteClient:
         end = max(self.record.done, self._cut_refused) + 1
         if end >= self.record.end:
             return True
-        if self.over or self.order is not None:  # a report of before that order is no answer
+        # a report from before that order must not count as its acknowledgement
+        if self.over or self.order is not None:
             self._begin(new_id())
         self._order_until(end, takes_away=True)
         return True
 
     def halt(self, new_id: NewId) -> None:
-        """Stops the robot wherever it is; what it holds stays its own until `settle`."""
+        """Stops the robot wherever it is. It keeps its allocation until `settle`."""
         self._begin(new_id())
         self.over = True
         self._awaits_report = False
         self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
-        """Orders once more, under a new id, so many of the edges ahead: an emergency stop kept the
-        robot from driving them, or a restart from hearing of them."""
+        """Orders `count` of the edges ahead once more, under a new id.
+
+        It is used after an emergency stop kept the robot from driving them, or after a restart lost
+        their order.
+        """
         self._begin(new_id())
         self._pending.give(Order(self.route_id, self.record.done, self.record.ahead[:count]),
                            known_epoch=self._epoch)
         self.to_order_anew = 0
 
     def withdraw(self) -> None:
-        """What the robot may not have heard yet is not ordered any more; a stop is."""
+        """Stops ordering what the robot may not have received yet, except a stop."""
         self.over = True
         if self.is_stopping:
             return
@@ -224,12 +239,12 @@ class RouteClient:
         self._pending.drop()
 
     def drives_withdrawn(self, report: Report) -> bool:
-        """Does the robot drive what was withdrawn, as it was under way already?"""
+        """Does the robot drive a withdrawn order, because it was on its way already?"""
         return (report.is_running and report.route_id == self.withdrawn
                 and not self.is_stopping)
 
     def settle(self, position: Optional[GraphPosition]) -> None:
-        """The robot stands here, and holds nothing else any more."""
+        """The robot stands at this position and holds nothing else."""
         self._changed()
         self.evidence.settle()
         self._ended = {*self._bases, self.route_id}
@@ -247,7 +262,7 @@ class RouteClient:
         return sending
 
     def _order_again(self) -> None:
-        """Repeats the order before a restart."""
+        """Repeats the order that was given before a restart."""
         end = self.record.end if self._ordered is None else self._ordered
         if self._bases[self.route_id] < self.record.first:
             self.to_order_anew = end - self.record.first
@@ -257,24 +272,26 @@ class RouteClient:
     # -- after a restart --------------------------------------------------------------------------
 
     def _adopt(self, report: Report) -> None:
-        """The first report after a restart: what it has not driven is fixed.
+        """Compares the first report after a restart with the restored record.
 
-        An order that may still be under way to the robot is repeated until it is acknowledged; to
-        one that has obeyed a stop nothing is under way.
+        An order that may still be on its way to the robot is repeated until it is acknowledged.
+        Nothing is on its way to a robot that has obeyed a stop.
         """
         base = self._bases.get(report.route_id)
         if base is None:
             if report.route_id in self._ended:
                 if self.record.ahead and self.route_id in self._bases and not self.is_stopping:
-                    self._order_again()  # it did not reach the robot
+                    self._order_again()  # the last order did not reach the robot
             elif not self.record.ahead and is_on(self.record.graph, report.left):
                 self._adopt_other(report)
-            # In any other case `take` finds that the robot was taken over, or lost its route.
+            # In any other case `take` finds that another giver took the robot over, or that it lost
+            # its route.
         else:
             self._acknowledged.add(report.route_id)
             has_stopped = report.route_id == self.route_id and not report.edges
             if report.is_failed or has_stopped or self.is_stopping or (
-                    self.route_id not in self._bases):  # it was refused, so nothing is under way
+                    # the last order was refused, so none is on its way
+                    self.route_id not in self._bases):
                 return
             end = base + len(report.edges)
             if self._ordered is not None or self.record.end > end or (
@@ -282,9 +299,9 @@ class RouteClient:
                 self._order_again()
 
     def _adopt_other(self, report: Report) -> None:
-        """A route of which nothing is known here; a stop that is under way stays so.
+        """Takes over a route of which nothing is known here. A stop on its way stays in force.
 
-        Of what is driven the graph may have lost edges: it does not count.
+        Edges that are already driven do not count: the graph may not have them any more.
         """
         self.record.adopt(report.left)
         self._bases = {report.route_id: self.record.first - report.completed}
@@ -295,14 +312,14 @@ class RouteClient:
             self.route_id = report.route_id
             self.over = not report.is_running or report.completed > 0
         if not report.is_running:
-            # One that is off the graph now is still nearest to where it was.
+            # A robot that is off the graph now is still nearest to the position where it was.
             record = self.record
             record.position = position_of(report.pose, record.graph, record.near) or record.position
 
-    # -- what the robot says ----------------------------------------------------------------------
+    # -- reports ----------------------------------------------------------------------------------
 
     def take(self, report: Report) -> Heard:
-        """Follows a report."""
+        """Updates the record and the evidence from a report, and returns the results."""
         if is_overtaken(report.stamp, self._stamp):
             return Heard()
         self._changed()
@@ -326,14 +343,15 @@ class RouteClient:
         return heard
 
     def _is_after_loss(self, report: Report) -> bool:
-        """Can no order of before the loss of edges reach the robot any more?
+        """Is it impossible that an order from before the loss of edges still reaches the robot?
 
-        Orders come in order, and it has acknowledged one that was given since.
+        Orders arrive in the sequence of their sending, and the robot has acknowledged a later one.
         """
         return report.route_id in self._since_loss
 
     def _follow(self, report: Report, is_new: bool) -> Heard:
-        """What a report tells of the routes; `is_new`: it has a later location than the last."""
+        """The results of a report about routes. `is_new`: its location is later than the last one.
+        """
         heard, record = Heard(), self.record
         awaited = self._awaits_report and not is_overtaken(report.stamp, self._refused_at)
         is_known = report.route_id in self._bases
@@ -361,7 +379,8 @@ class RouteClient:
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
         if report.route_id:
-            # It has taken up a route: one that tells of none, or of one before, has forgotten it.
+            # The robot has taken up a route. If it later reports no route, or an earlier one, it
+            # has forgotten this route.
             given = list(self._bases)
             for before in given[:given.index(report.route_id)]:
                 del self._bases[before]
@@ -373,9 +392,10 @@ class RouteClient:
             record.turn_back(number)
         heard.passed = record.complete(number)
         self._acknowledge(report)
-        if report.is_running or record.is_standing:  # else a person may drive it back again
+        # otherwise a person may drive the robot back again
+        if report.is_running or record.is_standing:
             record.leave(report.age)
-        # What belongs to a route that may still be reported is kept.
+        # Edges of a route that may still be reported are kept.
         record.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.withdraw()
@@ -383,7 +403,7 @@ class RouteClient:
         return heard
 
     def _covers(self, report: Report) -> bool:
-        """Is the robot where its record has it, as near as it follows its edges?"""
+        """Is the robot within its record, as exactly as it follows its edges?"""
         record, pose = self.record, report.pose
         if not pose.edge:
             return False
@@ -392,12 +412,13 @@ class RouteClient:
                 position.distance(record.graph, pose) <= record.near + TREMBLE):
             return True
         holds = sorted(record.holds(), key=lambda hold: abs(hold.edge) != abs(pose.edge))
-        return any(self._is_on(hold, pose) for hold in holds)  # its own edge costs least
+        # the check is cheapest on the robot's own edge
+        return any(self._is_on(hold, pose) for hold in holds)
 
     def _is_on(self, hold: Hold, pose: Pose) -> bool:
-        """Is a pose on what is left of an edge, as near as the robot follows it?
+        """Is a pose on the part of an edge that is not cleared, as exactly as the robot follows it?
 
-        One that strays is told on the edge that is nearest, which may be another one.
+        A robot that strays reports the nearest edge, which may be another edge.
         """
         graph, play = self.record.graph, self.record.kind.play
         curve = graph.curve(hold.edge)
@@ -409,17 +430,20 @@ class RouteClient:
                 and hold.cleared * curve.length - nearest.arc_length <= TREMBLE)
 
     def _forgotten(self, heard: Heard) -> None:
-        """It was switched off and on: it would drive an extended route from its beginning."""
+        """The robot has lost its routes, for example because it was switched off and on.
+
+        It would drive an extended route from its beginning.
+        """
         self._pending.drop()
         self.over = True
         if self.record.ahead:
             heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
 
     def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
-        """The robot did not take up an order: the next report tells what it really drives.
+        """The robot refused an order. The next report shows what it really drives.
 
-        stamp -- s, when it refused, by its clock: what it reported before may come later; 0: with
-                 the last report
+        stamp -- time of the refusal, in s by the robot's clock; an earlier report may arrive later;
+                 0: the time of the last report
         """
         heard = Heard()
         self._changed()
@@ -434,15 +458,16 @@ class RouteClient:
         return heard
 
     def keep_after_refusal(self) -> None:
-        """What was refused stays the robot's: it is to be ordered again."""
+        """The robot keeps the refused edges. They are to be ordered again."""
         self._awaits_report = False
         self.over = True
 
     def _take_truth(self, report: Report, is_taken_up: bool = True) -> None:
-        """After a refusal: the robot holds what it reports, and nothing else of what was ordered.
+        """After a refusal: cuts the record to what the robot reports.
 
-        It stands somewhere on what has failed. Another order needs another id. A route that was
-        never taken up may have been refused once more, so that the robot drives the one before.
+        The robot stands somewhere on the failed part. The next order needs another id. If the robot
+        never took up the reported route, it may have refused that one, too, and drive the route
+        before it. Then the record is not cut.
         """
         self._awaits_report = False
         self.over = True
@@ -460,11 +485,11 @@ class RouteClient:
             if order.edges and self._is_shorter(order):
                 self.record.shorten(order.end, report.age)
 
-    # -- what outlives a restart ------------------------------------------------------------------
+    # -- storing and restoring --------------------------------------------------------------------
 
     @property
     def memory(self) -> Memory:
-        """What `restore` needs after a restart; it is to be stored before an order is sent."""
+        """The state for `restore` after a restart. It must be stored before an order is sent."""
         record = self.record
         bases = {id: base - record.first for id, base in self._bases.items()}
         number, fraction = record.begin_of_holds(self._turns_back_to)
@@ -482,7 +507,7 @@ class RouteClient:
         return order.end - self.record.first
 
     def restore(self, memory: Memory, now: float = 0.0) -> None:
-        """What was known before: the robot may hold all of these edges."""
+        """Sets the state from before a restart. The robot may hold all of its edges."""
         self._changed()
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
@@ -496,35 +521,38 @@ class RouteClient:
             self._since_loss.add(self.route_id)
             self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
-    # -- what else is known of where it is --------------------------------------------------------
+    # -- other evidence ---------------------------------------------------------------------------
 
     def grow(self, silence: float) -> bool:
-        """Nothing was heard for so many seconds; tells whether its allocation has grown by that."""
+        """Grows the allocation of a robot that was silent for `silence` s. Returns whether it grew.
+        """
         grows = self.evidence.grow(silence)
         if grows:
             self._changed()
         return grows
 
     def lose(self, areas: Sequence[Area]) -> None:
-        """The graph in force lacks what the robot held, which lies there."""
+        """Adds areas that the robot held on edges which the graph in force does not have."""
         self.evidence.lose(tuple(areas))
         if self.is_stopping:
             self._since_loss.add(self.route_id)
         self._changed()
 
     def stop_after_loss(self, new_id: NewId) -> None:
-        """Stops a robot that should stand: what it held on another graph is free once it says so.
+        """Stops a robot that should stand and that may be on lost areas.
+
+        The lost areas become free when the robot has acknowledged the stop.
         """
         if self.evidence.lost and self.record.is_standing and not self.is_stopping:
             self.halt(new_id)
 
     def declare_absent(self, now: float) -> None:
-        """A person says that the robot is not on the site."""
+        """A person declares that the robot is not on the site."""
         self.settle(None)
         self.evidence.declare_absent(now)
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence of a robot by a location that was taken since; tells whether it does."""
+        """Ends the absence of a robot if its location was taken later. Returns whether it does."""
         if not (self.evidence.is_absent and self.evidence.is_back(report, now)):
             return False
         self.evidence.is_absent = False

@@ -1,7 +1,8 @@
-"""All edges that a robot was ever granted, counted through, and how far it is on them.
+"""The route record: all edges that a robot was ever granted, and its progress on them.
 
-Across the ids of its routes, the edges go on counting: the *route record*. What is on it and not
-yet left is the robot's alone; a record only gets shorter when a report says so.
+The edges are numbered from the first one on. The numbers go on from one route id to the next. The
+robot holds each edge that is on the record and that it has not left, and no other robot may be
+granted it. The record gets shorter only if a report justifies it.
 """
 from __future__ import annotations
 
@@ -19,15 +20,16 @@ from graph_fleet_manager.interlocking.reports import (
 )
 from trajectory_graph import Graph
 
-_NOT_OVER = 1.0 - 1e-9  # the fraction of an edge that is nearly driven
+# the fraction of an edge that is driven except for a tiny remainder
+_NOT_OVER = 1.0 - 1e-9
 
 
 class RouteRecord:
     """One robot's route record.
 
-    kind     -- by its speed it may drive back in the time that a report is old
-    slack    -- m that it may be short of where it reports to be
-    stopping -- m that it may need to stop, from where it is as it acknowledges a shorter route
+    kind     -- the robot's type; its speed bounds how far it may have moved since a location
+    slack    -- m by which the robot may be behind its reported place
+    stopping -- braking distance (m) from the place where it acknowledges a shorter route
     """
 
     def __init__(self, graph: Graph, kind: RobotType, slack: float = 0.0,
@@ -35,26 +37,27 @@ class RouteRecord:
         self.graph = graph
         self.kind = kind
         self.position: Optional[GraphPosition] = None
-        """Where the robot stands, or stood before its record; None: it is not known."""
+        """Where the robot stands, or where it stood before its record begins; None: not known."""
         self.pose = Pose()
-        """Where it last reported to be."""
+        """The last reported pose."""
         self.edges: List[int] = []
         self.first = 0
         """Number of the first edge that is still in `edges`."""
         self.done = 0
-        """Number of the edge that is being driven: so many are complete."""
+        """Number of the edge that is being driven, and so the number of complete edges."""
         self.generation = 0
-        """How often it began anew: no plan of before is true any more when that changes."""
+        """Number of times that the record was begun anew. A plan of an earlier generation is void.
+        """
         self.cleared: Tuple[int, float] = (0, 0.0)
         """Edge and fraction that certainly lie behind the robot."""
         self.told = 0
         """Number behind the last edge of which the robot may have been told."""
         self.tail: Tuple[int, ...] = ()
-        """Edges that were taken back, but may be reached before the robot stands."""
-        self._tail_at = 0  # number of the edge in place of which the tail begins
+        """Edges that were taken back, but that the robot may still reach before it stands."""
+        self._tail_at = 0  # number of the edge that the first edge of the tail had
         self._slack, self._stopping = slack, stopping
 
-    # -- what is known ----------------------------------------------------------------------------
+    # -- state ------------------------------------------------------------------------------------
 
     @property
     def end(self) -> int:
@@ -72,9 +75,9 @@ class RouteRecord:
         return self.part(max(self.cleared[0], self.first), self.end)
 
     def holds(self, back_to: Optional[int] = None) -> Tuple[Hold, ...]:
-        """All edges that other robots may not be granted, with what of them is left.
+        """All edges that other robots may not be granted, each with its cleared fraction.
 
-        back_to -- number of an edge to which the robot may turn back; None: to none
+        back_to -- number of an edge to which the robot may turn back; None: it cannot turn back
         """
         number, fraction = self.begin_of_holds(back_to)
         held = [Hold(edge) for edge in self.part(number, self.end)]
@@ -89,34 +92,34 @@ class RouteRecord:
 
     @property
     def is_standing(self) -> bool:
-        """Is everything driven that was ordered?"""
+        """Has the robot driven all edges that were ordered?"""
         return self.done == self.end
 
     @property
     def last_vertex(self) -> Optional[int]:
-        """Where it ends; None between vertices and nowhere."""
+        """The vertex where the record ends; None: it ends between vertices, or nowhere."""
         if self.ahead:
             return self.graph.end_vertex(self.ahead[-1]).id
         return self.position.vertex if self.position else None
 
     @property
     def some_vertex(self) -> Optional[int]:
-        """One that edges join to where the robot is; None: that is not known."""
+        """A vertex from which edges lead to the robot's place; None: not known."""
         if self.last_vertex is not None or self.position is None:
             return self.last_vertex
         return self.graph.end_vertex(self.position.edge).id
 
     @property
     def near(self) -> float:
-        """m from a vertex at which the robot stands on it."""
+        """Distance (m) from a vertex within which the robot counts as standing on it."""
         return nearness(self.kind)
 
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
-        """The edges from number `begin`, which must not be forgotten yet, to before `end`."""
+        """The edges from number `begin` to before `end`. Edge `begin` must still be in `edges`."""
         return tuple(self.edges[begin - self.first:max(begin, end) - self.first])
 
     def distance_ahead(self) -> float:
-        """Length (m) of what is still to be driven."""
+        """Length (m) of the path that is still to be driven."""
         edges = self.ahead
         if not edges:
             return 0.0
@@ -125,7 +128,7 @@ class RouteRecord:
         return whole - fraction * self.graph.curve(edges[0]).length
 
     def begun(self, edge: int) -> float:
-        """The fraction of an edge that lies behind a robot which stands on it, driven that way."""
+        """The fraction of an edge behind a robot that stands on it and would drive it that way."""
         position = self.position
         if position is None or position.vertex is not None or abs(edge) != abs(position.edge):
             return 0.0
@@ -133,27 +136,29 @@ class RouteRecord:
         return min(max(fraction - self._slack / self.graph.curve(edge).length, 0.0), _NOT_OVER)
 
     def has_left(self) -> bool:
-        """Does a robot that has nothing to drive say that it is somewhere else?"""
+        """Has a robot with nothing to drive reported that it is not at its position?"""
         return (self.position is not None
                 and self.position.distance(self.graph, self.pose) > NEAR + TREMBLE)
 
-    # -- what changes it --------------------------------------------------------------------------
+    # -- changes ----------------------------------------------------------------------------------
 
     def append(self, edges: Sequence[int]) -> None:
-        """More edges are the robot's; one that stands on an edge is on the first of them."""
+        """Adds edges to the record. A robot that stands on an edge must begin with that edge."""
         if self.is_standing and self.position is not None and self.position.vertex is None:
             self.cleared = (self.done, self.begun(edges[0]))
         self.edges += edges
 
     def cut(self, end: int) -> None:
-        """Edges from a number on were never the robot's, or are not any more."""
+        """Removes the edges from number `end` on. The robot does not hold them."""
         del self.edges[end - self.first:]
         self.told = min(self.told, self.end)
 
     def shorten(self, end: int, age: float) -> None:
-        """The robot has acknowledged, at a location `age` s old, that it stops before a number.
+        """The robot has acknowledged that its route ends before edge number `end`.
 
-        Where it is by then it may still need its stopping distance.
+        It acknowledged with a location that is `age` s old. From the place that it may have reached
+        since, it may still need its stopping distance. The removed edges within that distance
+        become the tail.
         """
         reach = self._stopping + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
         removed = self.part(end, self.end)
@@ -168,7 +173,7 @@ class RouteRecord:
         self.tail, self._tail_at = tuple(tail), end
 
     def complete(self, done: int) -> List[int]:
-        """So many edges are complete; returns the vertices passed by that, in order."""
+        """Sets the number of complete edges. Returns the vertices passed by that, in order."""
         passed = []
         while self.done < min(done, self.end):
             vertex = self.graph.end_vertex(self.edges[self.done - self.first]).id
@@ -180,14 +185,14 @@ class RouteRecord:
         return passed
 
     def turn_back(self, number: int) -> None:
-        """A late order led the robot back: what it drives, or drove, again counted as driven."""
+        """Counts the edges from `number` on as not driven: a late order led the robot back."""
         self.done, self.cleared = number, min(self.cleared, (number, 0.0))
         start = self.graph.start_vertex(self.edges[number - self.first])
         self.position = GraphPosition(vertex=start.id)
         self.generation += 1
 
     def leave(self, age: float) -> None:
-        """Finds what certainly lies behind the robot by its pose, which is `age` s old."""
+        """Computes what certainly lies behind the robot from its pose, which is `age` s old."""
         if self.is_standing:
             self.cleared = (self.done, 0.0)
             return
@@ -203,29 +208,29 @@ class RouteRecord:
         self.cleared = max(self.cleared, (number, min(max(arc / length, 0.0), _NOT_OVER)))
 
     def margin(self, age: float) -> float:
-        """m by which the robot may be elsewhere than a location that is `age` s old tells."""
+        """Distance (m) that the robot may be away from a location that is `age` s old."""
         return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
 
     def forget(self, number: int) -> None:
-        """Drops the edges before a number, as far as they are left."""
+        """Drops the edges before a number, if they are left."""
         keep = min(self.cleared[0], self.done, number)
         if keep > self.first:
             del self.edges[:keep - self.first]
             self.first = keep
 
     def settle(self, position: Optional[GraphPosition]) -> None:
-        """The robot stands here, and holds nothing else any more."""
-        # One number is left out, so that no plan made before can fit what comes after.
+        """The robot stands at this position and holds nothing else."""
+        # One number is skipped, so that no earlier plan can fit the edges that follow.
         self._begin_at(self.end + 1, ())
         self.position = position
 
     def adopt(self, edges: Sequence[int]) -> None:
-        """The robot drives these edges, of which nothing was known."""
+        """The robot drives these edges, which this record did not know."""
         self._begin_at(self.end, edges)
 
     def restore(self, edges: Sequence[int], done: int, position: Optional[GraphPosition],
                 cleared: Tuple[int, float], tail: Sequence[int]) -> None:
-        """As it was before a restart, with `done` of these edges complete."""
+        """Sets the record to its state before a restart, with `done` of these edges complete."""
         self._begin_at(0, edges)
         self.done, self.cleared = done, cleared
         self.tail, self._tail_at = tuple(tail), self.end

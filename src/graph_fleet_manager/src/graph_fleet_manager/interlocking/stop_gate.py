@@ -1,4 +1,4 @@
-"""The last gate in front of every route: a stop closes it at once, from any thread."""
+"""The last gate that each route passes. A stop closes it at once, from any thread."""
 from __future__ import annotations
 
 import threading
@@ -7,10 +7,10 @@ from typing import Iterator, Sequence
 
 
 class StopGate:
-    """While it is closed only empty routes pass, regardless of their time and origin.
+    """While the gate is closed, only empty routes pass, regardless of their time and origin.
 
-    A stop closes it before the empty routes are sent. What was decided before the stop, and comes
-    out of a hanging disk or a queue after it, is held here.
+    A stop closes the gate before the empty routes are sent. A route that was decided before the
+    stop, and that leaves a slow disk or a queue only after the stop, is held back here.
     """
 
     def __init__(self) -> None:
@@ -20,23 +20,22 @@ class StopGate:
 
     @property
     def is_closed(self) -> bool:
-        """Does no route with edges pass?"""
+        """Is each route with edges held back?"""
         return self._is_closed
 
     @property
     def ticket(self) -> int:
-        """The number of stops so far; a person who resumes knows of these only."""
+        """The number of stops so far. A person who resumes the fleet knows only of these stops."""
         return self._stops
 
     def close(self) -> None:
-        """The fleet is stopped now. Waits for nothing but a route that passes at this moment."""
+        """Stops the fleet now. Waits only for a route that is passing at this moment."""
         with self._lock:
             self._stops += 1
             self._is_closed = True
 
     def open(self, ticket: int) -> bool:
-        """The fleet goes on, unless it was stopped again since the ticket; tells whether it does.
-        """
+        """Opens the gate unless there was a stop since the ticket. Returns whether it opened."""
         with self._lock:
             if ticket != self._stops:
                 return False
@@ -45,9 +44,9 @@ class StopGate:
 
     @contextmanager
     def passage(self, edges: Sequence[int]) -> Iterator[bool]:
-        """Whether a route over these edges may be sent now; no stop comes in between.
+        """Yields whether a route over these edges may be sent. No stop can come in between.
 
-        An empty route passes without waiting, as a stop must.
+        An empty route passes without waiting, because it is a stop.
         """
         if not edges:
             yield True

@@ -1,1 +1,1 @@
-"""Routes for many robots that stay free of conflict however late robots are; no ROS, no files."""
+"""Planning: routes for many robots, without conflict however late robots are. No ROS, no files."""

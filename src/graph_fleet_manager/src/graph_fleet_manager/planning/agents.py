@@ -1,4 +1,4 @@
-"""One robot in a planning problem: what is fixed of its path, and what it still has to do."""
+"""One robot in a planning problem: the fixed part of its path, and what it still has to do."""
 from __future__ import annotations
 
 from math import inf
@@ -12,21 +12,21 @@ from graph_fleet_manager.planning.reservation_table import MidEdgePosition
 from graph_fleet_manager.planning.road_network import RoadNetwork, Roads, estimated
 
 LATER = 1e-4
-"""What a second on the way to parking weighs against one on the way to the destinations."""
+"""Weight of a second on the way to parking; a second on the way to the destinations weighs 1."""
 
 
 class Errand:
-    """What one robot has to do, with all that a search needs to know of the path.
+    """What one robot has to do, with all data that a search for its path needs.
 
-    vertex       -- at which it sets out; -1: between two vertices
-    origins      -- {vertex: seconds}: where it can go on from, and how long it takes to come there;
-                    for a robot between two vertices those to which it may drive
-    ready        -- s before which it does not set out
+    vertex       -- where it starts; -1: between two vertices
+    origins      -- {vertex: seconds}: where it can go on from, and the time to get there; for a
+                    robot between two vertices these are the vertices to which it may drive
+    ready        -- s before which it does not start
     destinations -- vertices to visit in order
-    dwells       -- s to stay at each
+    dwells       -- s to stay at each destination
     rests        -- vertices at which it may end for ever; None: at the last destination
     later        -- weight of the seconds after the last destination
-    common       -- rests that other errands have, too
+    common       -- rests that it shares with other errands
     """
 
     def __init__(self, network: RoadNetwork, kind: RobotType, vertex: int,
@@ -44,8 +44,10 @@ class Errand:
         docks = self.destinations if rests is None else (*self.destinations, *rests)
         self.roads: Roads = network.roads(kind, docks)
         self.to_go: List[Sequence[float]] = []
-        """For each leg, the seconds from every vertex over all destinations left to the last;
-        behind them one more where there are rests: to the nearest of these."""
+        """For each leg, the seconds from each vertex over all later destinations to the last one.
+
+        If there are rests, one more entry follows: the seconds to the nearest rest.
+        """
         beyond = 0.0
         paths = network.paths_to(kind, self.destinations)
         for leg in range(len(paths) - 1, -1, -1):
@@ -57,7 +59,7 @@ class Errand:
         if paths:
             beyond += self.seconds_to(paths[0])
         self.lower_bound = ready + beyond
-        """The least cost of the robot alone; infinite where something is out of reach."""
+        """The lowest cost of the robot without traffic; infinite: something is unreachable."""
         if rests is not None:
             nearest = network.paths_to_nearest(kind, rests, common)
             self.to_go.append(estimated(nearest))
@@ -65,19 +67,22 @@ class Errand:
                                          else self.seconds_to(nearest))
 
     def seconds_to(self, path: np.ndarray) -> float:
-        """Seconds to a target from where it sets out, alone; `path`: those from every vertex."""
+        """Seconds from its start to a target, without traffic.
+
+        path -- the seconds from each vertex to the target
+        """
         return min((seconds + float(path[vertex]) for vertex, seconds in self.origins.items()),
                    default=inf)
 
     def served_at(self, vertex: int, leg: int, arrival: float) -> Tuple[float, int]:
-        """When it may go on from a vertex, and its next leg: it serves what it comes to."""
+        """When it may leave a vertex, and its next leg. It serves each destination on arrival."""
         while leg < len(self.destinations) and self.destinations[leg] == vertex:
             arrival += self.dwells[leg]
             leg += 1
         return arrival, leg
 
     def cost(self, plan: Sequence[Drive]) -> float:
-        """What a plan costs that serves it; infinite for one that does not."""
+        """Cost of a plan that serves the errand; infinite: the plan does not serve it."""
         vertex = self.vertex
         now, leg = self.served_at(vertex, 0, self.ready)
         served = now
@@ -102,14 +107,14 @@ class Agent(NamedTuple):
     name: str
     kind: RobotType
     vertex: int
-    """Where it stands before it drives anything; of no meaning where `fixed` begins in a drive."""
+    """Where it stands before it drives anything; unused if `fixed` begins within a drive."""
     fixed: Tuple[Drive, ...]
-    """What it will drive under every plan, timed."""
+    """The drives, with times, that belong to each possible plan."""
     errand: Errand
     priority: int = 0
     mid_edge: Optional[MidEdgePosition] = None
-    """Where it stands if it is between two vertices; then nothing is fixed."""
+    """Where it stands between two vertices, if it does. Then nothing is fixed."""
 
     def whole(self, plan: Plan) -> Plan:
-        """What it drives in all."""
+        """All drives: the fixed ones and those of the plan."""
         return [*self.fixed, *plan]

@@ -1,13 +1,14 @@
-"""The slots that a robot's drive or wait blocks for others, ready for the searches.
+"""The slots that a robot's drive or wait blocks for other robots, as the searches need them.
 
-Not places are booked but *beginnings of drives*: a robot may begin a drive only while no other one
-holds a conflicting place, and early enough to be out of the way of the next one. For every drive
-of one robot type this module gives the slots of another type that it blocks:
+The reservation table does not book places. It books the *beginnings of drives*. A robot may begin a
+drive only while no other robot holds a conflicting place, and early enough to be out of the way of
+the next robot. For each drive of one robot type, this module gives the slots of another type that
+it blocks:
 
-    (slot, clear, lead): from `lead` seconds before the drive begins, until the fraction `clear` of
-                         it is driven, no robot may begin the drive `slot`, or (lead 0) wait there
+(slot, clear, lead): no robot may begin the drive `slot`, or (lead 0) wait there, from `lead`
+                     seconds before the drive begins until the fraction `clear` of it is driven
 
-`lead` is the time after which the other one would be clear of this drive in turn.
+`lead` is the time that the other robot needs to get out of the way of this drive.
 """
 from __future__ import annotations
 
@@ -26,8 +27,10 @@ Block = Tuple[int, float, float]
 
 
 class _Blocks(NamedTuple):
-    """The blocks of all places, row by row. Not numpy's arrays, for short rows are gone through
-    number by number."""
+    """The blocks of all places, row by row.
+
+    The type is Python's array, not numpy's, because short rows are read number by number.
+    """
 
     rows: List[slice]     # of each place
     slots: array[int]
@@ -36,7 +39,7 @@ class _Blocks(NamedTuple):
 
 
 class Blocking:
-    """What robots of type `moving` block for robots of type `observer`."""
+    """The slots that robots of type `moving` block for robots of type `observer`."""
 
     def __init__(self, network: RoadNetwork, moving: RobotType, observer: RobotType,
                  clearance: float) -> None:
@@ -47,21 +50,22 @@ class Blocking:
 
     @property
     def conflicts(self) -> Conflicts:
-        """The places that exclude each other, and for how long."""
+        """The places that exclude each other, and the fractions after which they are clear."""
         return self._network.exclusions.at(self._distance)
 
     def drive(self, drive: int) -> Iterator[Block]:
-        """What driving blocks."""
+        """The blocks of a drive."""
         rows, slots, leads, clears = self._blocks
         row = rows[self._network.vertices + (drive >> 1)]
         return zip(slots[row], clears[drive & 1][row], leads[row])
 
     def excluded(self, place: int) -> List[int]:
-        """The places (not slots) that an observer may not hold while the other holds this one."""
+        """The places (not slots) that an observer may not hold while the other robot holds `place`.
+        """
         return self.conflicts.row(place)
 
     def excludes(self, place: int, other: int) -> bool:
-        """May two robots not hold these two places at once?"""
+        """Do these two places exclude each other for two robots?"""
         return other in self.excluded(place)
 
     def wait(self, place: int) -> Iterator[Tuple[int, float]]:
@@ -79,8 +83,10 @@ class Blocking:
         return places
 
     def beside(self, near: Mapping[int, Tuple[float, float]]) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that stands too near to these places; with each edge goes
-        the part of it that is too near."""
+        """(slot, lead) blocked by a robot that stands too near to these places.
+
+        near -- for each edge the part of it that is too near
+        """
         blocked: List[Tuple[int, float]] = []
         for place, (low, high) in near.items():
             edge = place - self._network.vertices
@@ -92,14 +98,14 @@ class Blocking:
         return blocked
 
     def prepare(self) -> None:
-        """Makes what `drive` and `wait` tell; otherwise it is made when it is first needed."""
+        """Computes the blocks for `drive` and `wait`. Otherwise they are computed at first use."""
         _ = self._blocks
 
     @cached_property
     def _blocks(self) -> _Blocks:
         starts, other, forward, backward, mirrored = self.conflicts
         is_edge = other >= self._network.vertices
-        # Every pair with an edge makes two blocks, one for each direction; with a vertex, one.
+        # Each pair with an edge makes two blocks, one for each direction; with a vertex, one.
         count = np.where(is_edge, 2, 1)
         first = np.concatenate(([0], np.cumsum(count)))
         pair = np.repeat(np.arange(len(other)), count)

@@ -1,11 +1,11 @@
-"""Where the plans of two robots meet, and in which order: what can be reversed only as a whole.
+"""Corridors: conflicts between two plans whose order can be reversed only as a whole.
 
-Draw the drives of one robot along x, those of another along y, and mark each pair of drives that
-exclude each other: the plans are a way through this picture that passes every mark on one side. The
-marks that touch each other, also at a corner, are a *corridor*: one order holds for all of them,
-whether the robots drive through it one behind the other or against each other. The way may as well
-lead past its other side, unless one of the robots has been let in, stands in it already, or ends in
-it (edge grouping: Feng et al., AAAI 2025).
+Draw the drives of one robot along x and those of another robot along y. Mark each pair of drives
+that exclude each other. The two plans are a path through this picture that passes each mark on one
+side. Marks that touch each other, also at a corner, form a *corridor*. One order holds for all of
+them, whether the robots drive through it one behind the other or against each other. The path may
+pass the corridor on its other side instead, unless one of the robots was granted a drive in it,
+already stands in it, or ends in it (edge grouping: Feng et al., AAAI 2025).
 """
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.precedence import Constraint
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
-_TOUCHING = (0, 1), (1, -1), (1, 0), (1, 1)  # steps from a mark to those behind it that touch it
+_TOUCHING = (0, 1), (1, -1), (1, 0), (1, 1)  # steps from a mark to the later marks that touch it
 
 
 class Progress(NamedTuple):
-    """How far a robot is on its plan, whose drives are counted from 0.
+    """The progress of a robot on its plan. Drives are counted from 0.
 
-    released   -- so many of its first drives are granted
+    released   -- number of its first drives that are granted
     cleared    -- the drive, and the fraction of it, that certainly lie behind the robot
     is_between -- it stands between two vertices, on the first drive that is not released
     """
@@ -40,10 +40,10 @@ class Progress(NamedTuple):
 
 
 class Corridor(NamedTuple):
-    """Drives of two robots that can only all be driven in one order, or all in the other.
+    """Drives of two robots that must all be driven in one order, or all in the other.
 
-    constraints -- that `first` goes first
-    reverse     -- that `then` goes first; empty: it cannot
+    constraints -- those by which `first` goes first
+    reverse     -- those by which `then` goes first; empty: that is impossible
     """
 
     first: str
@@ -53,32 +53,32 @@ class Corridor(NamedTuple):
 
 
 class _Drives(NamedTuple):
-    """What all robots have not left behind of their plans, as columns."""
+    """The remaining drives of all robots, as columns."""
 
-    robot: np.ndarray      # (N,) counted in the order of their names
+    robot: np.ndarray      # (N,) number in the order of the robots' names
     number: np.ndarray     # (N,) within the robot's plan
     drive: np.ndarray      # (N,)
-    rank: np.ndarray       # (N,) in the order of the plans' times
+    rank: np.ndarray       # (N,) number in the order of the plans' times
     cleared: np.ndarray    # (N,) 0..1
-    released: np.ndarray   # (N,) is it?
-    is_next: np.ndarray    # (N,) is it the first that is not released?
+    released: np.ndarray   # (N,) is the drive released?
+    is_next: np.ndarray    # (N,) is it the first drive that is not released?
     is_between: np.ndarray  # (N,) does the robot stand on it?
-    is_last: np.ndarray    # (N,) is it?
+    is_last: np.ndarray    # (N,) is it the robot's last drive?
 
 
 class _Marks(NamedTuple):
-    """M pairs of drives that exclude each other, the one that goes first and the other."""
+    """M pairs of drives that exclude each other: the drive that goes first, and the other."""
 
     first: np.ndarray        # (M,) index into _Drives
     then: np.ndarray         # (M,)
-    first_clear: np.ndarray  # (M,) the fraction after which it is out of the other's way
+    first_clear: np.ndarray  # (M,) the fraction after which the first is out of the other's way
     then_clear: np.ndarray   # (M,)
-    fixed: np.ndarray        # (M,) can their order not be another one?
+    fixed: np.ndarray        # (M,) is the order of the pair fixed?
 
 
 def corridors(network: RoadNetwork, clearance: float,
               fleet: Mapping[str, Progress]) -> List[Corridor]:
-    """All corridors of the plans' rest; their constraints keep it safe as `precedence` does."""
+    """All corridors of the remaining plans. Their constraints are as safe as `precedence`."""
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
         return []
@@ -109,14 +109,14 @@ def _rest(fleet: Sequence[Progress]) -> _Drives:
 
 def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotType,
            other_kind: RobotType, of_kind: np.ndarray, of_other: np.ndarray) -> _Marks:
-    """The marks of robots of one type with those of another one that come after them by name."""
+    """The marks of robots of one type with those robots of another type that follow by name."""
     conflicts = network.exclusions.at(kind.reach + other_kind.reach + clearance)
     one = np.flatnonzero(of_kind)
     place = network.vertices + (drives.drive[one] >> 1)
     lengths = conflicts.starts[place + 1] - conflicts.starts[place]
     at = np.repeat(conflicts.starts[place], lengths) + count_up(lengths)
     one = np.repeat(one, lengths)
-    # Each edge that one of them excludes, with all drives on it.
+    # Each edge that one of them excludes, with all drives on that edge.
     other = np.flatnonzero(of_other)
     other = other[np.argsort(drives.drive[other] >> 1, kind='stable')]
     edges = drives.drive[other] >> 1
@@ -145,8 +145,14 @@ def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotT
 
 def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
            row: Callable[[int], List[int]]) -> np.ndarray:
-    """Which drives cannot be driven in another order: one is released; the robot that goes first
-    stands in the other's way already; or the other one would end in its way."""
+    """The pairs of drives whose order cannot be reversed.
+
+    The order is fixed if
+
+    - one of the drives is released,
+    - the robot that goes first already stands in the other's way, or
+    - the other robot would end in the way of the first.
+    """
     first, then = marks.first, marks.then
     fixed = drives.released[first] | drives.released[then] | drives.is_between[first]
     excluded: Dict[int, frozenset] = {}
@@ -202,7 +208,7 @@ def _corridors(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[Cor
 
 def _needed(corridor: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """The marks of each corridor that ask more than what its earlier drives waited for already."""
+    """The marks of each corridor that demand more than the marks of its earlier drives."""
     if not len(corridor):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))

@@ -1,4 +1,4 @@
-"""Which robots block which, in words."""
+"""Explains in words which robots block which."""
 from __future__ import annotations
 
 import time
@@ -14,11 +14,12 @@ from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
-_BESIDE_ONE = 1e6  # s that a robot would rather drive than past one more that stands in its way
+# s: the cost of a robot that stands in the way, so that nearly each detour is preferred
+_BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Why a robot cannot serve its errand even alone: what it cannot reach, and from where."""
+    """Why a robot cannot serve its errand even without traffic: what is unreachable from where."""
     seconds_to, origin = agent.errand.seconds_to, _where(network, agent)
     for destination in agent.errand.destinations:
         path = network.paths_to(agent.kind, (destination,))[0]
@@ -44,9 +45,14 @@ def _where(network: RoadNetwork, agent: Agent) -> str:
 
 
 def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) -> List[str]:
-    """Robots that would have to give way: those that stand for ever where its path leads with the
-    fewest of them, and those whose plans lead over the place where it is. It must not be booked.
-    The path is only looked at until the deadline (monotonic s).
+    """The robots that would have to give way to a robot that is not booked.
+
+    These are
+
+    - the robots that stand for ever on its path, if it takes the path with the fewest of them, and
+    - the robots whose plans lead over its own place.
+
+    The search for that path ends at the deadline (monotonic s).
     """
     slots = reservations.slots[agent.kind]
     drives, found = _fewest_blocked(reservations, agent, deadline)
@@ -64,21 +70,23 @@ def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) ->
 
 
 def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> str:
-    """Why a robot that is not booked finds no path past the others, as far as that can be told
-    until the deadline (monotonic s)."""
+    """Why a robot that is not booked finds no path past the others.
+
+    The search for the reason ends at the deadline (monotonic s).
+    """
     network = reservations.network
     others = in_the_way(reservations, agent, deadline) if time.monotonic() < deadline else []
     destinations = agent.errand.destinations
     goal = (f'vertex {network.vertex_ids[destinations[-1]]}' if destinations else 'parking')
     if not others:
-        return f'no way to {goal} was found in the time given'
+        return f'no path to {goal} was found in the given time'
     where = []
     for name in others:
         booked = reservations.booked.get(name)
         if booked is None:
             where.append(f'{name}, which cannot move')
         elif booked.plan:
-            where.append(f'{name}, which comes to vertex '
+            where.append(f'{name}, which will end at vertex '
                          f'{network.vertex_ids[network.destination(booked.plan[-1].drive)]}')
         elif booked.mid_edge is None:
             where.append(f'{name}, which stands at vertex {network.vertex_ids[booked.vertex]}')
@@ -90,9 +98,11 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
 
 def _fewest_blocked(reservations: ReservationTable,
                     agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
-    """The drives of the path over all destinations to a rest, past as few standing robots as
-    possible, as far as there is one; for a robot between two vertices those behind the next one,
-    and the robots that stand before that."""
+    """The drives of its path over all destinations to a rest, past the fewest standing robots.
+
+    The path ends early if it cannot be continued. If the robot stands between two vertices, the
+    path begins at the next vertex. The second value has the robots that stand before that vertex.
+    """
     errand = agent.errand
     drives: List[int] = []
     goals: List[FrozenSet[int]] = [frozenset((d,)) for d in errand.destinations]
@@ -116,8 +126,10 @@ def _fewest_blocked(reservations: ReservationTable,
 
 def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePosition
            ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
-    """For each vertex to which a robot may go on from between two of them what that costs, and the
-    robots that stand in its way for ever."""
+    """The vertices to which a robot between two vertices may drive.
+
+    Returns for each of them the cost, and the robots that stand in its way for ever.
+    """
     costs: Dict[int, float] = {}
     standing: Dict[int, Dict[str, None]] = {}
     for drive, end, seconds in mid_edge.exits(reservations.network, agent.kind):

@@ -1,4 +1,4 @@
-"""Which of the plans that robots own by now can still be driven, and when."""
+"""Keeps the robots' present plans that can still be driven, with new times."""
 from __future__ import annotations
 
 from math import inf
@@ -13,16 +13,16 @@ from graph_fleet_manager.planning.tasks import PlannedDrive, Task
 
 def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
                agents: Mapping[str, Agent]) -> Plans:
-    """The plans of robots that own one that can be driven, with new times in the old order.
+    """The present plans that can be driven, with new times in the old order.
 
-    Robots that stand for ever must be booked, and no others. Nothing is booked here.
+    Robots that stand for ever must be booked, and no others. This function books nothing.
     """
     kept: Dict[str, Sequence[PlannedDrive]] = {
         name: plan for name, agent in agents.items()
         for plan in (tasks[name].kept,)
         if plan is not None and _can_be_driven(reservations, agent, plan)}
     strangers = [agent for name, agent in agents.items() if name not in kept]
-    while strangers:  # no plan leads past a robot that has none
+    while strangers:  # a plan that leads past a robot without a plan cannot be kept
         passing = [name for name, plan in kept.items() if any(
             _passes(reservations, agents[name], plan, stranger) for stranger in strangers)]
         strangers = [agents[name] for name in passing]
@@ -38,7 +38,7 @@ def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
 
 def _can_be_driven(reservations: ReservationTable, agent: Agent,
                    kept: Sequence[PlannedDrive]) -> bool:
-    """Does a plan lead on from where its robot is, over open edges, past all that is booked?"""
+    """Does a plan lead on from its robot's place, over open edges, past all that is booked?"""
     network, vertex = reservations.network, agent.errand.vertex
     slots, times = reservations.slots[agent.kind], network.times(agent.kind)
     for edge, _, _ in kept:
@@ -47,7 +47,7 @@ def _can_be_driven(reservations: ReservationTable, agent: Agent,
         drive = network.drive(edge)
         if vertex >= 0 or agent.mid_edge is None:
             begins = network.origin[drive] == vertex and abs(edge) not in network.closed
-        else:  # it may leave also a closed edge
+        else:  # the robot may leave even a closed edge
             begins = drive >> 1 == agent.mid_edge.drive >> 1
         if not begins or times[drive] == inf or slots.bookings[drive]:
             return False

@@ -1,12 +1,13 @@
-"""LaCAM, a way out of any tangle: a search over the places of all robots at once.
+"""LaCAM: a search over the places of all robots at once, for robots that block each other.
 
-Where robots planned one after the other get stuck, this search moves all of them step by step, as
-LaCAM does (Okumura, LaCAM: Search-based algorithm for quick multi-agent pathfinding, AAAI 2023):
-depth first over configurations, each next one made by letting robots choose in the order of their
-priorities, and if a configuration comes up again, by forcing single robots to other moves. In a
-step robots stay or drive one edge, and no robot enters what another leaves: steps made otherwise
-would make orders in which robots wait for each other in a ring. So no two moves of a step exclude
-each other, and their order from step to step is all that a plan needs.
+If planning one robot after the other fails, this search moves all robots step by step (Okumura,
+LaCAM: Search-based algorithm for quick multi-agent pathfinding, AAAI 2023). It searches
+configurations depth first. It makes each next configuration by letting robots choose in the order
+of their priorities. If a configuration comes up again, it forces single robots to make other moves.
+
+In a step each robot stays or drives one edge, and no robot enters a place that another robot
+leaves. Other steps could make orders in which robots wait for each other in a ring. So no two moves
+of a step exclude each other, and a plan needs only their order from step to step.
 """
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from graph_fleet_manager.planning.pibt import Pibt, PibtAgent, choose_rests
 from graph_fleet_manager.planning.reservation_table import ReservationTable
 
 Configuration = Tuple[int, ...]
-"""For each robot its state, which is its vertex and its leg: leg * vertices + vertex."""
+"""The state of each robot: leg * vertices + vertex."""
 
 _Forced = Tuple[Tuple[int, int], ...]
 """(robot, drive or STAY) that a step must contain."""
@@ -40,11 +41,11 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
                  random: Random, most_steps: float = inf) -> Optional[List[Tuple[str, int]]]:
     """The drives of all robots (robot, drive) in an order that leads each robot to its end.
 
-    given -- robots that are not booked; more urgent ones come first
+    given -- robots that are not booked, by descending urgency
 
-    It begins where the fixed drives end. Robots that may rest in several places rest in the
-    one that each has been given by the order of the agents: the nearest that is still free.
-    None where there is no path, or the deadline (monotonic s) or so many steps came first.
+    The search begins where the fixed drives end. A robot that may rest in several places rests in
+    the nearest one that is still free when its turn comes. Returns None if there is no path, or if
+    the deadline (monotonic s) or `most_steps` is reached first.
     """
     rests = choose_rests(reservations, given)
     if rests is None:
@@ -52,7 +53,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
     pibt = Pibt(reservations, given, rests, random)
     if (any(any(slots.bookings) for slots in reservations.slots.values())
             and not all(agent.has_path(deadline) for agent in pibt.agents)):
-        return None  # a robot stands in the way for ever
+        return None  # a robot blocks the only path for ever
     agents = pibt.agents
     first = tuple(agent.begin for agent in agents)
     root = _Node(first, None, {}, _first_waiting(agents, first), [], deque([()]))
@@ -97,7 +98,10 @@ def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) ->
 
 def _next_waiting(waiting: Sequence[float], configuration: Configuration,
                   agents: Sequence[PibtAgent], promoted: Sequence[Tuple[int, int]]) -> List[float]:
-    """Robots that have not arrived get more urgent; one that let another out lets it go first."""
+    """The next priorities: higher for a robot that has not arrived.
+
+    A robot that let another one out goes behind that one.
+    """
     following = [value - int(value) if agent.is_end(state) else value + 1.0
                  for value, agent, state in zip(waiting, agents, configuration)]
     for before, behind in promoted:

@@ -1,12 +1,13 @@
-"""Better plans in the time that is left: large neighbourhood search.
+"""Large neighbourhood search: improves plans in the remaining time.
 
-A few robots that are in each other's way are taken out and planned again in another order; the new
-paths stay if they cost less together, or little more, so that the search leaves a local optimum.
-(Li et al., Anytime multi-agent path finding via large neighborhood search, IJCAI 2021.)
+In each round some robots that are in each other's way are taken out and planned again in another
+order. The new paths stay if they cost less together, or little more. A slightly higher cost is
+accepted so that the search can leave a local optimum. (Li et al., Anytime multi-agent path finding
+via large neighborhood search, IJCAI 2021.)
 
-Sometimes the first of them is planned twice: at first as a guest, in the others' way only until it
-has arrived and for a moment more, and again behind all others. So two robots can change places
-where each would end on the other's only path.
+In some rounds the first of these robots is planned twice: first as a guest, which blocks the others
+only until shortly after its arrival, and again behind all others. So two robots can change places
+if the destination of each lies on the only path of the other.
 """
 from __future__ import annotations
 
@@ -20,17 +21,17 @@ from graph_fleet_manager.planning.plans import end_of
 from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, shuffled
 
 _SMALLEST, _LARGEST = 2, 8
-_GUESTS = 0.2  # of the rounds plan one robot twice
-_GUEST_STAYS = 10.0  # s, at most
-_WORSE = 0.01  # of all delays: so much more may new paths cost on average
-_CLOSE = 1e-9  # of the cost: nearer to the lower bound than this is at it
-_MEMORY = 0.9  # how slowly the choice among the kinds of neighbourhoods forgets
+_GUESTS = 0.2  # share of the rounds that plan one robot twice
+_GUEST_STAYS = 10.0  # s, at most, that a guest stays at its end
+_WORSE = 0.01  # accepted average rise of the cost, as a share of all delays
+_CLOSE = 1e-9  # relative: a cost nearer to the lower bound than this counts as equal to it
+_MEMORY = 0.9  # weight of the past when the choice among the kinds of neighbourhoods is updated
 
 
 class LargeNeighbourhoodSearch:
     """Improves the paths of agents that are all booked in `tea_star`'s reservation table.
 
-    movable -- names of those that may be planned again; others keep their paths
+    movable -- names of the agents that may be planned again; the others keep their paths
     """
 
     def __init__(self, tea_star: TeaStar, agents: Sequence[Agent], paths: Mapping[str, Path],
@@ -42,19 +43,19 @@ class LargeNeighbourhoodSearch:
                                     if movable is None or t.name in movable]
         self._movable_set = set(self._movable)
         self._now: Paths = dict(paths)
-        """The paths that are booked."""
+        """The booked paths."""
         self.paths: Paths = dict(paths)
         """The best paths so far."""
         self.rounds = 0
-        """How many neighbourhoods were tried."""
+        """Number of neighbourhoods that were tried."""
         self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
-        """How much more the booked path costs than that of the robot alone."""
+        """Cost of the booked path minus the cost of the robot without traffic."""
         return self._now[name].cost - self._all[name].errand.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
-        """Improves until the deadline (monotonic s), `rounds`, or nothing is left to improve."""
+        """Improves until the deadline (monotonic s), for `rounds`, or until no gain is left."""
         cost = best = sum(path.cost for path in self._now.values())
         while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
             if time.monotonic() >= deadline:
@@ -73,7 +74,7 @@ class LargeNeighbourhoodSearch:
                 best, self.paths = cost, dict(self._now)
 
     def _try(self, names: Sequence[str], more: float, deadline: float) -> float:
-        """Plans these again together, for at most so much more than now; returns what it gained."""
+        """Plans these robots again together, for at most `more` extra cost. Returns the gain."""
         group = shuffled((self._all[name] for name in names), self._random)
         before = sum(self._now[name].cost for name in names)
         enough = before * (1.0 - _CLOSE) + more
@@ -101,7 +102,7 @@ class LargeNeighbourhoodSearch:
         return before - spent
 
     def _book_guest(self, agent: Agent, deadline: float) -> None:
-        """Books the best path of a robot, but no longer than for a moment at its end."""
+        """Books the best path of a robot, with only a short stay at its end."""
         self._tea_star.forget((agent,))
         path = self._tea_star.path_of(agent, deadline)
         if path is None:
@@ -119,7 +120,7 @@ class LargeNeighbourhoodSearch:
         return self._random.sample(self._movable, self._size())
 
     def _around_delayed(self) -> List[str]:
-        """A robot that is late, and those that it meets on its shortest path."""
+        """A delayed robot, and those that it meets on its shortest path."""
         delays = [max(self.delay(name), 0.0) for name in self._movable]
         if sum(delays) <= 0.0:
             return self._any()
@@ -138,7 +139,7 @@ class LargeNeighbourhoodSearch:
         return self._filled([name, *sorted(users)])
 
     def _met_by(self, agent: Agent) -> List[str]:
-        """Robots in the way of one that takes the shortest path on from some point of its plan."""
+        """Robots in the way of one that takes the shortest path from some point of its plan on."""
         errand = agent.errand
         if not errand.destinations:
             return []
@@ -167,7 +168,7 @@ class LargeNeighbourhoodSearch:
         return list(met)
 
     def _filled(self, names: Sequence[str]) -> List[str]:
-        """These, as far as they may be moved and are not too many; others if they are too few."""
+        """The movable ones of these robots, cut or filled up to the size of a neighbourhood."""
         size = self._size()
         chosen = [name for name in dict.fromkeys(names) if name in self._movable_set][:size]
         while len(chosen) < size:

@@ -1,9 +1,9 @@
-"""The path of one robot through a reservation table: A* over time layers, TEA*'s own form.
+"""The path of one robot through a reservation table: A* over time layers, as in TEA*.
 
-Layers k = 0, 1, 2 ... lie `seconds` apart; a robot waits from one layer to the next, or begins a
-drive in a layer and goes on from the first layer in which it is there. Waiting is a step like
-driving, so the search looks at many more states than one over safe intervals, and no robot sets out
-between two layers. What may be done when is asked of the same reservation table.
+The layers k = 0, 1, 2 ... lie `seconds` apart. A robot waits from one layer to the next, or begins
+a drive in a layer and goes on from the first layer after its arrival. Waiting is a step like
+driving. So this search examines many more states than a search over safe intervals, and robots
+start only in layers. It uses the same reservation table.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Search = Callable[..., Optional[Tuple[float, Plan]]]
 
 
 def layered(seconds: float) -> Search:
-    """`find_path` with layers `seconds` apart; arguments and result as in `safe_intervals`."""
+    """Returns `find_path` with layers `seconds` apart. See `safe_intervals` for the arguments."""
     def search(errand: Errand, slots: Slots, latest: float = inf,
                arrivals: Sequence[Arrival] = (),
                deadline: float = inf) -> Optional[Tuple[float, Plan]]:
@@ -66,7 +66,7 @@ def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
             else:
                 cost = new_served + errand.later * (
                     time - new_served + errand.to_go[new_leg][end])
-            # Once nothing changes any more, of all layers only the first counts.
+            # After the horizon nothing changes, so that of all later layers only the first counts.
             key = (end, k if time <= slots.horizon else -1, new_leg)
             if cost <= latest and cost < inf and cost < best.get(key, inf):
                 best[key] = cost
@@ -82,12 +82,13 @@ def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
         arrivals = [(drive, now, end, now + seconds)
                     for drive, end, seconds in errand.roads[vertex]
                     if _free_until(slots.busy(drive), now) >= now]
-        if (k + 1) * layer <= until and now <= slots.horizon:  # later, nothing changes any more
+        # after the horizon nothing changes any more
+        if (k + 1) * layer <= until and now <= slots.horizon:
             arrivals.append((-1, now, vertex, (k + 1) * layer))
 
 
 def _free_until(busy: Busy, time: float) -> float:
-    """How long a slot stays free from `time` on; -inf where it is not free then."""
+    """How long a slot stays free from `time` on; -inf: it is not free at `time`."""
     at = bisect_right(busy[1], time)
     if at == len(busy[1]):
         return inf

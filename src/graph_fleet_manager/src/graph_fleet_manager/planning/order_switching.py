@@ -1,12 +1,13 @@
-"""Another order of use where robots run late: corridors are reversed while that makes all sooner.
+"""Switches the order of use while robots are late: reverses corridors if that gains time.
 
-A late robot holds up every robot that comes after it. Orders that are not begun yet may be turned
-round: the plans stay where they lead, and the order stays one without rings (switchable action
-dependency graphs: Berndt et al., T-RO 2024). What they propose to solve as a mixed-integer program
-is searched here greedily, corridor by corridor; what an order comes to is told by the longest paths
-through its graph, whose nodes are the beginnings of drives.
+A late robot holds up each robot that comes after it. Orders that are not begun yet may be reversed.
+The plans still lead to the same places, and the order stays free of rings (switchable action
+dependency graphs: Berndt et al., T-RO 2024). That paper solves a mixed-integer program. This module
+searches greedily, corridor by corridor. The cost of an order follows from the longest paths through
+its graph, whose nodes are the beginnings of drives.
 
-Nothing here touches safety: a robot is granted only what is free. A ring would be a deadlock.
+Safety does not depend on this module: a robot is granted only what is free. A ring would be a
+deadlock.
 """
 from __future__ import annotations
 
@@ -17,23 +18,23 @@ from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequenc
 from graph_fleet_manager.planning.corridors import Corridor
 from graph_fleet_manager.planning.precedence import Constraint
 
-GAIN = 5.0     # s that all robots together must win by reversing corridors
-LATE = 5.0     # s that a robot may hold up another one beyond the plan's times
-TRIALS = 40    # orders that are tried at most
-_IN_A_ROW = 6  # corridors that are reversed together, at most
-_LATER = 1e-4  # what a second after the errand weighs against one before it
+GAIN = 5.0     # s that all robots together must gain by a change
+LATE = 5.0     # s beyond the plan's times by which a robot may hold up another one
+TRIALS = 40    # maximum number of orders that are tried
+_IN_A_ROW = 6  # maximum number of corridors that are reversed together
+_LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1
 _EPSILON = 1e-6  # s
 
 
 class Course(NamedTuple):
-    """What a robot has left to drive, and how long it will take; times in s from now.
+    """The remaining drives of a robot and their times, in s from now.
 
-    first   -- number of the first drive in its plan
-    begins  -- when it begins that one, if no robot holds it up; below 0: it is under way
+    first   -- number of the first of these drives in its plan
+    begins  -- when it begins that drive if no robot holds it up; below 0: it has begun
     seconds -- of each drive
-    pauses  -- for which it stands before each drive, at least
-    planned -- when the plan in force lets it begin each drive
-    done    -- number of the drive before which its errand is done; None: it has none
+    pauses  -- the minimum stay before each drive
+    planned -- when each drive begins by the plan in force
+    done    -- number of the drive before which its errand is done; None: it has no errand
     """
 
     first: int
@@ -47,9 +48,9 @@ class Course(NamedTuple):
 class Switched(NamedTuple):
     """Another order.
 
-    reversed -- the corridors, counted, that are passed in the other order now
+    reversed -- numbers of the corridors whose order is reversed
     starts   -- when each robot is to begin each drive of its course
-    gain     -- s that all robots together win
+    gain     -- s that all robots together gain
     """
 
     reversed: FrozenSet[int]
@@ -57,7 +58,7 @@ class Switched(NamedTuple):
     gain: float
 
     def order(self, corridors: Sequence[Corridor]) -> Tuple[Constraint, ...]:
-        """The order of use now."""
+        """The constraints of the new order."""
         return tuple(constraint for number, corridor in enumerate(corridors)
                      for constraint in (corridor.reverse if number in self.reversed
                                         else corridor.constraints))
@@ -66,9 +67,9 @@ class Switched(NamedTuple):
 def switch_order(courses: Mapping[str, Course], corridors: Sequence[Corridor],
                  gain: float = GAIN, trials: int = TRIALS,
                  deadline: float = inf) -> Optional[Switched]:
-    """A better order, where a robot is so late that it holds up another; None: there is none.
+    """A better order if a robot is so late that it holds up another one; None: there is none.
 
-    gain     -- s that each change must win, added up over the robots
+    gain     -- s that each change must gain, added up over the robots
     deadline -- monotonic s
     """
     orders = _Orders(courses, corridors, trials, deadline)
@@ -88,31 +89,31 @@ def switch_order(courses: Mapping[str, Course], corridors: Sequence[Corridor],
 
 
 class _Times(NamedTuple):
-    """What an order comes to: when each node begins, and the weighted sum of the ends."""
+    """The times of an order: when each node begins, and the weighted sum of the ends."""
 
     starts: List[float]
     cost: float
 
 
 class _Order(NamedTuple):
-    """The corridors that are passed in the other order, and what that comes to."""
+    """The reversed corridors of an order, and its times."""
 
     reversed: FrozenSet[int]
     times: _Times
 
 
 class _Arc(NamedTuple):
-    """`then` begins `lag` s after `node` at the earliest, where `corridor` is passed so."""
+    """`then` begins `lag` s after `node` at the earliest, for one order of `corridor`."""
 
     node: int
     then: int
     lag: float
-    corridor: int  # -1: none, both are drives of one robot
+    corridor: int  # -1: none, both drives belong to one robot
     is_reverse: bool
 
 
 class _Orders:
-    """All orders of the corridors; the beginnings of drives are counted robot by robot: nodes."""
+    """All orders of the corridors. The nodes are the beginnings of drives, robot by robot."""
 
     def __init__(self, courses: Mapping[str, Course], corridors: Sequence[Corridor], trials: int,
                  deadline: float) -> None:
@@ -121,7 +122,8 @@ class _Orders:
         self._nodes: Dict[str, range] = {}
         self._earliest: List[float] = []
         self._planned: List[float] = []
-        self._ends: List[Tuple[int, float, float]] = []  # node, its seconds, what its end weighs
+        # node, seconds of its drive, weight of its end
+        self._ends: List[Tuple[int, float, float]] = []
         self._before: List[List[_Arc]] = []
         self._behind: List[List[Tuple[int, float, int, bool]]] = []
         self._of_corridor: List[List[_Arc]] = [[] for _ in corridors]
@@ -167,7 +169,7 @@ class _Orders:
 
     @property
     def is_over(self) -> bool:
-        """Was enough tried?"""
+        """Are the trials or the time used up?"""
         return self._left <= 0 or time.monotonic() >= self._deadline
 
     def by_robot(self, times: _Times) -> Dict[str, Tuple[float, ...]]:
@@ -178,15 +180,15 @@ class _Orders:
     # -- one order --------------------------------------------------------------------------------
 
     def evaluate(self, chosen: FrozenSet[int]) -> Optional[_Times]:
-        """The longest paths; None where there is a ring."""
+        """The times of an order, by the longest paths; None: there is a ring."""
         times, open_nodes = self._passed(chosen)
         return None if open_nodes else times
 
     def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
-        """How far all come, and the nodes that wait for each other for ever."""
+        """The times as far as they are known, and the nodes that wait for each other for ever."""
         self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
-        side = [False] * (len(self._corridors) + 1)  # the last one stands for none
+        side = [False] * (len(self._corridors) + 1)  # the last entry stands for no corridor
         for number in chosen:
             side[number] = True
             for arc in self._of_corridor[number]:
@@ -209,7 +211,7 @@ class _Orders:
         return _Times(starts, cost), ring
 
     def is_late(self, times: _Times) -> bool:
-        """Does a robot come so late that another one begins a drive later than it was to?"""
+        """Is a robot so late that another one begins a drive later than planned?"""
         starts = times.starts
         return any(starts[then] > self._planned[then] + LATE and any(
             arc.corridor >= 0 and not arc.is_reverse
@@ -217,7 +219,7 @@ class _Orders:
             for then, arcs in enumerate(self._before))
 
     def waiting(self, order: _Order) -> List[int]:
-        """Nodes that wait for another robot, and longer than planned, the longest first."""
+        """Nodes that wait for another robot longer than planned, the longest wait first."""
         found = []
         for node, arcs in enumerate(self._before):
             if order.times.starts[node] <= self._planned[node] + LATE:
@@ -229,10 +231,11 @@ class _Orders:
                 found.append((-wait, node))
         return [node for _, node in sorted(found)]
 
-    # -- others near it ---------------------------------------------------------------------------
+    # -- search for a better order ----------------------------------------------------------------
 
     def let_through(self, order: _Order, node: int, gain: float) -> Optional[_Order]:
-        """Lets a robot that waits go ahead of the one that it waits for, and then of the next."""
+        """Lets a waiting robot go ahead of the robot that it waits for, and then of the next ones.
+        """
         tried = order
         for _ in range(_IN_A_ROW):
             binding = {arc.corridor for arc in self._active(node, tried.reversed)
@@ -251,7 +254,7 @@ class _Orders:
 
     def _without_rings(self, chosen: FrozenSet[int], turned: Set[int],
                        robot: range) -> Optional[_Order]:
-        """Turns further corridors round, first those in which the robot waits for another one."""
+        """Reverses further corridors until there is no ring, first those in which `robot` waits."""
         turned = set(turned)
         for _ in range(_IN_A_ROW):
             if self.is_over:
@@ -270,7 +273,7 @@ class _Orders:
         return None
 
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
-        """One ring among nodes each of which waits for another one of them."""
+        """One ring among nodes that all wait for another one of them."""
         node = min(nodes)
         path: List[_Arc] = []
         seen: Dict[int, int] = {}

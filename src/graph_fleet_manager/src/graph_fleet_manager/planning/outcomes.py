@@ -1,4 +1,4 @@
-"""What the planner answers, made of the plans that stand at the end."""
+"""Makes the planner's answer from the final plans."""
 from __future__ import annotations
 
 from typing import Iterable, Mapping
@@ -14,12 +14,12 @@ from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
 def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
                behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
                rounds: int) -> Outcome:
-    """The plans, with the order of use that keeps them safe.
+    """The plans, and the order of use that keeps them safe.
 
-    behind   -- each agent's plan behind what is fixed; if it was improved in rounds, its drives
-                now begin as early as their order allows
-    served   -- whose plans lead to all of their destinations
-    unserved -- whose do not, and why
+    behind   -- each agent's plan behind its fixed drives; after improvement its drives begin as
+                early as their order allows
+    served   -- agents whose plans lead to all of their destinations
+    unserved -- the other agents, each with the reason
     """
     ids = reservations.network.signed_ids
     plans = schedule(reservations, agents, in_order(behind)) if rounds else behind

@@ -1,13 +1,18 @@
-"""Where robots may stand for ever without cutting any robot off.
+"""Parking: vertices at which robots may stand for ever without cutting off any robot.
 
-A set of parking vertices is *well-formed* if, with a robot standing on every one of them, the rest
-of the graph still hangs together and each of these robots can leave and come back (Cap et al.,
-arXiv 1501.07704). Then a robot can always move, for all missions. Vertices that the graph
-forbids as parking, like those that cut an edge into sections, may be cut off. Where closed edges
-leave parts of a graph without a path between them, all this holds for each of them. How many
-vertices such a set can have is the capacity of the graph. The largest set is hard to find; here it
-is searched for from many beginnings, so what is found is certain to be well-formed, and small
-graphs are rarely undersold.
+A set of parking vertices is *well-formed* if two conditions hold while a robot stands on each of
+them (Cap et al., arXiv 1501.07704):
+
+- The rest of the graph is still connected.
+- Each of these robots can leave and come back.
+
+Then a robot can always move, for all missions. Vertices that the graph forbids as parking, such as
+those that cut an edge into sections, may be cut off. If closed edges divide the graph into parts
+without a path between them, the conditions hold for each part.
+
+The capacity of the graph is the size of the largest such set. The largest set is hard to find, so
+it is searched for from many beginnings. The result is certain to be well-formed, and on small
+graphs it is rarely too small.
 """
 from __future__ import annotations
 
@@ -24,15 +29,16 @@ from graph_fleet_manager.geometry.arrays import count_up
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 _TRIALS = 20
-_FRUITLESS = 4  # trials in a row; of 40 random graphs none needed more than two
-_LARGE = 300  # vertices: from here on one trial must do
+# trials in a row without gain that end the search; of 40 random graphs none needed more than two
+_FRUITLESS = 4
+_LARGE = 300  # number of vertices from which on there is only one trial
 
 
 class Parking:
     """Well-formed sets of one robot type on one graph.
 
-    candidates -- vertices that may be used; without any, all but docks and those that the graph
-                  forbids, or, where the graph names parking, only that
+    candidates -- vertices that may be used; empty: the vertices that the graph names as parking,
+                  or, if it names none, all except docks and forbidden ones
     """
 
     def __init__(self, network: RoadNetwork, kind: RobotType, clearance: float,
@@ -50,7 +56,7 @@ class Parking:
         self._end = np.array([network.origin[d ^ 1] for d in usable], dtype=np.int64)
         self._edge = np.array([self._vertices + (d >> 1) for d in usable], dtype=np.int64)
         self._part = self._parts(self._begin, self._end, self._vertices)
-        """Of each vertex: which may be several, while edges are closed."""
+        """The part of the graph of each vertex. Closed edges may divide it into several parts."""
 
     def is_well_formed(self, parked: Iterable[int]) -> bool:
         """Is no robot cut off while robots stand on all these vertices?"""
@@ -67,8 +73,8 @@ class Parking:
         core = self._core(count)
         if core is None:
             return False
-        # From its place a robot may use what only itself is in the way of, to the core and back:
-        # its own vertices, and one that stands for the core, numbered behind all others.
+        # From its place a robot may use what only the robot itself blocks, to the core and back:
+        # its own vertices, and one vertex that stands for the core, numbered behind all others.
         own = count[self._edge] == 1
         begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
         fits = np.ones(len(begin), dtype=bool)
@@ -83,14 +89,18 @@ class Parking:
         return bool((alone | (part[vertices] == part[self._vertices + vertices])).all())
 
     def _core(self, count: np.ndarray) -> Optional[np.ndarray]:
-        """The vertices (V,) between which all robots can drive, as `count` robots stand in the way
-        of each place, in each part of the graph; None where that leaves some out that a robot may
-        want to come to."""
+        """The vertices (V,) between which all robots can drive, in each part of the graph.
+
+        count -- number of robots that block each place
+
+        Returns None if a vertex that a robot may have to visit is not among them.
+        """
         free = count[:self._vertices] == 0
         usable = count[self._edge] == 0
         left = self._parts(self._begin[usable], self._end[usable], self._vertices)
         sizes = np.bincount(left[free], minlength=self._vertices)
-        # Of every part of the graph the largest of what is left, but rather what is wanted.
+        # Of each part of the graph the largest remaining piece, preferably one with wanted
+        # vertices.
         vertices = np.flatnonzero(free)
         order = vertices[np.lexsort((sizes[left[vertices]], self._wanted[vertices]))]
         core = np.full(self._vertices, -1, dtype=np.int64)
@@ -100,7 +110,7 @@ class Parking:
 
     @staticmethod
     def _parts(begin: np.ndarray, end: np.ndarray, nodes: int) -> np.ndarray:
-        """For each node the strongly connected part that it belongs to."""
+        """For each node, the strongly connected part to which it belongs."""
         links = csr_matrix((np.ones(len(begin)), (begin, end)), shape=(nodes, nodes))
         return connected_components(links, directed=True, connection='strong')[1]
 
@@ -125,15 +135,15 @@ class Parking:
         return frozenset(best)
 
     def _by_promise(self) -> List[int]:
-        """Dead ends first, then vertices that few paths lead over."""
-        import networkx as nx  # here: 8 MB that no node needs which only uses the parking places
+        """The candidates: dead ends first, then vertices with few edges."""
+        import networkx as nx  # imported here: most nodes need not load its 8 MB
         roads = nx.Graph(zip(self._begin.tolist(), self._end.tolist()))
         roads.add_nodes_from(range(self._vertices))
         cut = set(nx.articulation_points(roads))
         return sorted(self._candidates, key=lambda v: (v in cut, roads.degree(v), v))
 
     def _grown(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
-        """Adds what can be added, in this order, many at a time as long as that goes well."""
+        """Adds the vertices that can be added, in this order, in batches while that succeeds."""
         waiting: List[Tuple[int, ...]] = [tuple(v for v in order if v not in parked)]
         parked = set(parked)
         while waiting:
@@ -148,7 +158,7 @@ class Parking:
         return parked
 
     def _exchanged(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
-        """One vertex given up for two others, as long as that is possible."""
+        """Replaces one vertex by two others, as often as that is possible."""
         better = True
         while better:
             better = False
@@ -161,7 +171,7 @@ class Parking:
 
 
 def named_parking(network: RoadNetwork, kind: RobotType) -> List[int]:
-    """The vertices at which robots of a type may be parked as far as the graph says."""
+    """The vertices at which the graph allows robots of a type to park."""
     vertices = [network.graph.vertices[id] for id in network.vertex_ids]
     docks = kind.docks or frozenset()
     named = any(v.parking for v in vertices)

@@ -1,5 +1,8 @@
-"""One step of all robots at once, each choosing in the order of priorities. A robot in the way of a
-more urgent one is asked to move, and asks others in turn (PIBT, Okumura et al., AIJ 2022)."""
+"""PIBT: one step of all robots at once, in which each robot chooses in the order of priorities.
+
+A robot in the way of a more urgent one is asked to move, and asks others in turn (Okumura et al.,
+AIJ 2022).
+"""
 from __future__ import annotations
 
 import time
@@ -13,23 +16,24 @@ from graph_fleet_manager.planning.reservation_table import MidEdgePosition, Rese
 from graph_fleet_manager.planning.road_network import Roads
 
 STAY = -1
-_FAR = 12  # drives ahead of a robot that others keep free when they make room for it
+# number of drives ahead of a robot that others keep free when they make room for it
+_FAR = 12
 
 
 _Neighbours = List[Tuple[RobotType, List[int], List[int]]]
-"""For each type vertices and edges."""
+"""For each type the vertices and edges."""
 
 
 class PibtAgent:
     """One robot in the search over configurations.
 
     A robot that begins between two vertices begins at a vertex of its own, numbered behind those of
-    the graph, from which only the rest of a drive leads away, and nothing back.
+    the graph. From this vertex only the rest of a drive leads away, and nothing leads back.
 
     name, kind -- of the robot
     begin      -- its first state: leg * vertices + vertex
-    targets    -- the vertex that ends each leg; it stays at the last
-    roads      -- that are open to it
+    targets    -- the vertex that ends each leg; it stays at the last one
+    roads      -- the roads that are open to it
     """
 
     def __init__(self, agent: Agent, rest: Optional[int], vertices: int, vertex: int,
@@ -43,7 +47,7 @@ class PibtAgent:
         self.begin = self.arrive(0, vertex)
 
     def arrive(self, leg: int, vertex: int) -> int:
-        """The state of a robot that comes to a vertex on a leg."""
+        """The state of a robot that arrives at a vertex on a leg."""
         last = len(self.targets) - 1
         while leg < last and self.targets[leg] == vertex:
             leg += 1
@@ -58,7 +62,7 @@ class PibtAgent:
         return state // self._vertices
 
     def estimate(self, state: int) -> Sequence[float]:
-        """Seconds from every vertex to the end of the leg."""
+        """Seconds from each vertex to the end of the leg."""
         return self._estimates[state // self._vertices]
 
     def to_go(self, state: int) -> float:
@@ -66,9 +70,9 @@ class PibtAgent:
         return self.estimate(state)[state % self._vertices]
 
     def has_path(self, deadline: float) -> bool:
-        """Could it come to its targets in their order if it were alone?
+        """Could the robot reach its targets in order without traffic?
 
-        False also where this is not known by the deadline (monotonic s).
+        False also if this is not known by the deadline (monotonic s).
         """
         vertex = self.vertex(self.begin)
         for target in self.targets[self.leg(self.begin):]:
@@ -84,15 +88,15 @@ class PibtAgent:
         return True
 
     def is_end(self, state: int) -> bool:
-        """Is it where it is to stay?"""
+        """Is the robot where it is to stay?"""
         leg, vertex = divmod(state, self._vertices)
         return leg == len(self.targets) - 1 and vertex == self.targets[-1]
 
 
 class Pibt:
-    """Makes steps for robots on a graph; `rests` tells where each of them is to end.
+    """Makes steps for robots on a graph; `rests` are the vertices where they are to end.
 
-    Robots booked in the reservation table stand there for ever; the agents are not booked.
+    Robots booked in the reservation table stand there for ever. The agents are not booked.
     """
 
     def __init__(self, reservations: ReservationTable, agents: Sequence[Agent],
@@ -129,7 +133,7 @@ class Pibt:
         return PibtAgent(agent, rest, vertices + len(self._kinds), vertex, estimates, roads)
 
     def _free_roads(self, agent: Agent) -> Roads:
-        """The roads of an agent that lead past no robot that stands for ever."""
+        """The roads of an agent that do not lead past a robot that stands for ever."""
         roads = agent.errand.roads
         key = agent.kind, id(roads)
         if key not in self._open:
@@ -142,7 +146,7 @@ class Pibt:
         return all(agent.is_end(state) for agent, state in zip(self.agents, configuration))
 
     def choices(self, robot: int, state: int) -> List[int]:
-        """All that one robot could do in a step, in random order."""
+        """All moves of one robot in a step, in random order."""
         agent = self.agents[robot]
         moves = [STAY, *(road[0] for road in agent.roads[agent.vertex(state)])]
         self._random.shuffle(moves)
@@ -150,9 +154,10 @@ class Pibt:
 
     def step(self, configuration: Sequence[int], order: Sequence[int], forced: Mapping[int, int]
              ) -> Optional[Tuple[Tuple[int, ...], Dict[int, int], List[Tuple[int, int]]]]:
-        """The next configuration, the drives that lead there, and which robot goes before which.
+        """The next configuration, the drives that lead there, and the robots that changed priority.
 
-        None where the forced moves exclude each other.
+        Returns None if the forced moves exclude each other. In the third value each pair names a
+        robot and the one that lets it go first.
         """
         agents = self.agents
         self._vertex = [agent.vertex(state) for agent, state in zip(agents, configuration)]
@@ -179,7 +184,7 @@ class Pibt:
             self._promoted
 
     def _decide(self, robot: int) -> None:
-        """A robot's own choice: nearer to its end, or to stay where nothing leads there."""
+        """Chooses a robot's move: nearer to its end, or none if that is impossible."""
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]
         estimate = agent.estimate(self._states[robot])
@@ -201,13 +206,13 @@ class Pibt:
                 return
 
     def _leaves(self, robot: int, avoid: AbstractSet[int]) -> bool:
-        """Does a robot that is in the way leave in this step, or make another one leave?"""
+        """Does a robot in the way leave in this step, or make another robot leave?"""
         if robot in self._decided:
             return robot in self._moves
         return self._leave(robot, avoid)
 
     def _leave(self, robot: int, avoid: AbstractSet[int]) -> bool:
-        """Moves a robot anywhere, rather not onto `avoid`; or asks others to let it go."""
+        """Moves a robot anywhere, preferably not onto `avoid`, or asks others to make room."""
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]
         estimate = agent.estimate(self._states[robot])
@@ -230,7 +235,7 @@ class Pibt:
             self._taken[kind].update(edges)
 
     def _in_the_way(self, robot: int, drive: int) -> List[int]:
-        """Robots that stand where they exclude a drive, with each of their moves in this step."""
+        """Robots whose places exclude a drive, each with all of its moves in this step."""
         at, kinds = self._at, self._kinds
         found = []
         for kind, vertices, _ in self._neighbours(robot, drive):
@@ -244,7 +249,7 @@ class Pibt:
         return found
 
     def _neighbours(self, robot: int, drive: int) -> _Neighbours:
-        """For every type the vertices and edges where it excludes a robot's drive."""
+        """For each type the vertices and edges that a robot's drive excludes."""
         kind, blocking = self._kinds[robot], self._reservations.blocking
         if self._is_mid_edge(robot):
             found = self._near_rest.get((robot, drive))
@@ -272,7 +277,7 @@ class Pibt:
         return self._vertex[robot] >= self._first_edge
 
     def _passes(self, robot: int, drive: int, other: int) -> bool:
-        """Does a robot's drive lead past the point of another one between two vertices?"""
+        """Does a robot's drive lead past the point of another robot between two vertices?"""
         key = other, self._kinds[robot]
         if key not in self._near_point:
             self._near_point[key] = self._reservations.places_near(
@@ -307,9 +312,10 @@ class Pibt:
 
 def choose_rests(reservations: ReservationTable,
                  agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
-    """For each robot that may rest in several places a free one of them; for others None.
+    """For each robot that may rest in several places, a free one of them; for others None.
 
-    A robot with nothing to do stays where it is if it may. None where not all of them find a rest.
+    A robot with nothing to do stays where it is if it may. Returns None if not all robots find a
+    rest.
     """
     taken: List[Tuple[RobotType, int]] = [
         (t.kind, t.errand.destinations[-1]) for t in agents if t.errand.rests is None]

@@ -1,4 +1,4 @@
-"""The fleet's planner: one graph, asked again and again."""
+"""The planner of a fleet: plans again and again on one graph."""
 from __future__ import annotations
 
 import gc
@@ -17,18 +17,21 @@ from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Obstacle, Outcome, Task
 
 Place = Tuple[str, RobotType, int]
-"""Name of a robot, its type, the id of a vertex."""
+"""Name of a robot, its type, and the id of a vertex."""
 
 
 class FleetPlanner:
     """Plans for all robots of a fleet on one graph.
+
+    `plan` runs the planning pipeline once. The planner keeps the reservation table of its graph
+    from run to run, but no state of the fleet.
 
     network   -- the graph, with the edges that are closed now
     clearance -- m between any two robots
     kinds     -- all robot types that will occur
     parking   -- ids of the vertices at which robots may be parked
     search    -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
-    seed      -- of all that is random
+    seed      -- of all random choices
     """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType],
@@ -40,12 +43,13 @@ class FleetPlanner:
         self._seed = seed
 
     def prepare(self) -> None:
-        """Computes beforehand what depends on the graph only."""
+        """Computes in advance what depends only on the graph."""
         with _without_garbage_collection():
             self.reservations.prepare()
 
     def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
-        """Two of the robots (name, type, vertex id) that may not stand there at once, or None."""
+        """Two robots (name, type, vertex id) that may not stand there at once; None: no such two.
+        """
         at: Dict[int, List[Place]] = {}
         for place in places:
             vertex = self.network.index[place[2]]
@@ -60,7 +64,7 @@ class FleetPlanner:
         return None
 
     def can_park(self, ends: Sequence[Place], others: Sequence[Place]) -> bool:
-        """Are there vertices enough for `others` beside robots that stay at `ends`?"""
+        """Are there enough vertices for `others` while robots stay at `ends`?"""
         for kind in {place[1] for place in others}:
             taken = {vertex for _, end_kind, id in ends
                      for vertex in self.reservations.blocking[end_kind, kind].excluded(
@@ -74,11 +78,13 @@ class FleetPlanner:
     def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
              deadline: float = inf, rounds: Optional[int] = None,
              improve_until: float = inf, seed: int = 0) -> Outcome:
-        """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds,
-        or until `improve_until` (monotonic s) where that is sooner. `seed` 0: the planner's own;
-        with another one the robots are planned in another order, too.
+        """Plans for all tasks, and improves the plans.
 
-        Raises CannotPlan where a task makes no sense.
+        The improvement ends at the deadline (monotonic s), after `rounds`, or at `improve_until`
+        (monotonic s), whichever comes first. A `seed` of 0 means the planner's own. With another
+        seed the robots are also planned in another order.
+
+        Raises CannotPlan for an invalid task.
         """
         check(self.network, tasks)
         with _without_garbage_collection():
@@ -92,8 +98,10 @@ class FleetPlanner:
 
 @contextmanager
 def _without_garbage_collection() -> Iterator[None]:
-    """Plans, and what drives block, are many small values without cycles: collecting among them
-    only costs time."""
+    """Suspends garbage collection.
+
+    Plans and blocks are many small values without cycles. Collecting garbage would only cost time.
+    """
     enabled = gc.isenabled()
     gc.disable()
     try:

@@ -1,10 +1,13 @@
-"""The planning pipeline: from what every robot owns by now to plans that serve all of them.
+"""The planning pipeline: from the robots' present plans to plans that serve all robots.
 
-A valid plan is never dropped before a better one stands. First the robots that lack a way look for
-one past the kept plans of all others, asking robots that merely stand in the way to make room; if
-that fails, all robots are planned anew by TEA*, and then by the search over configurations. A robot
-that still has no path keeps its old plan, and the answer names the robots in its way. The rest of
-the time improves the plan.
+A valid plan is never dropped before a better one is found. The steps are:
+
+1. Each robot without a path looks for one past the kept plans of all others. It asks robots that
+   stand idle in the way to make room.
+2. If that fails, all robots are planned anew by TEA*.
+3. If that fails, too, LaCAM searches over configurations.
+4. A robot that still has no path keeps its old plan, and the answer names the robots in its way.
+5. The remaining time is used to improve the plan.
 """
 from __future__ import annotations
 
@@ -27,23 +30,25 @@ from graph_fleet_manager.planning.schedule import schedule
 from graph_fleet_manager.planning.tasks import Obstacle, Outcome, Task
 from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, by_length, is_too_late
 
-_ORDERS = 10      # in which all are planned anew before the search over configurations begins
-_ROOM_ORDERS = 4  # in which a robot and those in its way are planned
-_QUICKLY_BOOKED = 20000  # drives, after the time limit
-_TO_EXPLAIN = 0.05  # s after the time limit until which the robots in the way are looked for
-_TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
+_ORDERS = 10      # maximum number of orders in which all are planned anew before LaCAM begins
+_ROOM_ORDERS = 4  # maximum number of orders in which a robot and those in its way are planned
+_QUICKLY_BOOKED = 20000  # number of drives that can be booked quickly after the time limit
+_TO_EXPLAIN = 0.05  # s after the time limit in which the robots in the way are searched for
+# s that are left at the end, plus _SLOWER times the duration of an outcome before
+_TO_FINISH = 0.002
 _SLOWER = 1.5
-_MOST_STEPS = 3000  # of that search where there is no deadline: then only counts bound it
+# maximum number of steps of LaCAM without a deadline, when only counts bound it
+_MOST_STEPS = 3000
 
 
 class PlanningPipeline:
     """One run of the planner.
 
-    reservation table  -- in which nothing is booked yet
-    tasks, obstacles, parking -- as the planner was asked
-    search     -- for one robot's way
-    random     -- what chance decides
-    shuffles   -- chance decides also in which order robots are planned at first
+    reservations -- the reservation table, in which nothing is booked yet
+    tasks, obstacles, parking -- the planner's input
+    search     -- the search for one robot's path
+    random     -- the source of all random choices
+    shuffles   -- the order in which robots are planned at first is random, too
     """
 
     def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
@@ -62,17 +67,17 @@ class PlanningPipeline:
         self._problem = Problem(reservations, tasks, parking)
         self._agents = self._problem.agents
         self._paths: Paths = {}
-        """The ways that serve, all of them booked."""
+        """The paths that serve their robots, all of them booked."""
         self._unserved: Dict[str, str] = {}
         self._old: Dict[str, Plan] = {}
-        """Plans owned by now, with new times."""
+        """The present plans of the robots, with new times."""
         self._unfinished: Paths = {}
-        """Of the robots that had a way when the time for planning all anew was over; not booked."""
+        """Paths that were found before the time for planning all anew was over; not booked."""
         self._grounded: Set[str] = set()
         """Robots that stay where they are."""
 
     def run(self, deadline: float, rounds: Optional[int], improve_until: float) -> Outcome:
-        """Everything in its order."""
+        """Runs all steps in order, and returns the answer."""
         self._ground_who_is_too_near()
         self._give_up_what_is_out_of_reach()
         self._keep()
@@ -102,10 +107,11 @@ class PlanningPipeline:
             order.sort(key=lambda t: (-t.priority, not t.errand.destinations))
         return order
 
-    # -- what is there already --------------------------------------------------------------------
+    # -- present plans ----------------------------------------------------------------------------
 
     def _ground_who_is_too_near(self) -> None:
-        """Robots that stand too near each other stay where they are, in the way of all others."""
+        """Robots that stand too near to each other stay where they are, in the way of all others.
+        """
         for one, other in self._problem.too_near():
             for name, near in ((one, other), (other, one)):
                 self._unserved[name] = (f'it stands nearer to {near} than is allowed; move one of '
@@ -115,14 +121,14 @@ class PlanningPipeline:
             self._book_standing(self._agents[name])
 
     def _give_up_what_is_out_of_reach(self) -> None:
-        """A robot that cannot reach its destination, even alone, is only parked."""
+        """A robot that cannot reach its destination even without traffic is only parked."""
         for agent in self._mobile():
             if agent.errand.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
                 self._agents[agent.name] = self._problem.without_destinations(agent)
 
     def _keep(self) -> None:
-        """Books the plans that robots own, in the order in which they were to be driven."""
+        """Books the present plans of the robots, in their present order."""
         mobile = {t.name: t for t in self._mobile()}
         self._old = kept_plans(self._reservations, self._problem.tasks, mobile)
         for name, plan in self._old.items():
@@ -134,8 +140,7 @@ class PlanningPipeline:
     # -- paths for robots without one -------------------------------------------------------------
 
     def _serve(self, missing: Sequence[Agent], deadline: float) -> None:
-        """Finds paths for these; a robot without one is unserved, and keeps its old plan if it has
-        one."""
+        """Finds paths for these robots. A robot without one is unserved, and keeps any old plan."""
         failed = list(missing)
         if self._old:
             for agent in missing:
@@ -143,7 +148,8 @@ class PlanningPipeline:
                     self._tea_star.book_present(agent)
             failed = [t for t in missing
                       if t.name not in self._paths and not self._serve_one(t, deadline)]
-            failed = [t for t in failed if t.name not in self._paths]  # nor got one with another
+            # another robot's search may have given it a path
+            failed = [t for t in failed if t.name not in self._paths]
         if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
             return
         failed = self._serve_somebody(failed, deadline)
@@ -165,7 +171,7 @@ class PlanningPipeline:
         self._stand(standing)
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
-        """A path past all plans, or past those that make room."""
+        """Finds a path past all plans, or past plans changed to make room. Returns success."""
         self._tea_star.forget((agent,))
         path = self._tea_star.path_of(agent, deadline)
         is_late = is_too_late(deadline, len(path.plan) if path is not None else 0)
@@ -200,7 +206,7 @@ class PlanningPipeline:
         return self._problem.with_rests(other, rests) if rests else other
 
     def _plan_all(self, first: Sequence[Agent], deadline: float) -> bool:
-        """All robots anew; those without a path come first. Nothing changes where that fails."""
+        """Plans all robots anew; those without a path come first. A failure changes nothing."""
         mobile = self._mobile()
         names = {t.name for t in first}
         order = [*first, *(t for t in self._in_order(mobile) if t.name not in names)]
@@ -220,8 +226,10 @@ class PlanningPipeline:
         return True
 
     def _serve_somebody(self, failed: Sequence[Agent], deadline: float) -> List[Agent]:
-        """One of these, for which all others without a path only make room; returns those that are
-        left."""
+        """Serves one of these robots; all others without a path only make room for it.
+
+        Returns the robots that are still not served.
+        """
         for chosen in failed:
             if time.monotonic() > deadline:
                 break
@@ -245,8 +253,8 @@ class PlanningPipeline:
         return list(failed)
 
     def _take_unfinished(self) -> List[Agent]:
-        """Better some robots with a path than none; returns those without one."""
-        self._old.clear()  # which says of each robot only that it stands
+        """Takes the unfinished paths: better for some robots than for none. Returns the others."""
+        self._old.clear()  # of each robot it says only that it stands
         self._paths.update(self._unfinished)
         mobile = self._mobile()
         for agent in mobile:
@@ -255,7 +263,7 @@ class PlanningPipeline:
 
     @staticmethod
     def _part_of(deadline: float, failed: Sequence[Agent]) -> float:
-        """Half of the time that is left, where something else can be tried in the other half."""
+        """Half of the remaining time, if something else can be tried in the other half."""
         if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
             return deadline
         return deadline - (deadline - time.monotonic()) / 2.0
@@ -275,7 +283,7 @@ class PlanningPipeline:
         return paths
 
     def _stand(self, standing: Sequence[Agent]) -> None:
-        """These stay where they are, and with them all whose plans lead past them."""
+        """Grounds these robots, and all robots whose plans lead past them."""
         while standing:
             for agent in standing:
                 self._grounded.add(agent.name)
@@ -292,7 +300,7 @@ class PlanningPipeline:
                 self._unserved.setdefault(agent.name, 'a robot without a plan is in its way')
 
     def _who_passes(self, agent: Agent) -> Set[str]:
-        """Whose plans lead past the place at which a robot stands, which is not booked."""
+        """Robots whose plans lead past the place of a standing robot that is not booked."""
         if agent.mid_edge is not None:
             return {robot for robot, _ in self._reservations.passing(agent.kind, agent.mid_edge)}
         slots = self._reservations.slots[agent.kind]
@@ -304,7 +312,7 @@ class PlanningPipeline:
         self._tea_star.book(agent, Path(0.0, []))
 
     def _book_again(self, agent: Agent) -> None:
-        """The way that a robot has, or else its old plan, or else only where it is."""
+        """Books the path of a robot, or else its old plan, or else only its place."""
         self._tea_star.forget((agent,))
         if agent.name in self._paths:
             self._tea_star.book(agent, self._paths[agent.name])
@@ -321,5 +329,5 @@ class PlanningPipeline:
 
 
 def _can_rest_elsewhere(agent: Agent) -> bool:
-    """Has it something to do, and need not stay there?"""
+    """Has the robot a destination at which it need not stay?"""
     return bool(agent.errand.destinations) and agent.errand.rests is not None

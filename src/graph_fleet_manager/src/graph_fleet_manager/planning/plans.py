@@ -1,4 +1,4 @@
-"""What robots are to drive, and when."""
+"""Plans: what robots are to drive, and when."""
 from __future__ import annotations
 
 from typing import Dict, List, Mapping, NamedTuple, Sequence
@@ -15,22 +15,22 @@ class Drive(NamedTuple):
 
 
 Plan = List[Drive]
-"""One robot's drives in order; gaps are waits, and it stays for ever where the last one ends."""
+"""One robot's drives in order. Gaps are waits. It stays for ever where the last drive ends."""
 
 Plans = Dict[str, Plan]
-"""The plan of every robot by name."""
+"""The plan of each robot by name."""
 
 
 def end_of(plan: Sequence[Drive]) -> float:
-    """When the robot has come to rest: the end of its last drive, 0 where it never drives."""
+    """When the robot has come to rest: the end of its last drive; 0: it never drives."""
     return plan[-1].end if plan else 0.0
 
 
 def sum_of_costs(plans: Mapping[str, Sequence[Drive]]) -> float:
-    """All robots' ends, added up."""
+    """The sum of the ends of all robots."""
     return sum(map(end_of, plans.values()))
 
 
 def makespan(plans: Mapping[str, Sequence[Drive]]) -> float:
-    """The end of the last drive of all."""
+    """The end of the last drive of all robots."""
     return max(map(end_of, plans.values()), default=0.0)

@@ -1,11 +1,12 @@
-"""The order of use of places: the action dependency graph of a plan, safe however late robots are.
+"""The action dependency graph of a plan: the order of use of places, safe for all delays.
 
-For every pair of drives that exclude each other the plan's times fix an order. Kept, that order
-makes the plan safe however long a drive takes and wherever a robot comes to rest; the times only
-matter for its cost (Hoenig et al., RA-L 2019). The order is written as constraints: robot b may
-begin its drive j only once robot a has driven the fraction f of its drive i. All drives stand in
-one row, those of each robot in their order, and every constraint leads on in that row: so robots
-never wait for each other in a ring.
+For each pair of drives that exclude each other, the plan's times fix an order. If that order is
+kept, the plan is safe however long a drive takes and wherever a robot comes to rest. The times
+matter only for the cost (Hoenig et al., RA-L 2019). The order is written as constraints: robot b
+may begin its drive j only after robot a has driven the fraction f of its drive i.
+
+All drives stand in one row, those of each robot in their order, and each constraint points forward
+in that row. So robots never wait for each other in a ring.
 """
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ _ROUNDING = 1e-9  # s
 
 
 class Constraint(NamedTuple):
-    """`then` may begin drive `drive` only once `first` has driven `fraction` of `before`."""
+    """`then` may begin drive `drive` only after `first` has driven `fraction` of `before`."""
 
     first: str
     before: int
@@ -34,13 +35,13 @@ class Constraint(NamedTuple):
 
 
 class Conflicting(Exception):
-    """A plan in which two robots hold at once what they may not: a defect of the planner."""
+    """A plan in which two robots hold excluding places at once: a defect of the planner."""
 
 
 class _Drives(NamedTuple):
     """All N drives of all robots, in the order in which they begin, as columns."""
 
-    robot: np.ndarray    # (N,) counted in the order of their names
+    robot: np.ndarray    # (N,) number in the order of the robots' names
     number: np.ndarray   # (N,) within the robot's plan
     drive: np.ndarray    # (N,)
     start: np.ndarray    # (N,) s
@@ -50,20 +51,20 @@ class _Drives(NamedTuple):
 
 
 class _Pairs(NamedTuple):
-    """M pairs of drives of different robots, the first of which must clear the second."""
+    """M pairs of drives of different robots: the first drive must be clear before the second."""
 
     first: np.ndarray     # (M,) index into _Drives
-    fraction: np.ndarray  # (M,) of the first's arc length, after which it is out of the way
+    fraction: np.ndarray  # (M,) of the first drive's arc length, after which it is out of the way
     then: np.ndarray      # (M,) index into _Drives
 
 
 def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
-    """The constraints that keep `plans` safe, none of which follows from another of the same pair.
+    """The constraints that keep `plans` safe, without those that follow from others of a pair.
 
-    So many first drives of each robot as `released` says need none any more: all that had to come
-    before them has come. Raises Conflicting where the times of the plans themselves are not safe,
-    or not those of drives one after the other.
+    The first drives of each robot, as many as `released` says, need no constraint: all that had to
+    come before them has happened. Raises Conflicting if the times of the plans are not safe, or if
+    the drives of a robot are not in the order of their times.
     """
     names = sorted(name for name, plan in plans.items() if plan)
     if not names:
@@ -84,7 +85,7 @@ def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str,
 
 
 def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -> _Drives:
-    """What was released comes first, the rest by its times; no robot goes back in time."""
+    """Released drives first, the others by time; no robot's drives are out of order."""
     counts = np.array([len(plans[name]) for name in names])
     robot, number = np.repeat(np.arange(len(names)), counts), count_up(counts)
     rows = chain.from_iterable(plans[name] for name in names)
@@ -104,8 +105,10 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """For each planned drive of an observer the last drive of each moving before it that excludes
-    it, where both are drives of the types given."""
+    """The last conflicting drive of each moving robot before each planned drive of an observer.
+
+    Both are drives of the given types.
+    """
     conflicts = reservations.blocking[moving, observer].conflicts
     vertices, count = reservations.network.vertices, len(drives.drive)
     after = np.flatnonzero(observes & drives.planned & (drives.begun == 0.0))
@@ -121,7 +124,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     fraction = np.where(forward, conflicts.forward[at], conflicts.backward[at])
     counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
     before, fraction = before[counts], fraction[counts]
-    # All uses of each edge in groups, one for each robot, within which they are in order.
+    # All uses of each edge in groups, one for each robot; each group is in order.
     edge, robot = conflicts.other[at][counts] - vertices, drives.robot[before]
     robots = int(drives.robot.max()) + 1
     by_robot = edge * robots + robot
@@ -129,7 +132,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     before, fraction, by_robot = before[use], fraction[use], by_robot[use]
     starts = np.flatnonzero(np.diff(by_robot, prepend=-1))
     groups = by_robot[starts]
-    # For each drive and each robot that ever uses its edge the last use before the drive.
+    # For each drive and each robot that ever uses its edge, the last use before the drive.
     low = np.searchsorted(groups, edge_after * robots)
     lengths = np.searchsorted(groups, (edge_after + 1) * robots) - low
     group = np.repeat(low, lengths) + count_up(lengths)
@@ -144,8 +147,10 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
 
 def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: RobotType,
                        observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """The same for observers that stand between two vertices: what only concerns the part of the
-    edge that lies behind them is left out, as in the reservation table."""
+    """Like `_meetings`, for observers that stand between two vertices.
+
+    As in the reservation table, conflicts with only the part of the edge behind them are ignored.
+    """
     conflicts = reservations.blocking[moving, observer].conflicts
     clear = conflicts.forward, conflicts.backward
     place = reservations.network.vertices + (drives.drive >> 1)
@@ -169,7 +174,7 @@ def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: 
 
 def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives,
            pairs: _Pairs) -> None:
-    """Do the times of the plans keep the order, and is it one without rings?"""
+    """Raises Conflicting unless the times of the plans keep the order, and it has no rings."""
     if (pairs.first >= pairs.then).any():
         raise Conflicting('a drive would wait for one that comes after it in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]
@@ -186,7 +191,7 @@ def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives
 
 
 def _without_what_follows(drives: _Drives, pairs: _Pairs) -> _Pairs:
-    """Only the pairs that ask more of one robot than another of its drives already waited for."""
+    """The pairs that demand more of one robot than earlier drives of the other waited for."""
     first, fraction, then = pairs
     by_demand = np.lexsort((fraction, drives.number[first]))
     demand = np.zeros(len(first), dtype=np.int64)

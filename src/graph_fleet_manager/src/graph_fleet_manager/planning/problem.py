@@ -1,4 +1,4 @@
-"""From what the planner is asked, in ids, to agents; and what makes no sense in it."""
+"""Turns the planner's input, in ids, into agents, and checks it."""
 from __future__ import annotations
 
 from collections import Counter
@@ -32,17 +32,17 @@ class Problem:
         self._wanted = {name: frozenset(self._vertices(task.destinations))
                         for name, task in self.tasks.items()}
         self._robots_to = Counter(chain.from_iterable(self._wanted.values()))
-        for kind in reservations.kinds:  # all at once: one by one they take several times as long
+        for kind in reservations.kinds:  # all at once: one by one this takes several times as long
             self._network.paths_to(kind, [vertex for name, task in self.tasks.items()
                                           if task.type == kind for vertex in self._wanted[name]])
         self._common: Dict[RobotType, FrozenSet[int]] = {
             kind: self.rests(kind, frozenset(self._robots_to)) for kind in reservations.kinds}
-        """Where robots of a type may be parked that no robot wants to come to."""
+        """Where robots of a type may be parked and where no robot has a destination."""
         self.agents: Dict[str, Agent] = {
             name: self._agent(task) for name, task in self.tasks.items()}
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
-        """Where robots of a type may be parked; without what others want if that leaves enough."""
+        """Where robots of a type may be parked, without `unwanted` if enough vertices remain."""
         docks = frozenset(self._network.index[id] for id in kind.docks or ()
                           if id in self._network.index)
         allowed = (self._parking - self._network.docks) | (self._parking & docks)
@@ -50,13 +50,13 @@ class Problem:
         return quiet if len(quiet) >= len(self.tasks) else allowed
 
     def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
-        """The same agent, allowed to end elsewhere."""
+        """The same agent, allowed to end at `rests`."""
         task = self.tasks[agent.name]
         return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
                                                   rests))
 
     def without_destinations(self, agent: Agent) -> Agent:
-        """The same agent, that only has to be parked."""
+        """The same agent without destinations, so that it is only parked."""
         task = replace(self.tasks[agent.name], destinations=(), dwells=())
         rests = agent.errand.rests
         if rests is None:
@@ -82,7 +82,7 @@ class Problem:
                      self._errand(task, fixed, mid_edge, rests), task.priority, mid_edge)
 
     def _wanted_by_others(self, name: str) -> FrozenSet[int]:
-        """The destinations of all robots but one."""
+        """The destinations of all robots except one."""
         alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
         return frozenset(self._robots_to.keys() - alone)
 
@@ -96,7 +96,7 @@ class Problem:
             for _, end, seconds in mid_edge.exits(network, task.type):
                 origins[end] = min(seconds, origins.get(end, inf))
         else:
-            assert fixed or task.vertex is not None  # `check` has seen to that
+            assert fixed or task.vertex is not None  # `check` guarantees this
             vertex = (network.destination(fixed[-1].drive) if fixed
                       else network.index[task.vertex or 0])
             origins[vertex] = 0.0
@@ -106,13 +106,13 @@ class Problem:
                       self._common[task.type])
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
-        """What was released, driven at once."""
+        """The released drives, driven at once."""
         times, now, drives = self._network.times(task.type), 0.0, []
         for k, edge in enumerate(task.released):
             begun = task.begun if k == 0 else 0.0
             drive = self._network.drive(edge)
             seconds = times[drive]
-            if seconds == inf:  # forbidden by now, but promised: at its own speed
+            if seconds == inf:  # forbidden meanwhile, but already granted: at the robot's own speed
                 seconds = self._network.length(drive) / task.type.speed
             drives.append(Drive(drive, now, now + seconds * (1.0 - begun), begun))
             now = drives[-1].end
@@ -129,10 +129,10 @@ class Problem:
     def _vertices(self, ids: Iterable[int]) -> Tuple[int, ...]:
         return tuple(self._network.index[id] for id in ids)
 
-    # -- what makes no sense ----------------------------------------------------------------------
+    # -- checks -----------------------------------------------------------------------------------
 
     def too_near(self) -> List[Tuple[str, str]]:
-        """Pairs of robots that hold, as it begins, what they may not hold at once."""
+        """Pairs of robots that hold excluding places when planning begins."""
         by_place: Dict[int, List[_Held]] = {}
         held: List[_Held] = []
         for agent in self.agents.values():
@@ -157,7 +157,7 @@ class Problem:
         return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
-        """Is a robot too near to one between two vertices, that holds but the point where it is?"""
+        """Is a robot too near to another one that holds only a point between two vertices?"""
         if other.mid_edge is None:
             return True
         if one.mid_edge is None:
@@ -167,7 +167,7 @@ class Problem:
                      one.mid_edge.y - other.mid_edge.y) < apart - ROUNDING
 
     def _still_meets(self, one: _Held, other: _Held) -> bool:
-        """Does what lies before a robot on its drive exclude a place, not only what is behind?"""
+        """Does the part of a drive ahead of a robot exclude a place, not only the part behind?"""
         if one.begun == 0.0 or one.mid_edge is not None:
             return True
         blocks = self._reservations.blocking[one.kind, other.kind].drive(one.drive)
@@ -177,7 +177,7 @@ class Problem:
 
 
 class _Held(NamedTuple):
-    """A place that a robot holds as the planning begins."""
+    """A place that a robot holds when planning begins."""
 
     name: str
     kind: RobotType
@@ -199,7 +199,7 @@ def _held_by(agent: Agent, network: RoadNetwork) -> List[_Held]:
 
 
 def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
-    """Raises CannotPlan for ids that the graph does not have and robots that are nowhere."""
+    """Raises CannotPlan for ids that the graph lacks, and for robots without a place."""
     for task in tasks:
         places = (task.vertex is not None, bool(task.released), task.mid_edge is not None)
         if places not in ((True, False, False), (True, True, False), (False, True, False),
@@ -217,7 +217,7 @@ def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
             if (network.destination(network.drive(first))
                     != network.origin[network.drive(second)]):
                 raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
-                                 f'{first} ends; mend its route.')
+                                 f'{first} ends; correct its route.')
         numbers = (task.begun, task.ready, *task.dwells,
                    *(() if task.mid_edge is None else task.mid_edge[1:]))
         if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:

@@ -1,4 +1,4 @@
-"""The bookings of all robots that have a plan: what each one blocks and when, for each type."""
+"""The reservation table: what each robot with a plan blocks and when, for each robot type."""
 from __future__ import annotations
 
 from bisect import bisect_right
@@ -14,7 +14,8 @@ from graph_fleet_manager.planning.slots import Booking, Busy, Slots, merge
 
 
 class MidEdgePosition(NamedTuple):
-    """A robot that stands at a fraction of a drive, at x, y (m), free to go on both ways."""
+    """A robot that stands at a fraction of a drive, at x, y (m), free to go on in both directions.
+    """
 
     drive: int
     fraction: float
@@ -22,19 +23,21 @@ class MidEdgePosition(NamedTuple):
     y: float
 
     def behind(self, drive: int) -> float:
-        """The fraction of `drive`, one of its two drives on, that lies behind it."""
+        """The fraction of `drive`, one of the drives on its edge, that lies behind the robot."""
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
     def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
-        """The (drive, vertex at its end, seconds to it) by which it may leave: also a closed edge,
-        and into a dock."""
+        """The drives by which it may leave, as (drive, vertex at its end, seconds to it).
+
+        A closed edge, and a drive into a dock, are allowed.
+        """
         times = network.times(kind)
         return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))
                 for drive in (self.drive, self.drive ^ 1) if times[drive] < inf]
 
 
 class Booked(NamedTuple):
-    """What is booked for one robot."""
+    """The booked state of one robot."""
 
     kind: RobotType
     vertex: int
@@ -45,16 +48,19 @@ class Booked(NamedTuple):
 
 
 class TakenOut(NamedTuple):
-    """What the reservation table was before robots were taken out of it."""
+    """The state of the reservation table before robots were taken out of it."""
 
     booked: Dict[str, Booked]
     touched: Dict[str, List[Tuple[Slots, Iterable[int]]]]
     before: List[Tuple[Slots, Dict[int, Tuple[List[Booking], Optional[Busy]]]]]
-    """For all slots in which one of them is booked the bookings, and these merged."""
+    """For all slots in which one of them is booked: the bookings, and the merged times."""
 
 
 class ReservationTable:
-    """Bookings of many robots; each robot is booked by name and can be taken out again."""
+    """Bookings of many robots. Each robot is booked by name and can be taken out again.
+
+    It answers for each robot type at which times a slot is blocked. All searches for paths use it.
+    """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
         self.network = network
@@ -78,7 +84,7 @@ class ReservationTable:
         self._placed = {}
 
     def prepare(self) -> None:
-        """Computes what can be computed beforehand, for the graph and what is closed of it."""
+        """Computes in advance what depends only on the graph and its closed edges."""
         for kind in self.kinds:
             self.network.prepared(kind)
         for blocking in self.blocking.values():
@@ -88,9 +94,9 @@ class ReservationTable:
              mid_edge: Optional[MidEdgePosition] = None, until: float = inf, held: int = 0) -> None:
         """Books a robot that stands at `vertex`, or `mid_edge`, and then follows its plan.
 
-        After the plan it stands where it is till `until`. It holds the first `held` drives
-        from now on: a robot that wants to pass there comes after it, even if it could be through
-        earlier. Nothing may be booked for it yet.
+        After the plan it stands where it is until `until`. It holds the first `held` drives from
+        now on: a robot that wants to pass there must come after it, even if it could pass earlier.
+        Nothing may be booked for it yet.
         """
         self.booked[robot] = Booked(kind, vertex, plan, mid_edge, until, held)
         self._touched[robot] = []
@@ -119,8 +125,7 @@ class ReservationTable:
 
     def book_places(self, robot: str, kind: RobotType, places: Iterable[int],
                     areas: Iterable[Area] = ()) -> None:
-        """Books for ever a robot that may be anywhere on these places and areas, and nowhere else.
-        """
+        """Books for ever a robot that may be anywhere on these places and areas."""
         self._touched[robot] = []
         self._placed[robot] = {}
         for observer in self.kinds:
@@ -136,13 +141,13 @@ class ReservationTable:
             self._placed[robot][observer] = blocked
 
     def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
-        """What is booked for one robot, by slot, as robots of a type see it."""
+        """The bookings of one robot, by slot, for an observer of a type."""
         slots = self.slots[observer]
         return {slot: [b for b in slots.bookings[slot] if b[2] == robot]
                 for of, touched in self._touched[robot] if of is slots for slot in touched}
 
     def cancel(self, robot: str) -> None:
-        """Takes a robot out; one that is not booked is none."""
+        """Takes a robot out. Does nothing if it is not booked."""
         self.booked.pop(robot, None)
         self._placed.pop(robot, None)
         for slots, touched in self._touched.pop(robot, ()):
@@ -152,7 +157,7 @@ class ReservationTable:
                 merged[slot] = None
 
     def take_out(self, robots: Sequence[str]) -> TakenOut:
-        """Takes several robots out, all of them booked, so that they can be put back quickly."""
+        """Takes out several robots, all of them booked, so that they can be put back quickly."""
         gone = set(robots)
         booked = {robot: self.booked.pop(robot) for robot in robots}
         touched = {robot: self._touched.pop(robot) for robot in robots}
@@ -161,14 +166,14 @@ class ReservationTable:
             bookings, merged = slots.bookings, slots.merged
             kept = {slot: (bookings[slot], merged[slot]) for per_robot in touched.values()
                     for of, slots_of in per_robot if of is slots for slot in slots_of}
-            for slot, (old, _) in kept.items():  # new lists: the old ones stay as they are
+            for slot, (old, _) in kept.items():  # new lists: the old ones stay unchanged
                 bookings[slot] = [b for b in old if b[2] not in gone]
                 merged[slot] = None
             before.append((slots, kept))
         return TakenOut(booked, touched, before)
 
     def put_back(self, taken: TakenOut) -> None:
-        """Puts robots back as they were; what was booked for them since then is dropped.
+        """Puts robots back as they were. Their bookings since then are dropped.
 
         No other robot may have been booked or taken out since.
         """
@@ -188,11 +193,11 @@ class ReservationTable:
 
     def arrivals(self, kind: RobotType, mid_edge: MidEdgePosition,
                  ready: float) -> List[Tuple[int, float, int, float]]:
-        """What a robot that is not booked and stands between two vertices may begin with.
+        """The first drives of a robot that is not booked and stands between two vertices.
 
-        For each drive by which it may leave: (drive, when it may go on, vertex that it leads to,
-        when it is there), for every time in which it is free. Until then no robot may come past
-        its point.
+        For each drive by which it may leave, and each time in which that drive is free: (drive,
+        when it may begin, vertex at its end, when it arrives there). It must leave before another
+        robot passes its point.
         """
         found = []
         leave = min((start for _, start in self.passing(kind, mid_edge)), default=inf)
@@ -210,9 +215,9 @@ class ReservationTable:
 
     def against_rest(self, kind: RobotType, mid_edge: MidEdgePosition,
                      drive: int) -> List[Booking]:
-        """When others keep a robot between two vertices from driving on to the end of a drive.
+        """The bookings that keep a robot between two vertices from driving to the end of a drive.
 
-        Bookings are made for whole drives; those that only concern the part behind are ignored.
+        Bookings are made for whole drives. Those that concern only the part behind it are ignored.
         """
         found: List[Booking] = []
         behind = mid_edge.behind(drive) * self.network.times(kind)[drive]
@@ -224,7 +229,7 @@ class ReservationTable:
 
     def passing(self, kind: RobotType,
                 mid_edge: MidEdgePosition) -> Iterator[Tuple[str, float]]:
-        """Others that come past a robot's point, and when they begin each drive that does."""
+        """Robots that pass a robot's point, and when they begin each drive that does."""
         for moving in self.kinds:
             places = self.places_near(kind, moving, mid_edge)
             for robot, booked in self.booked.items():
@@ -235,7 +240,7 @@ class ReservationTable:
 
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
-        """Each wait and drive of each robot: robot, begin, end, (slot, lead) that it blocks."""
+        """Each wait and drive of each robot: robot, begin, end, and the (slot, lead) it blocks."""
         for robot, (kind, vertex, plan, mid_edge, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
             waits = (blocking.wait(vertex) if mid_edge is None
@@ -259,17 +264,19 @@ class ReservationTable:
 
     def places_near(self, kind: RobotType, other: RobotType,
                     mid_edge: MidEdgePosition) -> Dict[int, Tuple[float, float]]:
-        """Places that robots of type `other` may not hold while one stands between vertices, and
-        the part of each edge that is too near to its point."""
+        """Places that robots of type `other` may not hold while one stands between vertices.
+
+        With each edge goes the part of it that is too near to the robot's point.
+        """
         return self.network.exclusions.near(((mid_edge.x, mid_edge.y),),
                                             self.apart(kind, other))
 
     def apart(self, kind: RobotType, other: RobotType) -> float:
-        """How far (m) the curves of two robots must be from each other."""
+        """Distance (m) that the curves of two robots must keep from each other."""
         return kind.reach + other.reach + self.clearance
 
 
 def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:
-    """What the rest of a drive blocks when a fraction of it lies behind."""
+    """The blocks of the rest of a drive when a fraction of it lies behind."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]

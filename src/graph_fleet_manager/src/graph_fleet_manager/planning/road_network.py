@@ -1,8 +1,8 @@
-"""The graph as the searches see it: counted vertices and drives, driving times, paths to a target.
+"""The graph as the searches see it: numbered vertices and drives, times, shortest paths.
 
-A *drive* is an edge in one direction: drive 2 e is edge e forward, 2 e + 1 the same backward, edges
-counted in the graph's order. A *slot* is what is booked: slots are first the drives, then the
-vertices.
+A *drive* is an edge in one direction: drive 2 e is edge e forward, drive 2 e + 1 is the same edge
+backward. Edges are numbered in the graph's order. A *slot* is what is booked: first come the slots
+of the drives, then those of the vertices.
 """
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from trajectory_graph import Graph
 _GUIDED = 1.0 + 1e-9
 _NEAREST_KEPT = 64
 Roads = List[List[Tuple[int, int, float]]]
-"""For each vertex the (drive, vertex at its end, seconds) that lead away from it."""
+"""For each vertex the roads away from it: (drive, vertex at its end, seconds)."""
 
 
 def estimated(seconds: np.ndarray) -> Sequence[float]:
-    """Seconds (V,) as the searches use them: Python's numbers, and larger by a hair.
+    """Seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
 
     So of equally good paths the one that is nearer to its end is followed first.
     """
@@ -34,13 +34,13 @@ def estimated(seconds: np.ndarray) -> Sequence[float]:
 
 
 class RoadNetwork:
-    """A graph and the edges of it that are closed now.
+    """A graph, and the edges of it that are closed now.
 
     graph         -- the trajectory graph
     closed        -- ids of edges that no robot may use
     dock_approach -- m before a dock that belong to a robot that docks or leaves
-    learned       -- seconds by robot type's name and signed edge id, instead of length / speed
-    geometry      -- of the same graph, where it is known already
+    learned       -- seconds by robot type's name and signed edge id, in place of length / speed
+    geometry      -- geometry of the same graph, if it is known already
     """
 
     def __init__(self, graph: Graph, closed: Iterable[int] = (),
@@ -58,9 +58,9 @@ class RoadNetwork:
         self.edge_index: Dict[int, int] = self.geometry.edge_index
         edges = graph.edges.values()
         self.origin: List[int] = self.geometry.ends.ravel().tolist()
-        """Vertex at which each drive begins."""
+        """The vertex at which each drive begins."""
         self.signed_ids: Tuple[int, ...] = tuple(id for edge in edges for id in (edge.id, -edge.id))
-        """Signed edge id of each drive."""
+        """The signed edge id of each drive."""
         self.vertices = len(self.vertex_ids)
         self.drives = len(self.origin)
         self.docks = frozenset(self.index[v.id] for v in graph.vertices.values() if v.dock)
@@ -74,10 +74,10 @@ class RoadNetwork:
 
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
-        """The same graph with other edges closed; what geometry says is not computed again."""
+        """The same graph with other closed edges. The geometry is not computed again."""
         return RoadNetwork(self.graph, closed, self.dock_approach, learned, self.geometry)
 
-    # -- names ------------------------------------------------------------------------------------
+    # -- ids and numbers --------------------------------------------------------------------------
 
     def drive(self, signed_id: int) -> int:
         """The drive of a signed edge id, which the graph must have."""
@@ -89,21 +89,22 @@ class RoadNetwork:
         return self.signed_ids[drive]
 
     def destination(self, drive: int) -> int:
-        """Vertex at which a drive ends."""
+        """The vertex at which a drive ends."""
         return self.origin[drive ^ 1]
 
     def vertex_slot(self, vertex: int) -> int:
-        """The slot that stands for waiting at a vertex."""
+        """The slot of waiting at a vertex."""
         return self.drives + vertex
 
     def length(self, drive: int) -> float:
-        """Arc length in m."""
+        """The arc length of a drive in m."""
         return float(self._lengths[drive >> 1])
 
     # -- times ------------------------------------------------------------------------------------
 
     def times(self, kind: RobotType) -> List[float]:
-        """Seconds that each drive takes; infinite where it is forbidden, but not where closed."""
+        """Seconds that each drive takes; infinite: forbidden. Closed edges have their normal time.
+        """
         if kind not in self._times:
             times: List[float] = []
             for edge, length in zip(self.graph.edges.values(), self._lengths.tolist()):
@@ -116,7 +117,7 @@ class RoadNetwork:
         return self._times[kind]
 
     def roads(self, kind: RobotType, docks: Iterable[int] = ()) -> Roads:
-        """Where one may drive from each vertex; into a dock only if it is one of `docks`."""
+        """The roads away from each vertex. A road into a dock only if it is one of `docks`."""
         if kind not in self._roads:
             closed = {self.edge_index[id] for id in self.closed if id in self.edge_index}
             roads: Roads = [[] for _ in range(self.vertices)]
@@ -136,9 +137,9 @@ class RoadNetwork:
         return roads
 
     def paths_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
-        """For each target the seconds (V,) from every vertex to it, alone; inf: unreachable.
+        """For each target the seconds (V,) to it from each vertex, without traffic; inf: no path.
 
-        They are remembered, so targets that come again cost nothing.
+        The results are kept, so that repeated targets cost nothing.
         """
         known = self._paths.setdefault(kind, {})
         missing = [t for t in dict.fromkeys(targets) if t not in known]
@@ -159,11 +160,11 @@ class RoadNetwork:
 
     def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int],
                          common: FrozenSet[int] = frozenset()) -> np.ndarray:
-        """Seconds (V,) from every vertex to the nearest of some targets; inf: none is reachable.
+        """Seconds (V,) from each vertex to the nearest of some targets; inf: none is reachable.
 
-        Those asked for of late are remembered: many robots park on the same places.
+        The last results are kept, because many robots park at the same places.
 
-        common -- most of the targets, which others ask for, too: only the rest takes time
+        common -- most of the targets, which others request, too; only the rest takes time
         """
         nearest = self._nearest.pop((kind, targets), None)
         if nearest is None:
@@ -187,7 +188,7 @@ class RoadNetwork:
 
     def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
                        roads: Sequence[Tuple[int, float]]) -> np.ndarray:
-        """Over the last edges (vertex where it begins, seconds); through no other dock."""
+        """Paths over the last edges (vertex where it begins, seconds), through no other dock."""
         paths = np.full(self.vertices, math.inf)
         for begin, seconds in roads:
             if begin in self.docks:
@@ -198,7 +199,7 @@ class RoadNetwork:
         return paths
 
     def prepared(self, kind: RobotType) -> ShortestPaths:
-        """The roads of a robot type, ready to be asked for paths; made when first asked for."""
+        """The roads of a robot type, prepared for shortest paths at first use."""
         if kind not in self._shortest:
             self._shortest[kind] = ShortestPaths(self.vertices, (
                 (begin, end, seconds) for begin, away in enumerate(self.roads(kind))
@@ -206,7 +207,7 @@ class RoadNetwork:
         return self._shortest[kind]
 
     def estimates(self, kind: RobotType, target: int) -> Sequence[float]:
-        """`ways_to` a target as the searches use it."""
+        """`paths_to` a target, as the searches use it."""
         known = self._estimates.setdefault(kind, {})
         if target not in known:
             known[target] = estimated(self.paths_to(kind, (target,))[0])
@@ -219,5 +220,5 @@ class RoadNetwork:
 
     @property
     def exclusions(self) -> Exclusions:
-        """Which places exclude each other; edges that are closed now included."""
+        """The places that exclude each other, including edges that are closed now."""
         return self.geometry.exclusions

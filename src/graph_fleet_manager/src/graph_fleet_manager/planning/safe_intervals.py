@@ -1,11 +1,11 @@
 """The path of one robot through a reservation table: A* over safe intervals.
 
-The same search as TEA*'s layers with intervals in their place: a state is a vertex and one of the
-intervals in which a robot may wait there, and of all paths into a state only the earliest counts,
-for a robot that is early can wait (safe interval path planning, Phillips and Likhachev, ICRA 2011).
-Added here: bookings are of beginnings of drives (see `blocking`), several destinations in one
-search, and a rest for ever at the end. A state's successors are made only when they may be the best
-there are (partial expansion, Yoshizumi et al., AAAI 2000).
+This is the search of TEA* with intervals in place of layers. A state is a vertex and one of the
+intervals in which a robot may wait there. Of all paths into a state only the earliest counts,
+because a robot that is early can wait (safe interval path planning, Phillips and Likhachev, ICRA
+2011). Three things are added: beginnings of drives are booked (see `blocking`), one search covers
+several destinations, and the robot rests for ever at the end. The successors of a state are made
+only when they may be the best (partial expansion, Yoshizumi et al., AAAI 2000).
 """
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from graph_fleet_manager.planning.agents import Errand
 from graph_fleet_manager.planning.plans import Drive, Plan
 from graph_fleet_manager.planning.slots import Slots
 
-CHECKED = 256  # steps of a search between two looks at the clock
+CHECKED = 256  # number of steps of a search between two looks at the clock
 
 Arrival = Tuple[int, float, int, float]
-"""A drive, when it begins, the vertex that it leads to, and when it ends there."""
+"""A drive, when it begins, the vertex at its end, and when it arrives there."""
 
 
 def find_path(errand: Errand, slots: Slots, latest: float = inf,
               arrivals: Sequence[Arrival] = (),
               deadline: float = inf) -> Optional[Tuple[float, Plan]]:
-    """The plan that serves the errand soonest and its cost, None where there is none, or the
-    deadline (monotonic s) came first.
+    """The plan that serves the errand soonest, and its cost. None: there is none in time.
 
-    The cost is the end of the last destination; what comes after it counts as the errand says. No
-    plan costs more than `latest`. `arrivals` are what a robot between vertices may begin with,
-    instead of setting out from the errand's vertex.
+    The cost is the time at the end of the last destination. The time after it has the errand's
+    weight. No plan costs more than `latest`. The search ends at the deadline (monotonic s).
+
+    arrivals -- the first drives of a robot between vertices, which does not start from a vertex
     """
     roads, to_go, targets, dwells = errand.roads, errand.to_go, errand.destinations, errand.dwells
     legs, vertices, drives = len(targets), len(roads), slots.drives
@@ -44,7 +44,7 @@ def find_path(errand: Errand, slots: Slots, latest: float = inf,
     best: Dict[int, float] = {}
     nodes: List[Tuple] = []
     heap: List[Tuple[float, int, float]] = []
-    latest = min(latest, float_info.max)  # what costs infinitely much is no path
+    latest = min(latest, float_info.max)  # an infinite cost means that there is no path
     node, leg, served = -1, 0, errand.ready
     moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
     steps = 0
@@ -52,7 +52,8 @@ def find_path(errand: Errand, slots: Slots, latest: float = inf,
         steps += 1
         if steps % CHECKED == 0 and time_now() > deadline:
             return None
-        entry = None  # the one made last: it is often the next one, too, and never on the heap
+        # the newest entry; it is often the next one to expand, and then never on the heap
+        entry = None
         for drive, begin, end, arrival in moves:
             starts, ends = merged[drives + end] or busy_of(drives + end)
             interval, until = 0, inf
@@ -117,8 +118,10 @@ def find_path(errand: Errand, slots: Slots, latest: float = inf,
 
 def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
                 until: float) -> List[float]:
-    """The first moment of each time between `now` and `until` at which a slot is free that is busy
-    from each of `starts` to each of `ends`; some of these are later than `now`."""
+    """The first moment of each free time of a slot between `now` and `until`.
+
+    The slot is busy from each of `starts` to the one of `ends`.
+    """
     gap, count = bisect_right(ends, now), len(ends)
     begins = [now] if now <= starts[gap] else []
     while ends[gap] <= until:
@@ -130,7 +133,7 @@ def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
 
 
 def plan_from(nodes: Sequence[Tuple], node: int) -> Plan:
-    """The drives on the path to a node; a node ends with parent, drive, begin and arrival."""
+    """The drives on the path to a node. A node ends with parent, drive, begin and arrival."""
     plan: Plan = []
     while True:
         parent, drive, begin, arrival = nodes[node][-4:]

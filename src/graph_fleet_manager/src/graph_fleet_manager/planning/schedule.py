@@ -1,8 +1,8 @@
-"""Times for drives whose order is known: each as soon as all that come before it allow.
+"""Times for drives whose order is known: each drive begins as early as its predecessors allow.
 
-The order of use is what makes a plan safe, not its times. Drives in an order that keeps every
-precedence (by their times in an older plan, or by the steps of a configuration search) get new
-times here in one sweep.
+A plan is safe by its order of use, not by its times. The drives come in an order that keeps every
+precedence (by their times in an older plan, or by the steps of LaCAM). They get new times here in
+one sweep.
 """
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from graph_fleet_manager.planning.reservation_table import ReservationTable
 
 def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
              order: Iterable[Tuple[str, int]]) -> Plans:
-    """The plans behind what is fixed, for the drives (robot, drive) in `order`.
+    """The plans behind the fixed drives, for the drives (robot, drive) in `order`.
 
-    A robot later in the order waits until all earlier ones are out of its way. Only geometry
-    and driving times of `reservations` are used, not its bookings.
+    A robot later in the order waits until all earlier ones are out of its way. Only geometry and
+    driving times of `reservations` are used, not its bookings.
     """
     network = reservations.network
     count = network.drives + network.vertices

@@ -1,9 +1,9 @@
-"""Least times from everywhere to some vertices, on graphs that are mostly lanes and dead ends.
+"""Shortest driving times from all vertices to some, for graphs with many lanes and dead ends.
 
-Vertices with at most two neighbours are taken out first, in rounds, each leaving a link between its
-neighbours; so a lane that was cut into sections becomes one link, and a dead end nothing at all.
-Dijkstra's algorithm runs on what is left, and the rest follows round by round (PHAST: Delling et
-al., IPDPS 2011).
+Vertices with at most two neighbours are removed first, in rounds. Each leaves a link between its
+neighbours. So a lane that was cut into sections becomes one link, and a dead end disappears.
+Dijkstra's algorithm runs on the remaining graph, and the removed vertices follow round by round
+(PHAST: Delling et al., IPDPS 2011).
 """
 from __future__ import annotations
 
@@ -17,25 +17,27 @@ from scipy.sparse.csgraph import dijkstra
 
 
 class _Round(NamedTuple):
-    """N vertices that were taken out together, none of them next to another."""
+    """N vertices that were removed together, none of them next to another."""
 
     vertices: np.ndarray    # (N,)
-    neighbours: np.ndarray  # (2, N) that were there by then; the vertex itself where there is none
+    neighbours: np.ndarray  # (2, N) those that were still there; the vertex itself if there is none
     seconds: np.ndarray     # (2, N) from the vertex to the neighbour
 
 
 class ShortestPaths:
-    """The roads between counted vertices, prepared to be asked for paths to any of them.
+    """The roads between numbered vertices, prepared for shortest paths to any of them.
 
-    vertices -- how many there are
+    vertices -- number of vertices
     roads    -- (begin, end, seconds)
     """
 
     def __init__(self, vertices: int, roads: Iterable[Tuple[int, int, float]]) -> None:
         self._away: List[Dict[int, float]] = [{} for _ in range(vertices)]
         self._back: List[Dict[int, float]] = [{} for _ in range(vertices)]
-        """For each vertex seconds to its neighbours and from them; of one that was taken out, to
-        and from those that were still there."""
+        """For each vertex the seconds to its neighbours and from them.
+
+        For a removed vertex: to and from the neighbours that were still there.
+        """
         for begin, end, seconds in roads:
             if begin != end:
                 self._join(begin, end, seconds)
@@ -52,7 +54,7 @@ class ShortestPaths:
 
     @property
     def left(self) -> int:
-        """How many vertices are left for Dijkstra's algorithm."""
+        """Number of vertices that remain for Dijkstra's algorithm."""
         return len(self._core)
 
     def _join(self, begin: int, end: int, seconds: float) -> None:
@@ -83,7 +85,7 @@ class ShortestPaths:
             waiting = touched
 
     def _bridge(self, vertex: int, near: Sequence[int]) -> None:
-        """Takes a vertex away from its neighbours and joins these instead."""
+        """Removes a vertex from its neighbours, and joins these instead."""
         for neighbour in near:
             self._away[neighbour].pop(vertex, None)
             self._back[neighbour].pop(vertex, None)
@@ -93,18 +95,18 @@ class ShortestPaths:
                     self._join(begin, end, before + behind)
 
     def to(self, targets: Sequence[int]) -> np.ndarray:
-        """Seconds (T,V) from every vertex to each of T targets; infinite where there is no way."""
+        """Seconds (T,V) from each vertex to each of T targets; infinite: there is no path."""
         return self._paths([self._descents((target,)) for target in targets])
 
     def to_nearest(self, targets: Iterable[int]) -> np.ndarray:
-        """Seconds (V,) from every vertex to the nearest of some targets, in one search."""
+        """Seconds (V,) from each vertex to the nearest of some targets, in one search."""
         paths: np.ndarray = self._paths([self._descents(targets)])[0]
         return paths
 
     def _paths(self, descents: Sequence[Dict[int, float]]) -> np.ndarray:
-        """Seconds (T,V) from every vertex to where each of T descents leads."""
+        """Seconds (T,V) from each vertex to the targets of each of T descents."""
         count, core = len(descents), len(self._core)
-        # One node more for each target, linked to what is left of the graph.
+        # One node more for each target, linked to the remaining graph.
         rows = [{v: s for v, s in row.items() if self._round[v] < 0} for row in descents]
         starts = self._starts[-1] + np.cumsum([len(row) for row in rows])
         ends = self._number[np.array([v for row in rows for v in row], dtype=np.int64)]
@@ -124,8 +126,8 @@ class ShortestPaths:
         return paths
 
     def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
-        """Seconds to the nearest target from all that lie above one, through ever earlier rounds
-        only."""
+        """Seconds to the nearest target from each vertex that leads to one by descending rounds.
+        """
         found = dict.fromkeys(targets, 0.0)
         waiting = sorted((self._round[target], target) for target in found)
         while waiting:

@@ -1,4 +1,4 @@
-"""What is booked of each slot, and when it is blocked by that, as one robot type sees it."""
+"""The bookings of each slot, and the times at which it is blocked, for one robot type."""
 from __future__ import annotations
 
 from math import inf
@@ -11,7 +11,7 @@ Busy = Tuple[Sequence[float], Sequence[float]]
 
 _NEVER: Busy = ((), ())
 Booking = Tuple[float, float, str]
-"""Begin, end, robot. What one robot blocks without a break is one booking."""
+"""Begin, end, robot. One booking is a time in which one robot blocks without a break."""
 
 
 class Slots:
@@ -19,14 +19,14 @@ class Slots:
 
     def __init__(self, drives: int, vertices: int) -> None:
         self.drives = drives
-        """Behind so many slots for drives follow those for vertices."""
+        """Number of slots for drives. The slots for vertices follow them."""
         self.bookings: List[List[Booking]] = [[] for _ in range(drives + vertices)]
         self.merged: List[Optional[Busy]] = [_NEVER] * (drives + vertices)
         self.horizon = 0.0
-        """After this time nothing changes any more."""
+        """Time after which nothing changes any more."""
 
     def add(self, slot: int, begin: float, end: float, robot: str, touched: List[int]) -> None:
-        """Books a slot for a robot; a slot in which it then has one booking more is touched."""
+        """Books a slot for a robot. Adds the slot to `touched` if it gets a further booking."""
         row = self.bookings[slot]
         if row:
             since, until, name = row[-1]
@@ -39,7 +39,8 @@ class Slots:
 
     def add_drive(self, blocks: Iterable[Block], start: float, seconds: float, robot: str,
                   touched: List[int]) -> None:
-        """Books all that a drive blocks: `add` for each, written out because it runs so often."""
+        """Books all blocks of a drive. It is `add` for each, written out because it runs so often.
+        """
         bookings, merged = self.bookings, self.merged
         for slot, clear, lead in blocks:
             begin = start - lead
@@ -49,7 +50,8 @@ class Slots:
                 if name == robot and begin <= until:
                     if since < begin:
                         begin = since
-                    row[-1] = begin, start + clear * seconds, robot  # later than what came before
+                    # its end is later than that of the booking before
+                    row[-1] = begin, start + clear * seconds, robot
                     continue
             row.append((begin, start + clear * seconds, robot))
             merged[slot] = None
@@ -69,7 +71,7 @@ def merge(bookings: Sequence[Booking]) -> Busy:
         return _NEVER
     if len(bookings) == 1:
         return (bookings[0][0],), (bookings[0][1],)
-    if len(bookings) == 2:  # these three make up most of all that is asked for
+    if len(bookings) == 2:  # most calls have at most two bookings
         one, other = bookings
         if other[0] < one[0]:
             one, other = other, one

@@ -1,4 +1,4 @@
-"""What the planner is asked and what it answers, in the ids of the graph."""
+"""The input and the answer of the planner, in the ids of the graph."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from graph_fleet_manager.planning.precedence import Constraint
 
 
 class PlannedDrive(NamedTuple):
-    """One edge of a plan, driven from `start` to `end` (s from the planning's zero)."""
+    """One edge of a plan, driven from `start` to `end` (s from the beginning of planning)."""
 
     edge: int
     """Signed id."""
@@ -20,21 +20,21 @@ class PlannedDrive(NamedTuple):
 
 @dataclass(frozen=True)
 class Task:
-    """One robot: where it is, what it will do in any case, and what it is to do next.
+    """The task of one robot: where it is, what is released, and what it is to do next.
 
     name, type    -- of the robot
-    vertex        -- the vertex on which it stands; None where it is on an edge
-    released      -- signed ids of the edges that it will drive under every plan, in order
+    vertex        -- the vertex on which it stands; None: it is on an edge
+    released      -- signed ids of the edges that it drives under each plan, in order
     begun         -- the fraction of the first of them that lies behind it
     mid_edge      -- signed id and fraction of the edge on which it stands, free to go either way;
-                     None where it stands on a vertex or is driving
-    ready         -- s before it can go on behind what is released, in a dwell or held up
-    destinations  -- ids of the vertices that it is to visit after what is released, in order
-    dwells        -- s to stay at each; empty: none anywhere
+                     None: it stands on a vertex or is driving
+    ready         -- s that it waits behind the released edges, because of a dwell or a delay
+    destinations  -- ids of the vertices that it is to visit after the released edges, in order
+    dwells        -- s to stay at each; empty: no stays
     stays         -- it is to stay at its last destination for ever; otherwise it goes on to parking
-    kept          -- the plan behind what is released that it owns by now: edges and old times,
-                     compared with those of all other robots; None: it has none
-    priority      -- the higher is planned first
+    kept          -- its present plan behind the released edges: edges and old times, comparable
+                     with those of all other robots; None: it has none
+    priority      -- the higher one is planned first
     """
 
     name: str
@@ -53,8 +53,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A robot that goes nowhere by a plan: it may be anywhere on these vertices, edges and areas.
-    """
+    """A robot that cannot be planned for: it may be anywhere on these vertices, edges and areas."""
 
     name: str
     type: RobotType
@@ -65,14 +64,14 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The plans of all robots, and what makes them safe.
+    """The answer of the planner: the plans of all robots, and the order that makes them safe.
 
-    drives       -- for each robot all that it is to drive, what was released included
+    drives       -- for each robot all of its drives, released ones included
     precedence   -- the order of use; drives are counted from 0 in `drives`
     unserved     -- robots whose destinations are in no plan now, and why, in words
     cost         -- sum over the robots of the time at which all is done
-    lower_bound  -- the same, were each alone
-    rounds       -- neighbourhoods tried to make it better
+    lower_bound  -- the same sum, if each robot had no traffic
+    rounds       -- number of neighbourhoods that were tried for improvement
     """
 
     drives: Mapping[str, Tuple[PlannedDrive, ...]]
@@ -84,4 +83,4 @@ class Outcome:
 
 
 class CannotPlan(Exception):
-    """What was asked makes no sense; the text is one sentence that says what to do."""
+    """An invalid request to the planner. The text is one sentence that says what to do."""

@@ -1,10 +1,10 @@
-"""TEA*: robots planned one after the other, each plan an obstacle in time for those that follow.
+"""TEA*: robots are planned one after the other; each plan is an obstacle in time for the next.
 
-The loop is that of the dissertation's path planner: what robots will drive in any case is booked
-first; then each robot looks for its path through time, past all paths found before. A robot that
+The loop is that of the dissertation's path planner. First the fixed drives of all robots are
+booked. Then each robot looks for its path through time, past all paths found before. A robot that
 finds none comes first in a new order. Robots that are not in its way keep their paths, and only the
-others look again; if that does not help, all are planned again. While a robot has no plan yet, its
-place is an obstacle only for a moment, as in the two first layers of TEA*.
+others look again. If that does not help, all are planned again. While a robot has no plan yet, its
+place is an obstacle only for a moment, as in the first two layers of TEA*.
 """
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from graph_fleet_manager.planning.safe_intervals import Arrival, find_path
 from graph_fleet_manager.planning.slots import Booking
 
 PRESENT = 2.0
-"""A robot without a plan is an obstacle for so many times the seconds of its shortest drive."""
+"""Time for which a robot without a plan is an obstacle, in multiples of its shortest drive."""
 
 
 _TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
 
 
 class Path(NamedTuple):
-    """What a search found for one robot: its cost, and the plan behind what is fixed."""
+    """The path found for one robot: its cost, and the plan behind the fixed drives."""
 
     cost: float
     plan: Plan
@@ -47,8 +47,10 @@ class TeaStar:
         self._search = search
 
     def path_of(self, agent: Agent, deadline: float, latest: float = inf) -> Optional[Path]:
-        """The best path of one robot that is not booked, past all that are; None: there is none, or
-        the deadline (monotonic s) came first."""
+        """The best path of a robot that is not booked, past all that are.
+
+        None: there is none, or the deadline (monotonic s) came first.
+        """
         arrivals: Sequence[Arrival] = ()
         if agent.mid_edge:
             arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
@@ -65,26 +67,26 @@ class TeaStar:
         return Path(cost, plan)
 
     def book(self, agent: Agent, path: Path, until: float = inf) -> None:
-        """Makes a path an obstacle for all others, and its end until some time."""
+        """Makes a path an obstacle for all others, and its end until the time `until`."""
         self.reservations.book(agent.name, agent.kind, agent.vertex,
                                agent.whole(path.plan), agent.mid_edge, until,
                                len(agent.fixed))
 
     def book_fixed(self, agent: Agent) -> None:
-        """Books only what a robot without a plan holds in any case."""
+        """Books only the fixed drives of a robot without a plan."""
         self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
                                agent.mid_edge, agent.errand.ready, len(agent.fixed))
 
     def book_present(self, agent: Agent) -> None:
-        """Books what a robot without a plan holds in any case, and for a moment where it is."""
+        """Books the fixed drives of a robot without a plan, and its place for a moment."""
         self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
                                agent.mid_edge, self._moment(agent), len(agent.fixed))
 
     def plan(self, agents: Sequence[Agent], deadline: float,
              orders: int) -> Optional[Paths]:
-        """Ways for all, in at most `orders` orders; None where no order succeeded in time.
+        """Paths for all, in at most `orders` orders; None: no order succeeded in time.
 
-        The order given is tried first. None of the agents may be booked.
+        The given order is tried first. None of the agents may be booked.
         """
         order = list(agents)
         paths: Paths = {}
@@ -104,7 +106,7 @@ class TeaStar:
                 break
             order.remove(failed)
             order.insert(0, failed)
-            if failed.name in put_first:  # and lost its path again: all are planned anew
+            if failed.name in put_first:  # it lost its path again: all are planned anew
                 put_first.clear()
             elif self._put_first(order, paths, deadline):
                 put_first.add(failed.name)
@@ -120,7 +122,8 @@ class TeaStar:
 
     def _plan_in(self, order: Sequence[Agent], paths: Paths,
                  deadline: float) -> Optional[Agent]:
-        """Plans those without a path in this order; returns the first that finds none in time."""
+        """Plans the agents without a path in this order. Returns the first that finds none in time.
+        """
         drives = sum(len(path.plan) for path in paths.values())
         for agent in order:
             if agent.name not in paths:
@@ -136,7 +139,7 @@ class TeaStar:
     def _put_first(self, order: Sequence[Agent], paths: Paths, deadline: float) -> bool:
         """Plans the first of the order as if it came first; robots in its way lose their paths.
 
-        False where it has no path even then.
+        Returns False if it has no path even then.
         """
         first, planned = order[0], [t for t in order if t.name in paths]
         taken = self.reservations.take_out([t.name for t in planned])
@@ -159,9 +162,9 @@ class TeaStar:
 
     def _meets(self, agent: Agent, path: Path,
                booked: Mapping[int, Sequence[Booking]]) -> bool:
-        """Does a path run into what is booked, by slot, for another robot?"""
+        """Does a path run into another robot's bookings (by slot)?"""
         if agent.mid_edge:
-            return True  # where it stands is no vertex: it is simply planned again
+            return True  # it does not stand on a vertex, so it is simply planned again
         network = self.reservations.network
         vertex, since = agent.errand.vertex, agent.errand.ready
         for drive in path.plan:
@@ -180,28 +183,28 @@ class TeaStar:
 
 
 def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
-    """Is anything booked at any time between two, or at one within?"""
+    """Does any booking overlap the time from `begin` to `end`?"""
     return bookings is not None and any(since < end and begin < until
                                         for since, until, _ in bookings)
 
 
 def is_too_late(deadline: float, drives: int = 0) -> bool:
-    """Is the deadline (monotonic s) too near to book so many drives and to answer with them?"""
+    """Is the deadline (monotonic s) too near to book this many drives and to answer with them?"""
     return time.monotonic() + _TO_ANSWER * drives > deadline
 
 
 def by_length(agents: Iterable[Agent]) -> List[Agent]:
-    """The order to begin with: by priority, then the shortest path.
+    """The first order: by priority, then the shortest path.
 
-    A robot that waits for others that are soon out of its way waits less than these would for it;
-    a robot with nothing to do comes last, for it is only in the way.
+    A robot that waits for others that are soon out of its way waits less than they would wait for
+    it. A robot with nothing to do comes last, because it is only in the way.
     """
     return sorted(agents, key=lambda t: (-t.priority, not t.errand.destinations,
                                          t.errand.lower_bound))
 
 
 def shuffled(agents: Iterable[Agent], random: Random) -> List[Agent]:
-    """A random order, within which priorities still count."""
+    """A random order that still respects priorities."""
     order = list(agents)
     random.shuffle(order)
     return sorted(order, key=lambda t: -t.priority)

@@ -1,1 +1,1 @@
-"""Missions become routes that robots drive: accepted, assigned, released, never lost. No ROS."""
+"""Supervision of missions: accepts them, assigns robots, and grants routes. Does not use ROS."""

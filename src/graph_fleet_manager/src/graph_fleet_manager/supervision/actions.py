@@ -1,4 +1,4 @@
-"""What the supervisor wants done; its caller does this in the order given."""
+"""The actions that the supervisor requests. The caller carries them out in the given order."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from graph_fleet_manager.supervision.missions import Status
 
 @dataclass(frozen=True)
 class SendRoute:
-    """Publish a target route; a `repeated` one with the stamp that it had before.
+    """Publish a target route. A repeated one is published with its former stamp.
 
-    known_epoch -- of the robot's motion, that it reported when the order was decided; 0: none
+    known_epoch -- epoch of the robot's motion in the report by which it was decided; 0: none
     """
 
     robot: str
@@ -25,17 +25,17 @@ class SendRoute:
 
 @dataclass(frozen=True)
 class TellStatus:
-    """Publish what became of a request."""
+    """Publish the status of a request."""
 
     status: Status
 
 
 @dataclass(frozen=True)
 class AskPlanner:
-    """Ask the planner; its answer comes back with this number.
+    """Ask the planner for a plan. Its answer returns this number.
 
-    edge_times -- learned ones, instead of length / speed
-    seed       -- of the planner's chance; another one where the last answer served not all
+    edge_times -- learned driving times, in place of length / speed
+    seed       -- of the planner's random choices; it changes if a plan did not serve all robots
     """
 
     number: int
@@ -48,11 +48,11 @@ class AskPlanner:
 
 @dataclass(frozen=True)
 class Note:
-    """Tell the people who watch."""
+    """Log a text for the operators."""
 
     text: str
     is_warning: bool = False
 
 
 Action = Union[SendRoute, TellStatus, AskPlanner, Note]
-"""Anything that the supervisor may want done."""
+"""Any action that the supervisor may request."""

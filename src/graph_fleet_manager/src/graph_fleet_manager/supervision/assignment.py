@@ -1,4 +1,4 @@
-"""Which robot serves which mission: the best placed by time over the graph, for several at once."""
+"""Assignment: which robot serves which mission, by the driving times to all of them together."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,8 +14,10 @@ from graph_fleet_manager.supervision.missions import Acceptance, Mission
 from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_NEVER = 1e15   # s: stands for never; the matching needs finite costs
-_LATER = 1e7    # s: more than all ways together; an older mission goes first, however long its path
+_NEVER = 1e15   # s, in place of infinity: the matching needs finite costs
+# s: more than all driving times together, so that an older mission is served first, however far it
+# is
+_LATER = 1e7
 
 
 class Assigned(NamedTuple):
@@ -29,7 +31,7 @@ class Assigned(NamedTuple):
 class Assignment:
     """Which robot gets which mission now, and why some missions get no robot, in words.
 
-    short -- by the serial of a mission, the robot that it waits for until that is charged
+    short -- by the serial of a mission, the robot that it waits for while that robot must charge
     """
 
     assigned: Tuple[Assigned, ...]
@@ -40,10 +42,10 @@ class Assignment:
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
            networks: Networks, now: float) -> Assignment:
-    """Assigns missions to `free` robots; those of higher priority first, then the oldest.
+    """Assigns missions to `free` robots: those of higher priority first, then the oldest.
 
-    Of all that those missions may be shared out, the sum of the times to the first destinations is
-    least. What a battery is good for is reckoned by nominal times.
+    Among missions of one priority, the sum of the times to the first destinations is minimal. The
+    range of a battery is compared with nominal times.
     """
     free = dict(free)
     works = frozenset(name for name, robot in robots.items() if robot.works)
@@ -88,7 +90,7 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
                 time = time_to(mission.request.destinations[0], free[name], networks.network)
                 if time < inf:
                     costs[row, names.index(name)] = time + row * _LATER
-    # The matching of scipy.sparse may take minutes where 200 robots cannot serve all missions.
+    # The matching of scipy.sparse may take minutes if 200 robots cannot serve all missions.
     rows, columns = linear_sum_assignment(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
@@ -97,16 +99,16 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
-    """May the same robots serve all of them, so that the oldest can go first?"""
+    """May the same robots serve all missions, so that the oldest can be served first?"""
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 
 
 def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
                 robots: Mapping[str, ManagedRobot], working: AbstractSet[str],
                 acceptance: Acceptance, network: RoadNetwork, now: float) -> Tuple[str, str]:
-    """Why none of the free robots can serve a mission; and the robot that could if charged.
+    """Why no free robot can serve a mission, and the robot that could if it were charged.
 
-    Each is empty where there is no such thing.
+    Each of the two is empty if it does not apply.
     """
     names = acceptance.robots_for(mission.request)
     works = [name for name in names if name in working]
@@ -125,7 +127,7 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
         return 'none of the free robots can reach all its destinations', ''
     if not any(can_end(mission, free[name], network) for name in reach):
         fullest = max(reach, key=lambda name: free[name].battery.range_left())
-        return 'no free robot has battery enough for it', fullest
+        return 'no free robot has enough charge for it', fullest
     return '', ''
 
 
@@ -137,19 +139,20 @@ def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
     whose = robots[0].name if len(robots) == 1 else 'each of its robots'
     mute = [robot.name for robot in robots if robot.battery.is_mute(robot.liveness, now)]
     if mute:
-        return (f'{whose} must charge first, and nothing is heard of the battery of '
+        return (f'{whose} must charge first, and there is no battery report from '
                 f'{", ".join(mute)}')
     return f'{whose} must charge first'
 
 
 def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool:
-    """Is its battery good for the whole mission?"""
+    """Has the robot enough charge for the whole mission?"""
     seconds = time_over(mission.left, robot, network)
     return seconds < inf and seconds * robot.type.speed <= robot.battery.range_left()
 
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
-    """Seconds from where a robot will come to rest to a vertex, alone; infinite: no way."""
+    """Seconds from the robot's next resting place to a vertex, without traffic; infinite: no path.
+    """
     record = robot.record
     times = network.paths_to(robot.type, (network.index[vertex],))[0]
     at = record.last_vertex
@@ -163,7 +166,7 @@ def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
 
 
 def time_over(vertices: Sequence[int], robot: ManagedRobot, network: RoadNetwork) -> float:
-    """Seconds over all these vertices in order, alone."""
+    """Seconds over all these vertices in order, without traffic."""
     seconds = time_to(vertices[0], robot, network)
     for one, other in zip(vertices, vertices[1:]):
         times = network.paths_to(robot.type, (network.index[other],))[0]
@@ -173,7 +176,7 @@ def time_over(vertices: Sequence[int], robot: ManagedRobot, network: RoadNetwork
 
 def _times_off(place: GraphPosition, robot: ManagedRobot,
                network: RoadNetwork) -> List[Tuple[int, float]]:
-    """The ends of the edge on which it stands, with the seconds to each."""
+    """The ends of the edge on which the robot stands, with the seconds to each end."""
     times = network.times(robot.type)
     forward, backward = network.drive(place.edge), network.drive(-place.edge)
     graph = network.graph

@@ -1,4 +1,4 @@
-"""What a plan assumes of the fleet, and whether the fleet is still so."""
+"""The assumptions of a plan about the fleet, and the check whether they still hold."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -13,22 +13,22 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
 class Role(Enum):
-    """What a plan makes of a robot."""
+    """How a plan treats a robot."""
 
-    DRIVING = 'driving'     # it drives on over what it was granted
-    STANDING = 'standing'   # it stands, and goes where its plan leads
-    OBSTACLE = 'obstacle'   # it goes nowhere by a plan
-    ABSENT = 'absent'       # it is nowhere
+    DRIVING = 'driving'     # it drives on along its granted edges
+    STANDING = 'standing'   # it stands, and will follow its plan
+    OBSTACLE = 'obstacle'   # it is not planned for, and blocks all places where it may be
+    ABSENT = 'absent'       # it is not at the site
 
 
 class Assumption(NamedTuple):
-    """What a plan assumes of one robot.
+    """The assumption of a plan about one robot.
 
-    generation -- of its route record
-    base, end  -- numbers in the record: of the first edge that the plan has, and behind the last
-    places     -- of an obstacle: vertices, edges and areas on which it may be
-    errand     -- key of what it is to do
-    reach      -- destinations of its mission that the plan knows of; None: all
+    generation -- generation of its route record
+    base, end  -- numbers in the record: the first edge of the plan, and the one behind its last
+    places     -- for an obstacle: the vertices, edges and areas where it may be
+    errand     -- key of its errand
+    reach      -- number of its mission's destinations that the plan includes; None: all
     """
 
     role: Role
@@ -41,7 +41,7 @@ class Assumption(NamedTuple):
 
 
 class World(NamedTuple):
-    """What a plan depends on, as it is now."""
+    """The present state of all that a plan depends on."""
 
     robots: Mapping[str, ManagedRobot]
     errands: Mapping[str, Errand]
@@ -50,19 +50,19 @@ class World(NamedTuple):
 
 @dataclass(frozen=True)
 class Assumptions:
-    """What a plan assumes: the role and the duty of each robot, closed edges, and a seed."""
+    """The assumptions of a plan: role and errand of each robot, closed edges, and a seed."""
 
     robots: Mapping[str, Assumption]
     closed: FrozenSet[int]
     seed: int
 
     def still_useful(self, world: World) -> bool:
-        """Is the fleet as assumed, or so that the plan still serves?"""
+        """Do the assumptions hold, at least so far that the plan is still useful?"""
         return self.closed == world.network.closed and all(
             self.holds(name, world) for name in world.robots)
 
     def holds(self, name: str, world: World) -> bool:
-        """Is a robot as assumed?"""
+        """Does the assumption about one robot hold?"""
         before, robot = self.robots.get(name), world.robots[name]
         if before is None:
             return False
@@ -77,13 +77,13 @@ class Assumptions:
 
     @staticmethod
     def _is_used_up(before: Assumption, errand: Errand) -> bool:
-        """Does a mission go on beyond the last destination but one that the plan knows of?"""
+        """Has the mission reached the last destination but one that the plan includes?"""
         return before.reach is not None and errand.mission is not None and (
             errand.mission.reached >= before.reach - 1)
 
 
 def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
-    """How a robot is now."""
+    """The present state of a robot, as an assumption."""
     record, allocation = robot.record, robot.client.allocation
     stands = errand.duty is Duty.STAND
     if allocation.knowledge is not Knowledge.KNOWN:

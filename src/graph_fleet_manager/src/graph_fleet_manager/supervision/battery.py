@@ -1,4 +1,4 @@
-"""What is known of a robot's battery, and what that is good for."""
+"""The battery of one robot: its last reported charge, its thresholds, and the range left."""
 from __future__ import annotations
 
 import math
@@ -6,13 +6,14 @@ import math
 from graph_fleet_manager.supervision.liveness import Liveness
 from graph_fleet_manager.supervision.settings import RobotSettings
 
-MUTE = 60.0  # s without a word of the battery, of a robot that reports, after which it is unknown
+# s without a battery report, from a robot that reports otherwise, after which the charge is unknown
+MUTE = 60.0
 
 
 class Battery:
-    """A battery as its robot tells of it; times are those of the supervisor's clock.
+    """A battery as its robot reports it. Times are those of the supervisor's clock.
 
-    charge -- state of charge (0..1) as last told; NaN: never
+    charge -- the last reported state of charge, from 0 to 1; NaN: never reported
     """
 
     def __init__(self, settings: RobotSettings) -> None:
@@ -21,30 +22,30 @@ class Battery:
         self._told = -math.inf
 
     def tell(self, charge: float, now: float) -> None:
-        """The robot tells its state of charge, 0..1."""
+        """The robot has reported its state of charge, from 0 to 1."""
         self.charge, self._told = charge, now
 
     def is_mute(self, liveness: Liveness, now: float) -> bool:
-        """Is nothing heard of it any more although its robot reports?"""
+        """Are there no battery reports any more, although the robot reports?"""
         return now - max(self._told, liveness.since) > MUTE
 
     @property
     def is_low(self) -> bool:
-        """Is it below the threshold? One that was never told of counts as full."""
+        """Is the charge below the threshold? A battery that was never reported counts as full."""
         return self.charge < self._settings.charge_below
 
     @property
     def may_leave(self) -> bool:
-        """Is it charged enough to leave the dock?"""
+        """Is the battery charged enough to leave the dock?"""
         return self.charge >= self._settings.leave_above
 
     @property
     def is_below_leaving(self) -> bool:
-        """Is it known to be charged less than that?"""
+        """Is the charge known, and too low to leave the dock?"""
         return self.charge < self._settings.leave_above
 
     def range_left(self) -> float:
-        """How far (m) its robot may drive with what is left in it, the reserve aside."""
+        """Distance (m) that the robot may drive before it needs its reserve."""
         if math.isnan(self.charge):
             return math.inf
         return max(self.charge - self._settings.reserve, 0.0) * self._settings.endurance

@@ -1,5 +1,4 @@
-"""Which robot charges where: below one threshold it goes to a dock, above another it may leave
-it."""
+"""Charging: below one threshold a robot drives to a dock; above another it may leave the dock."""
 from __future__ import annotations
 
 import math
@@ -10,13 +9,13 @@ from graph_fleet_manager.supervision.assignment import time_to
 from graph_fleet_manager.supervision.battery import MUTE
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_MUTE = f'word of its battery, of which nothing was heard for {MUTE:.0f} s'
+_MUTE = f'a report of its battery, which has not come for {MUTE:.0f} s'
 
 
 class ChargeQueue:
-    """Gives docks to robots that need them, the emptiest first; the others wait.
+    """Gives docks to the robots that need them, the emptiest first. The other robots wait.
 
-    waiting -- what each robot that needs a dock and has none waits for, in words
+    waiting -- for each robot that needs a dock and has none: what it waits for, in words
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot]) -> None:
@@ -25,10 +24,10 @@ class ChargeQueue:
 
     def update(self, busy: AbstractSet[str], short: AbstractSet[str],
                network: RoadNetwork, now: float) -> List[str]:
-        """Looks at all batteries; tells which robots were given a dock or gave one back.
+        """Checks all batteries. Returns the robots that got a dock or gave one back.
 
         busy  -- robots that serve a mission: they charge after it
-        short -- robots whose battery cannot end a mission that waits for them
+        short -- robots whose charge is too low for a mission that waits for them
         """
         before = {name: robot.dock for name, robot in self._robots.items()}
         for name, robot in self._robots.items():
@@ -54,14 +53,14 @@ class ChargeQueue:
         if free:
             robot.dock = min(free, key=lambda dock: times[dock])
         elif not docks:
-            self.waiting[robot.name] = 'a dock: fleet file and graph have none for its type'
+            self.waiting[robot.name] = 'a dock: the fleet file and the graph have none for its type'
         elif min(times.values()) == math.inf:
-            self.waiting[robot.name] = 'a dock: it reaches none'
+            self.waiting[robot.name] = 'a dock: it can reach none'
         else:
             self.waiting[robot.name] = 'a free dock'
 
     def _is_free(self, dock: int) -> bool:
-        """No robot has it, and no robot stands there that cannot leave."""
+        """No robot has the dock, and no robot that cannot work stands on it."""
         return not any(robot.dock == dock
                        or (not robot.works and robot.record.position is not None
                            and robot.record.position.vertex == dock)
@@ -74,10 +73,10 @@ def _charge(robot: ManagedRobot) -> float:
 
 
 def _goes_on(robot: ManagedRobot, network: RoadNetwork, now: float) -> bool:
-    """Does it still charge, or can it still get to where it will?
+    """Does a robot keep its dock, because it still charges or can still get there?
 
-    One that stands at its dock is not sent away by an outage. One that works, but of whose battery
-    nothing is heard any more, might stay for ever: it gives the dock up.
+    A robot that stands at its dock is not sent away by an outage. A robot that works, but whose
+    battery does not report any more, might stay for ever. It must give the dock up.
     """
     if robot.battery.may_leave or robot.dock not in docks_of(robot, network):
         return False

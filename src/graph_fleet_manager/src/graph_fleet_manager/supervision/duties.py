@@ -1,4 +1,4 @@
-"""What each robot is to do next: what the planner is asked for, and how far a robot may go."""
+"""The errand of each robot: the input of the planner, and the limit of the grants."""
 from __future__ import annotations
 
 import math
@@ -12,25 +12,25 @@ from graph_fleet_manager.supervision.robot_plan import RobotPlan
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 
-UNTIL_RELEASED = 3600.0  # s that a dwell without an end is planned for
-WINDOW = 8               # destinations of a mission for which a plan is made at once
+UNTIL_RELEASED = 3600.0  # s that are planned for a dwell without an end
+WINDOW = 8               # number of a mission's destinations that are planned at once
 
 
 class Duty(Enum):
-    """What a robot is about."""
+    """The kind of an errand."""
 
-    IDLE = 'idle'        # makes room where another robot needs it
+    IDLE = 'idle'        # it makes room if another robot needs its place
     MISSION = 'mission'
     CHARGE = 'charge'
-    STAND = 'stand'      # paused: it stays where it is
+    STAND = 'stand'      # its mission is paused: it stays where it is
 
 
 @dataclass(frozen=True)
 class Errand:
-    """What one robot is to do.
+    """What one robot has to do next.
 
-    mission -- that it serves, paused or not
-    dock    -- at which it is to charge
+    mission -- the mission that it serves, paused or not
+    dock    -- the dock at which it is to charge
     """
 
     duty: Duty = Duty.IDLE
@@ -39,9 +39,9 @@ class Errand:
 
     @property
     def key(self) -> Tuple[Duty, int, int, int]:
-        """The same as long as a plan for it serves.
+        """A key that stays the same as long as a plan for the errand is useful.
 
-        A stay without an end is planned to last long, so its end makes another plan worth it.
+        A stay without an end is planned to last long. So the key changes when such a stay ends.
         """
         if self.mission is None:
             return self.duty, self.dock or 0, 0, 0
@@ -51,7 +51,7 @@ class Errand:
 
 
 def errand_of(mission: Optional[Mission], dock: Optional[int]) -> Errand:
-    """A mission comes before charging, unless it is paused."""
+    """The errand of a robot. A mission comes before charging, unless it is paused."""
     if mission is not None:
         paused = mission.state is MissionState.PAUSED
         return Errand(Duty.STAND if paused else Duty.MISSION, mission)
@@ -59,9 +59,9 @@ def errand_of(mission: Optional[Mission], dock: Optional[int]) -> Errand:
 
 
 class Visits(NamedTuple):
-    """The next destinations of a mission, and s to stay at each (empty: nowhere).
+    """The next destinations of a mission, and the seconds to stay at each (empty: no stays).
 
-    reach -- how many of the mission's destinations are known with these; None: all
+    reach -- number of the mission's destinations up to the last one here; None: all
     """
 
     destinations: Tuple[int, ...]
@@ -70,7 +70,7 @@ class Visits(NamedTuple):
 
 
 def to_visit(robot: ManagedRobot, mission: Mission, now: float) -> Visits:
-    """What is to be visited behind what the robot was granted already."""
+    """The next destinations behind those that the granted edges visit already."""
     graph = robot.record.graph
     ahead = [graph.end_vertex(edge).id for edge in robot.record.ahead]
     first = mission.reached + mission.visits(ahead)
@@ -88,13 +88,14 @@ def to_visit(robot: ManagedRobot, mission: Mission, now: float) -> Visits:
 
 def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
                reach: Optional[int] = None) -> int:
-    """Number of the record's edge before which a robot must stop in any case.
+    """Number of the edge in the record before which a robot must stop in any case.
 
-    reach -- how many destinations of its mission the plan knows of; None: all
+    reach -- number of its mission's destinations that the plan includes; None: all
 
-    On a mission: at a destination where it stays, and at the last one that the plan knows of. Idle,
-    or with a plan that does not lead to its destination: where it is, unless another robot asks it
-    to make room.
+    - On a mission, the robot stops at a destination where it stays, and at the last one that the
+      plan includes.
+    - An idle robot, and one whose plan does not lead to its destination, stops where it is, unless
+      another robot asks it to make room.
     """
     record = robot.record
     end = own.base + len(own.drives)
@@ -111,7 +112,7 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
 
 def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission,
                reach: Optional[int]) -> Optional[int]:
-    """How many drives lead to the next destination at which a robot stops; None: not all do."""
+    """Number of drives to the next destination at which the robot stops; None: not reached."""
     request, index = mission.request, mission.reached
     last = len(request.destinations) if reach is None else reach
     if mission.dwell_until is not None:

@@ -1,9 +1,9 @@
-"""How long robots really take for an edge: learned while they drive, for the running fleet only.
+"""Driving times of edges, learned from the running fleet and kept only while it runs.
 
-A nominal time is length over speed; what bends, turns, doors and people cost shows only at work.
-What a robot type usually loses on its edges is taken out: otherwise every edge on which no robot
-has driven yet would look faster than the known ones. Safety rests on the order of use, never on
-times.
+A nominal time is length over speed. The cost of bends, turns, doors and people shows only during
+operation. The usual loss of a robot type on its edges is divided out: otherwise each edge on which
+no robot has driven yet would look faster than the known ones. Safety depends on the order of use,
+never on times.
 """
 from __future__ import annotations
 
@@ -16,21 +16,25 @@ from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.plan_requests import Times
 
-KEPT = 9         # drives of an edge of which the median is taken: one long wait does not count
-ENOUGH = 3       # drives after which it replaces the nominal time
-WORTH_IT = 0.2   # change of a time that is worth a new table: planners prepare anew for it
+KEPT = 9         # drives of an edge whose median is taken, so that one long wait does not count
+ENOUGH = 3       # number of drives after which the median replaces the nominal time
+# relative change of a time that justifies a new table, after which planners must prepare again
+WORTH_IT = 0.2
 PERIOD = 60.0    # s between two tables
 
 
 class Driven(NamedTuple):
-    """An edge that was driven from end to end, and how long it took (s)."""
+    """An edge that was driven from end to end, and the time that it took, in s."""
 
     edge: int
     seconds: float
 
 
 class EdgeTimer:
-    """Times one robot's edges, each from when the robot may drive it; waits do not count."""
+    """Measures the time of each edge of one robot, from the moment when it may drive the edge.
+
+    Waiting before that moment does not count.
+    """
 
     def __init__(self) -> None:
         self._number: Optional[int] = None
@@ -39,11 +43,11 @@ class EdgeTimer:
         self._counts = False
 
     def stop(self) -> None:
-        """The edge that is being driven does not count."""
+        """Ignores the time of the edge that is being driven."""
         self._counts, self._since = False, None
 
     def follow(self, record: RouteRecord, now: float) -> Optional[Driven]:
-        """Looks at a robot after its report; tells when it completed an edge."""
+        """Evaluates a robot after its report. Returns the edge that it completed, if any."""
         driven = None
         if self._number is not None and self._since is not None and (
                 record.done == self._number + 1):
@@ -61,7 +65,7 @@ class EdgeTimer:
 
 
 class EdgeTimes:
-    """What was learned so far; `table` is what planner and assignment go by."""
+    """The times learned so far. Planner and assignment use `table`."""
 
     def __init__(self) -> None:
         self.table: Times = MappingProxyType({})
@@ -74,7 +78,7 @@ class EdgeTimes:
             self._driven.setdefault((kind, driven.edge), deque(maxlen=KEPT)).append(driven.seconds)
 
     def renew(self, nominal: Callable[[str, int], float], now: float) -> bool:
-        """Makes another table where that is worth it; tells whether it did.
+        """Makes a new table if the times have changed enough. Returns whether it did.
 
         nominal -- seconds for a robot type's name and signed edge, by length and speed
         """

@@ -1,4 +1,4 @@
-"""What is told of the fleet: every robot's state, and its plan with what of it is released."""
+"""The state of each robot, and its plan with the released part, as the fleet is published."""
 from __future__ import annotations
 
 import math
@@ -18,7 +18,7 @@ from graph_fleet_manager.supervision.supervisor import Supervisor
 
 
 class RobotState(IntEnum):
-    """As in itrci_nav_msgs/FleetRobot."""
+    """The state of a robot, as in itrci_nav_msgs/FleetRobot."""
 
     IDLE = 0
     BUSY = 1
@@ -44,12 +44,12 @@ _OF_OUTAGE = {
 
 @dataclass(frozen=True)
 class RobotView:
-    """One robot as it is told.
+    """The published state of one robot.
 
-    seen        -- the supervisor's time of its last report; infinitely long ago: never
-    battery     -- state of charge, NaN: unknown
+    seen        -- the supervisor's time of its last report; minus infinity: never
+    battery     -- state of charge; NaN: unknown
     mission     -- request id of the mission that it serves
-    destination -- vertex to which it drives, None: nowhere
+    destination -- vertex to which it drives; None: none
     """
 
     name: str
@@ -65,7 +65,7 @@ class RobotView:
 
 
 class DriveView(NamedTuple):
-    """One planned edge; times by the supervisor's clock."""
+    """One planned edge. Times are those of the supervisor's clock."""
 
     edge: int
     start: float
@@ -74,7 +74,7 @@ class DriveView(NamedTuple):
 
 
 def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
-    """Every robot of the fleet, and those that left the fleet file but still block places."""
+    """All robots of the fleet, and those that left the fleet file but still block places."""
     errands = supervisor.errands()
     return [*(_view(robot, errands[name], supervisor, now)
               for name, robot in supervisor.robots.items()),
@@ -113,9 +113,9 @@ def _removed_view(robot: RemovedRobot) -> RobotView:
 
 
 def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> str:
-    """What holds a robot up, in words; nothing where it drives, or has nothing to do."""
+    """What a robot waits for, in words; empty: it drives, or has nothing to do."""
     if robot.knowledge is Knowledge.UNKNOWN:
-        return (f'it was never heard of, so no robot is let go: switch it on, or '
+        return (f'it has never reported, so no robot may drive: switch it on, or '
                 f'`fleet absent {robot.name}`')
     if robot.outage is not None:
         return robot.why or robot.outage.value
@@ -145,7 +145,7 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
 
 
 class PlanProgress(NamedTuple):
-    """A plan and how far it is carried out; it does not change while others look at it.
+    """A plan and its progress. Both stay unchanged while other threads read them.
 
     robots -- by name, the numbers of the edge that it drives on, and behind the last one granted
     """
@@ -155,7 +155,7 @@ class PlanProgress(NamedTuple):
 
 
 def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
-    """The plan in force as it is now; None: there is none."""
+    """The progress of the plan in force; None: there is none."""
     plan = supervisor.plan_executor.plan
     if plan is None:
         return None
@@ -165,7 +165,7 @@ def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
 
 
 def plan_views(progress: Optional[PlanProgress]) -> List[Tuple[str, List[DriveView]]]:
-    """Every robot's plan, from the edge that it drives on."""
+    """The plan of each robot, from the edge that it drives on."""
     if progress is None:
         return []
     plan, found = progress.plan, []

@@ -1,8 +1,8 @@
-"""What must outlive a restart, in one SQLite file: missions, robots, the counter of route ids.
+"""The journal: an SQLite file of missions, robots and the counter of route ids for a restart.
 
-Everything is on the disk before it is published, or a robot sent an order for it: the
-supervisor stores once for each event and acts after that. The history of every mission is kept
-beside them.
+All data are on the disk before they are published, and before a robot is sent an order that depends
+on them: the supervisor stores once for each event and acts after that. The file also keeps the
+history of each mission.
 """
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ from graph_fleet_manager.supervision.missions import Mission, MissionState, Requ
 from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
-STOPPED = 'fleet_is_stopped'  # the name of the number that tells whether it is
-_PAGE = 1000  # missions that the history reads at a time
+STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
+_PAGE = 1000  # number of missions that the history reads at a time
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
-"""In SQL, the states of missions that have not ended."""
+"""The states of missions that have not ended, in SQL."""
 
 
 class RobotMemory(NamedTuple):
-    """What is stored of one robot."""
+    """The stored state of one robot."""
 
     client: Memory
     outage: Optional[Outage]
@@ -63,7 +63,7 @@ class RobotMemory(NamedTuple):
 
 
 class HistoryLine(NamedTuple):
-    """One mission in the history; times in s since 1970, None where it did not come to that."""
+    """One mission in the history. Times are in s since 1970; None: it did not happen."""
 
     request_id: int
     destinations: Tuple[int, ...]
@@ -80,27 +80,27 @@ class HistoryLine(NamedTuple):
 
     @property
     def waited(self) -> Optional[float]:
-        """s from its acceptance to its start, or to its end without one; None: it waits yet."""
+        """s from acceptance to start, or to an end without a start; None: it still waits."""
         begun = self.started if self.started is not None else self.ended
         return None if begun is None else begun - self.accepted
 
     @property
     def took(self) -> Optional[float]:
-        """s from its start to its end; None where it did not come to both."""
+        """s from start to end; None: one of the two did not happen."""
         return None if self.started is None or self.ended is None else self.ended - self.started
 
 
 HISTORY_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot',
                    'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason',
                    'requested_by')
-"""Of the history as CSV."""
+"""The columns of the history as CSV."""
 
 
 class Journal:
-    """The file, open for one supervisor. `clock` gives s since 1970."""
+    """The journal file, open for one supervisor. `clock` returns s since 1970."""
 
     def __init__(self, path: str, clock: Callable[[], float] = time.time) -> None:
-        """Raises JournalUnavailable, or JournalError where the file can never be used."""
+        """Raises JournalUnavailable, or JournalError if the file can never be used."""
         self._clock = clock
         self._path = path
         self._file = JournalDatabase(path)
@@ -115,7 +115,7 @@ class Journal:
             raise
 
     def close(self) -> None:
-        """Ends its use."""
+        """Closes the file."""
         self._file.close()
 
     # -- writing ----------------------------------------------------------------------------------
@@ -124,11 +124,15 @@ class Journal:
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
               values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
               stays: Optional[Mapping[int, float]] = None) -> None:
-        """Puts all of it on the disk: missions, what robots may hold (None: nothing any more),
-        numbers by name, the graph on which all that is, and, by serial, how long ago (s) missions
-        began to stay where they are.
+        """Stores all given data on the disk in one transaction.
 
-        Raises JournalUnavailable, and has put nothing there.
+        missions -- the missions that have changed
+        robots   -- by name, what a robot may hold; None: it holds nothing any more
+        values   -- numbers by name
+        graph    -- the graph to which the robots' data refer
+        stays    -- by the serial of a mission, how long ago (s) it began to stay where it is
+
+        Raises JournalUnavailable; then nothing is stored.
         """
         with self._file.transaction():
             for mission in missions:
@@ -148,7 +152,7 @@ class Journal:
                 self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
 
     def _write_mission(self, mission: Mission) -> None:
-        """As it is now, and in the history."""
+        """Stores the mission as it is now, and the change in the history."""
         now = (int(mission.state), mission.robot, mission.reached, mission.reason)
         request, moment = mission.request, self._clock()
         self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)',
@@ -159,9 +163,9 @@ class Journal:
             self._run('DELETE FROM stay WHERE serial = ?', (mission.serial,))
 
     def forget(self, age: float, most: int = 200) -> int:
-        """Deletes missions that ended more than `age` s ago, so many at most; tells how many.
+        """Deletes at most `most` missions that ended more than `age` s ago. Returns how many.
 
-        The last mission stays, so that no serial is given twice. Raises JournalUnavailable.
+        The last mission stays, so that no serial is used twice. Raises JournalUnavailable.
         """
         serials = [row[0] for row in self._run(
             f'SELECT serial FROM mission WHERE changed < ? AND state NOT IN {OPEN_STATES} '
@@ -183,12 +187,12 @@ class Journal:
     # -- reading ----------------------------------------------------------------------------------
 
     def value(self, name: str) -> int:
-        """A stored number, 0 where there is none."""
+        """A stored number; 0: there is none."""
         row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
         return int(row[0]) if row else 0
 
     def graph(self) -> Optional[Graph]:
-        """The graph on which all that is stored of robots is; None: there is none."""
+        """The graph to which the stored data of robots refer; None: there is none."""
         row = self._run('SELECT elements FROM graph').fetchone()
         return _graph(row[0]) if row else None
 
@@ -202,13 +206,13 @@ class Journal:
         return [_mission(row) for row in rows]
 
     def stays(self) -> Dict[int, float]:
-        """How long (s) missions stay where they are, by serial; not less than 0."""
+        """By serial, how long (s) each mission stays where it is; at least 0."""
         now = self._clock()
         return {int(serial): max(now - began, 0.0)
                 for serial, began in self._run('SELECT serial, began FROM stay')}
 
     def find(self, request: Request) -> Optional[Mission]:
-        """The last mission that exactly this request became, ended ages ago or not.
+        """The last mission that exactly this request became, however long ago it ended.
 
         Raises JournalUnavailable.
         """
@@ -219,7 +223,7 @@ class Journal:
                      if mission.request.identity == request.identity), None)
 
     def status(self, request_id: int, stamp: float) -> Optional[Status]:
-        """What is stored of the last mission with this id and stamp; of any stamp where it is 0.
+        """The stored status of the last mission with this id and stamp; stamp 0 means any stamp.
 
         Raises JournalUnavailable.
         """
@@ -230,20 +234,20 @@ class Journal:
         return None if row is None else _mission(row).status
 
     def last_serial(self) -> int:
-        """Serial of the last mission that was accepted, 0 before any."""
+        """Serial of the last mission that was accepted; 0: there was none."""
         return int(self._run('SELECT MAX(serial) FROM mission').fetchone()[0] or 0)
 
     def robots(self) -> Dict[str, RobotMemory]:
-        """What is stored of every robot."""
+        """The stored state of each robot."""
         return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
 
 
 def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
-    """Every mission that is remembered, page by page; the supervisor may be writing meanwhile.
+    """All missions in the history, read page by page. The supervisor may write meanwhile.
 
-    Raises JournalError where there is no such file, or it is no journal.
+    Raises JournalError if there is no such file, or it is no journal.
 
-    since -- s since 1970: missions that have not changed since then and have ended are left out
+    since -- s since 1970: ended missions that have not changed since then are omitted
     """
     wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
     if not os.path.isfile(path):
@@ -285,13 +289,13 @@ def _request_text(request: Request) -> str:
 
 
 def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
-    """A mission of its row: serial, request, state, robot, destinations reached, reason."""
+    """The mission in a row of the columns serial, request, state, robot, reached, reason."""
     serial, text, state, robot, reached, reason = row
     return Mission(serial, _request(text), MissionState(state), robot, reached, reason=reason)
 
 
 def _request(text: str) -> Request:
-    """Version 0.2 stored a list, in the order of the fields that there were."""
+    """Reads a request. Version 0.2 stored a list, in the order of the fields of that version."""
     stored = json.loads(text)
     values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))

@@ -1,4 +1,4 @@
-"""Copies of a journal while it is used, and an old copy that becomes the journal again."""
+"""Copies a journal while it is in use, and turns an old copy into the journal again."""
 from __future__ import annotations
 
 import os
@@ -16,7 +16,7 @@ REASON = 'the journal was restored from a backup'
 
 
 def copy_database(path: str, copy: str) -> None:
-    """A copy of an SQLite file as of one moment, also while a program writes it.
+    """Copies an SQLite file as of one moment, also while a program writes it.
 
     Raises sqlite3.Error.
     """
@@ -27,11 +27,11 @@ def copy_database(path: str, copy: str) -> None:
 
 
 def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
-    """Takes from an old journal all that may not be true any more; tells how many missions ended.
+    """Removes from an old journal all that may be outdated. Returns how many missions ended.
 
-    Robots and missions went on after the copy was made. So the fleet manager is to begin as with a
-    lost journal: it knows of no robot, route or open mission, and finds out by the robots' reports.
-    The history stays. Raises JournalError.
+    Robots and missions went on after the copy was made. So the fleet manager must begin as with a
+    lost journal: it knows no robot, route or open mission, and learns them from the robots'
+    reports. The history stays. Raises JournalError.
     """
     file = JournalDatabase(path)
     try:

@@ -1,4 +1,4 @@
-"""The SQLite file of a journal: its layout and how older ones become it, and its one writer."""
+"""The SQLite file of a journal: its layout, the migration of older layouts, and its one writer."""
 from __future__ import annotations
 
 import fcntl
@@ -7,7 +7,7 @@ import sqlite3
 from contextlib import contextmanager, suppress
 from typing import Dict, Iterator, NamedTuple, Optional, Set, Tuple
 
-_BUSY = 0.5  # s to wait where another program holds the file
+_BUSY = 0.5  # s to wait if another program holds the file
 _VERSION_0_2 = '''
 CREATE TABLE IF NOT EXISTS mission (
     serial INTEGER PRIMARY KEY, request_id INTEGER NOT NULL, request TEXT NOT NULL,
@@ -37,18 +37,18 @@ _MIGRATIONS: Tuple[str, ...] = (
     ''', '''
     ALTER TABLE change ADD COLUMN requested_by TEXT NOT NULL DEFAULT '';
     ''')
-"""What makes a file of version k one of version k + 1; version 0 has no number of its own."""
+"""Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
     'mission': ('serial', 'request_id', 'request', 'state', 'robot', 'reached', 'reason', 'stamp',
                 'changed'),
     'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
     'graph': ('one', 'elements')}
-"""The columns of every table of the newest version."""
+"""The columns of each table of the newest version."""
 
 
 class JournalError(Exception):
-    """The journal cannot be used; the text is one sentence that says what to do."""
+    """The journal cannot be used. The text is one sentence that says what to do."""
 
 
 class UnknownLayout(JournalError):
@@ -60,9 +60,9 @@ class UnknownLayout(JournalError):
 
 
 class JournalUnavailable(JournalError):
-    """The journal cannot be used now, but may be later: the disk is full, or cannot be written.
+    """The journal cannot be used now, but may be later: the disk is full or not writable.
 
-    reason -- the same as a clause
+    reason -- the text as a clause
     """
 
     def __init__(self, path: str, what: object, remedy: str = 'free space on its disk, or mend that'
@@ -72,7 +72,7 @@ class JournalUnavailable(JournalError):
 
 
 class _Identity(NamedTuple):
-    """Which file it is, and what it begins with: 100 bytes, in which SQLite counts changes."""
+    """The identity of a file and its first 100 bytes, in which SQLite counts changes."""
 
     device: int
     inode: int
@@ -82,7 +82,7 @@ class _Identity(NamedTuple):
 class JournalDatabase:
     """The file, open and locked for one supervisor.
 
-    Raises JournalUnavailable, also where another supervisor uses it, and JournalError.
+    Raises JournalUnavailable, also if another supervisor uses the file, and JournalError.
     """
 
     def __init__(self, path: str) -> None:
@@ -95,7 +95,8 @@ class JournalDatabase:
             self.database.execute('PRAGMA journal_mode=WAL')
             self.database.execute('PRAGMA synchronous=FULL')
             _migrate(self.database, path)
-            # It is closed with the database only: closing it ends the locks of SQLite, too.
+            # This descriptor is closed only with the database: closing it also ends the locks of
+            # SQLite.
             self._head = os.open(path, os.O_RDONLY)
             self._expected = self._identities()
         except JournalError:
@@ -110,7 +111,7 @@ class JournalDatabase:
                                'choose another file or mend this one.') from None
 
     def close(self) -> None:
-        """Ends its use."""
+        """Closes the file."""
         if hasattr(self, 'database'):
             self.database.close()
         for descriptor in (self._head, self._lock):
@@ -120,10 +121,10 @@ class JournalDatabase:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """At its end all that was done in it is on the disk, or nothing.
+        """A transaction: at its end either all of its changes are on the disk, or none.
 
-        Raises JournalUnavailable, also where the file is another one than after the last commit:
-        what is written to a file that was deleted or replaced is lost.
+        Raises JournalUnavailable, also if the file is not the one of the last commit: data written
+        to a file that was deleted or replaced are lost.
         """
         self._check()
         try:
@@ -134,7 +135,7 @@ class JournalDatabase:
         except (sqlite3.Error, OSError) as error:
             raise JournalUnavailable(self._path, error) from None
         finally:
-            with suppress(sqlite3.Error):  # where even that fails, the next BEGIN does, too
+            with suppress(sqlite3.Error):  # if even that fails, the next BEGIN fails, too
                 if self.database.in_transaction:
                     self.database.execute('ROLLBACK')
 
@@ -151,7 +152,7 @@ class JournalDatabase:
                                                     'which then begins as with a lost journal')
 
     def _identities(self) -> Tuple[_Identity, ...]:
-        """Of the database, and of the log in which its last commits are."""
+        """Identities of the database, and of the log that contains its last commits."""
         assert self._head is not None
         found = os.stat(self._path)
         log = self._path + '-wal'
@@ -163,7 +164,7 @@ class JournalDatabase:
 
 
 def _locked(path: str) -> int:
-    """A file beside the journal, locked: locks of the journal itself are SQLite's."""
+    """Locks a file beside the journal. Locks of the journal itself belong to SQLite."""
     try:
         lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o644)
     except OSError as error:
@@ -178,7 +179,7 @@ def _locked(path: str) -> int:
 
 
 def _migrate(database: sqlite3.Connection, path: str) -> None:
-    """Brings a file to the newest version, or leaves it as it is and raises."""
+    """Migrates a file to the newest version, or leaves it unchanged and raises an error."""
     version = int(database.execute('PRAGMA user_version').fetchone()[0])
     if version > len(_MIGRATIONS):
         raise UnknownLayout(path, f'it has version {version}, newer than {len(_MIGRATIONS)}')

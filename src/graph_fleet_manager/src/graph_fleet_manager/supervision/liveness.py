@@ -1,4 +1,4 @@
-"""Whether a robot reports, moves and answers: what its reports tell by when they come."""
+"""Liveness of one robot: whether it reports, moves and answers, judged by when reports come."""
 from __future__ import annotations
 
 import math
@@ -9,34 +9,36 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import ANSWERED_WITHIN
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
-ANSWER = ANSWERED_WITHIN + 1.0  # s after which a robot that reports, but answers no order, is deaf
-STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
+# s after which a robot that reports, but has not answered an order, counts as deaf
+ANSWER = ANSWERED_WITHIN + 1.0
+# s without motion after which a robot that lost its link is assumed to stand
+STANDING = 2.0
 
 
 class Liveness:
-    """One robot's signs of life; times are those of the supervisor's clock."""
+    """The signs of life of one robot. Times are those of the supervisor's clock."""
 
     def __init__(self) -> None:
         self.seen = -math.inf
-        """When it last reported; infinitely long ago: never."""
+        """Time of its last report; minus infinity: never."""
         self.since = -math.inf
-        """Since when it reports without a silence."""
+        """Time since which it has reported without a silence."""
         self._stamp = 0.0
         self._pose = Pose()
-        self._moved = -math.inf      # when it was last seen to move, or first seen: from _pose
-        self._located = -math.inf    # when it last told of another location than before
+        self._moved = -math.inf      # when it was last seen to move from _pose, or first seen
+        self._located = -math.inf    # when it last reported another location than before
         self._fresh_after = 0.0      # stamp, by its clock, of its location when its link was lost
-        self._route: Tuple[int, Tuple[int, ...]] = (0, ())  # that it last reported
-        self._is_running = False     # whether anything of that was still to be driven
-        self._answered = -math.inf   # when it last had nothing to answer, or showed that it hears
+        self._route: Tuple[int, Tuple[int, ...]] = (0, ())  # the route that it last reported
+        self._is_running = False     # whether any of that route was still to be driven
+        self._answered = -math.inf   # when it last had no order to answer, or took one up
 
     @property
     def is_seen(self) -> bool:
-        """Has it reported since the fleet manager began?"""
+        """Has the robot reported since the fleet manager began?"""
         return self.seen > -math.inf
 
     def hear(self, report: Report, graph: Graph, now: float) -> None:
-        """Notes when a report came, and what is new in it."""
+        """Notes when a report came, and what has changed in it."""
         if not self.is_seen:
             self._answered = now
         if now - self.seen > SILENCE:
@@ -50,29 +52,29 @@ class Liveness:
         self._is_running = report.is_running
 
     def is_silent(self, now: float) -> bool:
-        """Did it report before, but not for a while?"""
+        """Has the robot reported before, but not for SILENCE s?"""
         return self.is_seen and now - self.seen > SILENCE
 
     def is_still(self, now: float) -> bool:
-        """Does it report where it is now, and has it neither moved nor a route to drive?
+        """Does the robot report current locations, has it nothing to drive, and does it not move?
 
-        One that reports an old location may drive on meanwhile.
+        A robot that reports an old location may drive on meanwhile.
         """
         return (not self._is_running and now - self.seen <= STANDING
                 and now - self._located < STANDING and now - self._moved >= STANDING)
 
     def stands_for(self, now: float) -> float:
-        """s since when it was last seen to move, or first seen; 0: it does not report."""
+        """s since it was last seen to move, or first seen; 0: it does not report."""
         return now - self._moved if self.is_seen and not self.is_silent(now) else 0.0
 
     # -- answers to orders ------------------------------------------------------------------------
 
     def nothing_to_answer(self, now: float) -> None:
-        """No order waits for its answer now."""
+        """No order waits for an answer now."""
         self._answered = now
 
     def takes_up(self, report: Report, has_order: bool, now: float) -> bool:
-        """Does a report tell of another route than the last, or is there no order to answer?
+        """Has the reported route changed, or is there no order to answer?
 
         A robot that took up an order, even an older one, is not deaf.
         """
@@ -84,19 +86,19 @@ class Liveness:
         return takes_up
 
     def is_deaf(self, now: float) -> bool:
-        """Has it not answered an order for a while?"""
+        """Has the robot not answered an order for ANSWER s?"""
         return now - self._answered > ANSWER
 
     # -- the link between the robot and its computer ----------------------------------------------
 
     def lose_link(self) -> None:
-        """Its computer tells that the link to it was lost after the last location."""
+        """The robot's computer reports that it lost the link after the last location."""
         self._fresh_after = self._stamp
 
     def is_linked_again(self, report: Report, now: float) -> bool:
-        """Do new locations come, and does it stand?
+        """Do new locations arrive, and does the robot stand?
 
-        The robot's clock need not be ours, and may be set meanwhile.
+        The robot's clock may differ from ours, and may be set meanwhile.
         """
         self._fresh_after = min(self._fresh_after, report.stamp)
         return report.stamp > self._fresh_after + STANDING and self.is_still(now)

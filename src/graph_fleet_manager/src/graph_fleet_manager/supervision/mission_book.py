@@ -1,4 +1,4 @@
-"""The book of all missions: which are open, a repeat or at an end, and what is not stored yet."""
+"""The book of all missions: open missions, repeated requests, ended ones, and unstored changes."""
 from __future__ import annotations
 
 from collections import deque
@@ -15,14 +15,14 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.pending_missions import PendingMissions
 
-MOST_OPEN = 5000   # missions; more are a mistake, and would slow down what cannot wait
-REMEMBERED = 1000  # ended missions whose ids are known as repeats
+MOST_OPEN = 5000   # number of open missions; more are a mistake, and would delay what is urgent
+REMEMBERED = 1000  # number of ended missions whose ids are known as repeats
 
 
 class MissionBook:
-    """All open missions, and of those that ended lately the last one with each id.
+    """All open missions, and for each id the last one of those that ended lately.
 
-    stays -- by serial, the supervisor's time since which missions stay at a destination
+    stays -- by serial, the supervisor's time since which a mission stays at a destination
     """
 
     def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1,
@@ -33,9 +33,9 @@ class MissionBook:
         self._ended: Deque[Mission] = deque()
         self._next = next_serial
         self.pending = PendingMissions()
-        """Those that no robot serves."""
+        """The missions that no robot serves."""
         self.changed: Set[int] = set()
-        """Serials of missions whose status is to be stored and told."""
+        """Serials of missions whose status is to be stored and published."""
         self._begun_stays: Set[int] = set()
         for mission in missions:
             mission.stored = mission.status
@@ -52,12 +52,12 @@ class MissionBook:
 
     @property
     def open(self) -> List[Mission]:
-        """Missions that are not at an end, in the order of their acceptance."""
+        """The missions that have not ended, in the order of their acceptance."""
         return [mission for mission in list(self._by_serial.values()) if mission.state.is_open]
 
     @property
     def serving(self) -> Dict[str, Mission]:
-        """The open missions that robots have, by the names of these."""
+        """The open missions that robots serve, by the robot's name."""
         return {name: mission for name, mission in list(self._by_robot.items())
                 if mission.state.is_open}
 
@@ -68,7 +68,7 @@ class MissionBook:
 
     @property
     def stored_open(self) -> List[Status]:
-        """The status of every mission that is not at an end, as it is on the disk."""
+        """The stored status of each mission that has not ended."""
         return [mission.stored for mission in list(self._by_serial.values())
                 if mission.stored is not None and mission.stored.state.is_open]
 
@@ -77,12 +77,12 @@ class MissionBook:
         return self._last.get(request_id)
 
     def of_robot(self, name: str) -> Optional[Mission]:
-        """What a robot is doing."""
+        """The open mission that a robot serves."""
         mission = self._by_robot.get(name)
         return mission if mission is not None and mission.state.is_open else None
 
     def add(self, request: Request, acceptance: Acceptance) -> Optional[Mission]:
-        """Accepts a request; None for a repeat. Raises RequestRefused."""
+        """Accepts a request. Returns None for a repeat. Raises RequestRefused."""
         last = self._last.get(request.id)
         if last is not None:
             if request.is_repeat_of(last.request, last.state.is_open):
@@ -101,7 +101,7 @@ class MissionBook:
         return mission
 
     def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
-        """A mission that could not be stored was never accepted; `before` had its id."""
+        """Removes a mission that could not be stored. `before` is the last mission with its id."""
         self.changed.discard(mission.serial)
         del self._by_serial[mission.serial]
         if mission in self.pending:
@@ -112,7 +112,7 @@ class MissionBook:
 
     def set(self, mission: Mission, state: MissionState, reason: str = '',
             robot: Optional[str] = None) -> None:
-        """Changes a mission; one at an end stays there."""
+        """Changes a mission. A mission that has ended does not change any more."""
         if not mission.state.is_open:
             return
         robot = mission.robot if robot is None else robot
@@ -128,7 +128,7 @@ class MissionBook:
         self.changed.add(mission.serial)
 
     def change(self, mission: Mission, change: Change) -> None:
-        """Another priority, and other destinations from now on."""
+        """Changes the priority, and the destinations from now on."""
         is_pending = mission in self.pending
         if is_pending:
             self.pending.remove(mission)
@@ -142,12 +142,12 @@ class MissionBook:
                 self.reach(mission)
 
     def stay(self, mission: Mission, now: float) -> None:
-        """It stays at a destination from now on."""
+        """The mission stays at a destination from now on."""
         mission.stays_since = now
         self._begun_stays.add(mission.serial)
 
     def reach(self, mission: Mission, count: int = 1) -> None:
-        """So many more destinations are visited."""
+        """Counts `count` more destinations as visited."""
         mission.reached += count
         mission.stays_since = None
         self._begun_stays.discard(mission.serial)
@@ -157,21 +157,21 @@ class MissionBook:
 
     @property
     def is_changed(self) -> bool:
-        """Is anything not stored yet?"""
+        """Is any change not stored yet?"""
         return bool(self.changed or self._begun_stays)
 
     @property
     def changes(self) -> List[Mission]:
-        """The missions of which something is not stored yet."""
+        """The missions with changes that are not stored yet."""
         return [self._by_serial[serial] for serial in sorted(self.changed)]
 
     def new_stays(self, now: float) -> Dict[int, float]:
-        """By serial, how long ago each stay began that is not stored yet."""
+        """By serial, how long ago (s) each stay began that is not stored yet."""
         return {serial: now - since for serial in sorted(self._begun_stays)
                 for since in (self._by_serial[serial].stays_since,) if since is not None}
 
     def stored(self) -> None:
-        """Everything is stored: what is at an end is kept for its id only."""
+        """All changes are stored. Ended missions are kept only for their ids."""
         self._begun_stays.clear()
         changes, self.changed = self.changes, set()
         for mission in changes:

@@ -1,4 +1,4 @@
-"""What a command does to an open mission, and to the robot that serves it."""
+"""The effect of a command on an open mission, and on the robot that serves it."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 def carry_out(command: Command, mission: Mission, book: MissionBook,
               robots: Mapping[str, ManagedRobot], requested_by: str = '') -> str:
-    """Cancels, pauses, resumes, or ends a dwell; returns why not, or nothing."""
+    """Cancels, pauses, resumes, or ends a dwell. Returns why it did not; empty: it did."""
     name = mission.robot
     if command is Command.CANCEL:
         by = f' of {requested_by}' if requested_by else ''
@@ -45,10 +45,10 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
 
 def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acceptance,
            robots: Mapping[str, ManagedRobot]) -> str:
-    """Another priority, other destinations from now on; returns why not, a clause, or nothing.
+    """Changes priority and destinations. Returns why it did not, as a clause; empty: it did.
 
-    A robot that drives to others comes to rest, as it would for a cancelled mission, and goes on
-    by a plan for the new ones.
+    A robot that drives to other destinations comes to rest, as for a cancelled mission. Then it
+    goes on by a plan for the new destinations.
     """
     try:
         acceptance.check_change(mission, change)
@@ -62,18 +62,18 @@ def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acce
 
 
 def refused(request: Request, reason: str) -> Status:
-    """What is told of a request that becomes no mission."""
+    """The status of a request that does not become a mission."""
     return Status(request.id, MissionState.REFUSED, reason=reason, stamp=request.stamp)
 
 
 def not_done(before: Status, command: Command, trouble: str) -> Status:
-    """What is told of a command that cannot be carried out: the mission is as it was."""
+    """The status after a command that cannot be carried out: the mission is unchanged."""
     return replace(before, command=command, command_code=CommandCode.NOT_DONE,
                    reason=f'{command.name} is not done: {trouble}')
 
 
 def not_stored(before: Status, command: Command, trouble: str) -> Status:
-    """What is told of a command that was carried out, but is on no disk: the state that is."""
+    """The status after a command that was carried out, but could not be stored on the disk."""
     return replace(before, command=command, command_code=CommandCode.NOT_STORED,
-                   reason=f'{command.name} is carried out, but forgotten if the fleet manager '
-                          f'ends before it can be stored: {trouble}')
+                   reason=f'{command.name} is carried out, but will be lost if the fleet '
+                          f'manager ends before it can be stored: {trouble}')

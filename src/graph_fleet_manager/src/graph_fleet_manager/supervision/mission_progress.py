@@ -1,4 +1,4 @@
-"""How missions go on by what robots do: destinations reached, dwells, robots that drop out."""
+"""Progress of missions: destinations reached, dwells, and robots that drop out."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -15,9 +15,9 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
 def follow(book: MissionBook, robot: ManagedRobot, now: float) -> bool:
-    """Counts the destinations that a robot passed; tells whether its mission ended.
+    """Counts the destinations that a robot passed. Returns whether its mission ended.
 
-    A destination where it is to stay counts when it stands there and the dwell is over.
+    A destination with a dwell counts when the robot stands there and the dwell is over.
     """
     passed, robot.passed = robot.passed, []
     mission = book.of_robot(robot.name)
@@ -41,7 +41,7 @@ def _visit(book: MissionBook, mission: Mission, vertex: int) -> None:
 
 
 def _dwell(book: MissionBook, mission: Mission, vertex: int, now: float) -> None:
-    """Begins or ends the stay at a destination on which the robot stands."""
+    """Begins or ends the dwell at a destination on which the robot stands."""
     while mission.state.is_open and mission.left and mission.left[0] == vertex:
         if mission.stays_since is None:
             book.stay(mission, now)
@@ -51,11 +51,13 @@ def _dwell(book: MissionBook, mission: Mission, vertex: int, now: float) -> None
 
 
 def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
-    """What becomes of the mission of a robot that cannot work.
+    """Updates the mission of a robot that cannot work.
 
-    It waits for a robot that comes back by itself. Of one that needs a person it is taken away: a
-    mission of which nothing is done goes to another robot, or waits if it is for this one alone;
-    one that was begun has failed, for the robot's load is unknown.
+    - If the robot comes back by itself, the mission waits for it.
+    - If the robot needs a person, a mission that was not begun goes to another robot. It waits if
+      it is for this robot only.
+    - If the robot needs a person and the mission was begun, it has failed, because the robot's load
+      is unknown.
     """
     mission = book.of_robot(robot.name)
     if mission is None or robot.outage is None:
@@ -71,7 +73,9 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
 
 
 def no_longer_possible(book: MissionBook, acceptance: Acceptance) -> Iterator[Tuple[Mission, str]]:
-    """Open missions that cannot be ended, as fleet or graph changed while no supervisor ran; why.
+    """Open missions that cannot be completed any more, each with the reason.
+
+    Fleet or graph may have changed while no supervisor ran.
     """
     for mission in book.open:
         if mission.robot and mission.robot not in acceptance.robots:

@@ -1,4 +1,4 @@
-"""Missions: what is asked for, what is refused, and how far each is."""
+"""Missions: requests, the rules for refusing them, and the progress of each mission."""
 from __future__ import annotations
 
 import math
@@ -14,7 +14,7 @@ LONGEST_DWELL = 1e6  # s; more is a mistake
 
 
 class MissionState(IntEnum):
-    """As in itrci_nav_msgs/MissionStatus."""
+    """The state of a mission, as in itrci_nav_msgs/MissionStatus."""
 
     PENDING = 0
     ACTIVE = 1
@@ -26,12 +26,12 @@ class MissionState(IntEnum):
 
     @property
     def is_open(self) -> bool:
-        """Is anything still to be done?"""
+        """Has the mission not ended?"""
         return self in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED)
 
 
 class Command(IntEnum):
-    """As in itrci_nav_msgs/MissionCommand."""
+    """A command for a mission, as in itrci_nav_msgs/MissionCommand."""
 
     CANCEL = 0
     PAUSE = 1
@@ -41,7 +41,7 @@ class Command(IntEnum):
 
 
 class CommandCode(IntEnum):
-    """What a status says of a command; as in itrci_nav_msgs/MissionStatus."""
+    """The result of a command in a status, as in itrci_nav_msgs/MissionStatus."""
 
     NONE = 0
     NOT_DONE = 1
@@ -50,14 +50,14 @@ class CommandCode(IntEnum):
 
 @dataclass(frozen=True)
 class Request:
-    """A request: visit these vertices in order.
+    """A request for a mission: visit these vertices in order.
 
-    robot_type -- name; empty: any
-    robot      -- the robot that must do it; empty: the best placed
-    priority   -- the higher goes first
-    dwells     -- s to stay at each destination, negative: until released; empty: nowhere
-    stamp      -- s, when it was sent; 0 where the sender did not say
-    requested_by -- person or program, for the records; empty: the sender did not say
+    robot_type -- name; empty: any type
+    robot      -- the robot that must do it; empty: the robot in the best place
+    priority   -- the mission with the higher one is served first
+    dwells     -- s to stay at each destination; negative: until released; empty: no stays
+    stamp      -- s, when it was sent; 0: the sender did not give it
+    requested_by -- person or program, for the records; empty: the sender did not give it
     """
 
     id: int
@@ -70,29 +70,30 @@ class Request:
     requested_by: str = ''
 
     def dwell(self, index: int) -> float:
-        """Seconds to stay at a destination."""
+        """Seconds to stay at the destination number `index`."""
         return self.dwells[index] if self.dwells else 0.0
 
     @property
     def identity(self) -> Tuple[object, ...]:
-        """Two requests that are equal in this are the same one, sent twice.
+        """The key by which two requests are the same request, sent twice.
 
-        Fields that messages get later do not belong to it, or an update would repeat missions. A
-        stamp tells them apart, also after MODIFY; without one all that was asked for does.
+        Fields that are added to the message in later versions are not part of it. Otherwise an
+        update would repeat missions. If there is a stamp, it tells requests apart, also after
+        MODIFY. If there is none, all of the content counts.
         """
         asked = () if self.stamp else (self.destinations, self.priority, self.dwells)
         return (self.id, self.stamp, self.robot_type, self.robot, *asked)
 
     def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
-        """Is it the same request, sent again?"""
+        """Is this the same request, sent again?"""
         return self.identity == other.identity and (bool(self.stamp) or other_is_open)
 
 
 @dataclass(frozen=True)
 class Change:
-    """What MODIFY makes of a request.
+    """The changes that MODIFY makes to a request.
 
-    destinations -- to be visited from now on, without stays; empty: as before
+    destinations -- to be visited from now on, without stays; empty: no change
     """
 
     priority: int
@@ -101,10 +102,10 @@ class Change:
 
 @dataclass(frozen=True)
 class Status:
-    """What is told of a request.
+    """The published status of a request.
 
-    stamp        -- s, when the request was sent: of several with its id it is about this one
-    command      -- of which the reason tells, with what `command_code` says; None: of none
+    stamp        -- s, when the request was sent; it tells requests with the same id apart
+    command      -- the command to which `reason` and `command_code` refer; None: none
     """
 
     request_id: int
@@ -119,15 +120,16 @@ class Status:
 
 @dataclass
 class Mission:
-    """An accepted request, and how far it is.
+    """An accepted request and its progress.
 
-    serial      -- counts all accepted missions; ids may come again, serials never do
-    reached     -- destinations visited, dwells included
+    serial      -- number of the mission among all accepted ones; it is never used twice, unlike ids
+    reached     -- number of destinations visited, dwells included
     stays_since -- the supervisor's time since which it stays at a destination; None: it does not
+                   stay
     reason      -- why it ended, or what it waits for
-    changes     -- how often it got other destinations: plans for the ones before serve no more
-    stored      -- its status as it is on the disk; None: it is not there yet
-    changed_by  -- the requester of its changes that are not stored yet; empty: none, or not given
+    changes     -- number of times that it got other destinations; earlier plans are then useless
+    stored      -- its status on the disk; None: it is not stored yet
+    changed_by  -- who requested the changes that are not stored yet; empty: none, or not given
     """
 
     serial: int
@@ -143,13 +145,13 @@ class Mission:
 
     @property
     def status(self) -> Status:
-        """As it is told."""
+        """The status to be published."""
         return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
                       self.request.stamp)
 
     @property
     def dwell_until(self) -> Optional[float]:
-        """When it may leave the destination where it stays; infinite: when it is released.
+        """When the robot may leave the destination where it stays; infinite: when released.
 
         None: it does not stay now.
         """
@@ -160,11 +162,11 @@ class Mission:
 
     @property
     def left(self) -> Tuple[int, ...]:
-        """Destinations still to be visited; that of a dwell under way included."""
+        """The destinations still to be visited, including that of a dwell under way."""
         return self.request.destinations[self.reached:]
 
     def changed(self, change: Change) -> Request:
-        """What it is to do after a change; a stay under way ends with its destination."""
+        """The request after a change. A stay under way counts as the end of its destination."""
         request = replace(self.request, priority=change.priority)
         if not change.destinations:
             return request
@@ -174,9 +176,10 @@ class Mission:
                        dwells=dwells if request.dwells else ())
 
     def visits(self, passed: Iterable[int]) -> int:
-        """How many destinations a way along these vertices visits.
+        """Number of destinations that a path along these vertices visits.
 
-        Where it is to stay it must come to rest: such a destination ends the count before it.
+        The robot must come to rest at a destination with a dwell. So the count ends before such a
+        destination.
         """
         count, index = 0, self.reached
         for vertex in passed:
@@ -190,16 +193,16 @@ class Mission:
 
 
 class RequestRefused(Exception):
-    """A request that is not accepted; the text, a clause, says why and what to do."""
+    """A request that is not accepted. Its text is a clause that says why and what to do."""
 
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What requests are judged by.
+    """The data by which requests are checked.
 
     robots -- type of each robot by its name
-    places -- vertices at which robots are, or from which they have driven, as far as known
-    able   -- robots for a request, by what it says of them and its docks; filled when asked
+    places -- vertices at which robots are, or from which they have driven, if known
+    able   -- robots for a request, by its robot, type and docks; filled on demand
     """
 
     graph: Graph
@@ -209,7 +212,7 @@ class Acceptance:
         default_factory=dict, compare=False, repr=False)
 
     def check(self, request: Request) -> None:
-        """Raises RequestRefused for what no robot of the fleet can do."""
+        """Raises RequestRefused for a request that no robot of the fleet can carry out."""
         if not request.destinations:
             raise RequestRefused('it has no destinations')
         if len(request.destinations) > MOST_DESTINATIONS:
@@ -238,8 +241,7 @@ class Acceptance:
         self._check_part(request, robots)
 
     def _check_part(self, request: Request, robots: Iterable[str]) -> None:
-        """Raises RequestRefused where no edges lead from one destination to another, or to it from
-        any of the robots."""
+        """Raises RequestRefused unless edges connect all destinations and one of the robots."""
         first, *others = request.destinations
         part = self.graph.part_of(first)
         for other in others:
@@ -251,8 +253,7 @@ class Acceptance:
                                  f'{request.robot or "each of its robots"}')
 
     def check_change(self, mission: Mission, change: Change) -> None:
-        """Raises RequestRefused for a change after which no robot could do the rest, or not the
-        robot that serves the mission."""
+        """Raises RequestRefused if no robot, or not the serving robot, could carry out the rest."""
         if not change.destinations:
             return
         self.check(replace(mission.request, priority=change.priority, dwells=(),
@@ -260,7 +261,7 @@ class Acceptance:
                            robot=mission.robot or mission.request.robot))
 
     def robots_for(self, request: Request) -> Tuple[str, ...]:
-        """Robots that may serve a request as far as type, name and docks say."""
+        """The robots that may serve a request, judged by type, name and docks."""
         vertices = self.graph.vertices
         docks = frozenset(v for v in request.destinations if v in vertices and vertices[v].dock)
         key = request.robot, request.robot_type, docks

@@ -1,4 +1,4 @@
-"""The graph as robots can drive it now: which edges are closed, how long edges really take."""
+"""The graph as robots can drive it now: closed edges, and learned driving times."""
 from __future__ import annotations
 
 from math import inf
@@ -12,21 +12,22 @@ from trajectory_graph import Graph
 
 
 class Networks:
-    """One network by nominal times, and one by those that were learned.
+    """One network with nominal times, and one with learned times.
 
-    rate -- simulated robots are so many times faster than the clock
+    rate -- the factor by which simulated robots are faster than the clock
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0) -> None:
         self.nominal = RoadNetwork(graph, (), fleet.dock_approach)
         self.network = self.nominal
-        """With learned times."""
+        """The network with learned times."""
         self.edge_times = EdgeTimes()
         self._types = {kind.name: kind for kind in fleet.types}
         self._rate = rate
 
     def close(self, edges: Iterable[int]) -> bool:
-        """Closes these edges only, where the graph has them; tells whether that is news."""
+        """Closes exactly these edges, if the graph has them. Returns whether that changed anything.
+        """
         graph = self.nominal.graph
         closed = frozenset(abs(edge) for edge in edges) & frozenset(graph.edges)
         if closed == self.nominal.closed:
@@ -36,7 +37,7 @@ class Networks:
         return True
 
     def learn(self, robot: ManagedRobot, now: float) -> None:
-        """Learns from the edges that a robot has driven; plans go by it from the next one on."""
+        """Learns from the edges that a robot has driven. The next plan uses the new times."""
         for driven in robot.driven:
             self.edge_times.learn(robot.type.name, driven._replace(
                 seconds=driven.seconds * self._rate))

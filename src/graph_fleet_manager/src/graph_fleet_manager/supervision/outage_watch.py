@@ -1,4 +1,4 @@
-"""What follows where a robot dropped out or came back, for its mission and the people."""
+"""The effects of a robot's outage, or of its end, on its mission and on the operators' log."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional
@@ -11,7 +11,7 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
 class OutageWatch:
-    """Compares what keeps each robot from working with what did before."""
+    """Compares the outage of each robot with its outage at the last look."""
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
                  outbox: Outbox) -> None:
@@ -19,12 +19,12 @@ class OutageWatch:
         self._before: Dict[str, Optional[Outage]] = {}
 
     def look(self) -> None:
-        """Draws the consequences of what changed since the last time."""
+        """Handles all changes since the last look."""
         for robot in self._robots.values():
             self.look_at(robot)
 
     def look_at(self, robot: ManagedRobot) -> None:
-        """The same for one robot."""
+        """Handles a change of one robot."""
         name = robot.name
         if name in self._before and self._before[name] is robot.outage:
             return

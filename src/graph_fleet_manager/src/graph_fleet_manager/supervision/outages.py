@@ -1,4 +1,4 @@
-"""Why a robot cannot be given anything to drive, and how it comes back."""
+"""Outages: why a robot cannot be given anything to drive, and how each outage ends."""
 from __future__ import annotations
 
 from enum import Enum
@@ -8,7 +8,7 @@ from trajectory_graph.route_protocol import Reason, ReasonCode
 
 
 class Outage(Enum):
-    """What keeps a robot from working; the values are words for people."""
+    """What keeps a robot from working. The values are shown to people."""
 
     UNSEEN = 'it has not reported yet'
     ABSENT = 'it was declared absent'
@@ -25,22 +25,22 @@ class Outage(Enum):
 
     @property
     def needs_person(self) -> bool:
-        """Does it come back only by `fleet in`?"""
+        """Does the robot come back only by `fleet in`?"""
         return self in _NEED_PERSON
 
 
 class Sign(Enum):
-    """What tells of an outage, or of its end."""
+    """An event that begins or ends an outage."""
 
     REPORT = 'a report came'
     SILENCE = 'no report came for a while'
     NO_ANSWER = 'an order was not answered for a while'
     ANSWER = 'the robot takes up orders'
-    CLOCK_OFF = 'its locations are from the future'
-    CLOCK_RIGHT = 'they are not any more'
+    CLOCK_OFF = 'the time stamps of its locations are in the future'
+    CLOCK_RIGHT = 'the time stamps of its locations are right again'
     LINK_LOST = 'its computer cannot reach it'
     LINK_BACK = 'its computer reaches it, and it stands where it was expected'
-    EMERGENCY = 'it tells of an emergency stop'
+    EMERGENCY = 'it reports an emergency stop'
     DRIVES = 'it drives on, or has nothing to drive'
     STANDS = 'it stands where it was stopped'
     EXCLUDED = 'by evidence it is too near to another robot'
@@ -51,7 +51,7 @@ class Sign(Enum):
     TAKEN_OUT = 'a person takes it out of service'
     BROUGHT_IN = 'a person brings it into service'
     DECLARED_ABSENT = 'a person says that it is not on the site'
-    LOCATED = 'a location came that was taken after that'
+    LOCATED = 'a location came that was taken after it was declared absent'
 
 
 _NEED_PERSON: FrozenSet[Outage] = frozenset((
@@ -63,7 +63,7 @@ _ALL: FrozenSet[Optional[Outage]] = _ON_SITE | {Outage.ABSENT}
 
 
 class Change(NamedTuple):
-    """A sign leads from any of these outages (None: it works) to another."""
+    """A sign leads from any of these outages (None: the robot works) to the target."""
 
     sources: AbstractSet[Optional[Outage]]
     target: Optional[Outage]
@@ -91,7 +91,7 @@ TRANSITIONS: Mapping[Sign, Change] = {
     Sign.DECLARED_ABSENT: Change(_ALL, Outage.ABSENT),
     Sign.LOCATED: Change({Outage.ABSENT}, None),
 }
-"""All ways from one outage to another. A sign that does not apply changes nothing."""
+"""All transitions between outages. A sign changes nothing if no transition applies."""
 
 
 _OF_REASON: Mapping[ReasonCode, Sign] = {
@@ -101,5 +101,5 @@ _OF_REASON: Mapping[ReasonCode, Sign] = {
 
 
 def sign_of(reason: Reason) -> Sign:
-    """What the reason of a failed or refused route tells."""
+    """The sign that follows from the reason of a failed or refused route."""
     return _OF_REASON.get(reason.code, Sign.FAILURE)

@@ -1,7 +1,7 @@
-"""What is to be done about an event, once all that it relies on is on the disk.
+"""The outbox: actions that follow an event, held back until their data are on the disk.
 
-Where the disk cannot be written, only what takes something from robots goes out: stops, and routes
-that are cut short. Everything else waits for the disk.
+While the disk cannot be written, only orders that stop robots or shorten their routes go out.
+Everything else waits for the disk.
 """
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_ids import RouteIds
 from trajectory_graph import Graph
 
-AGAIN = 2.0             # s between two tries to write where that fails
-TOGETHER = 0.04         # s within which all that reports change shares a commit
-_JOURNAL = '/journal'   # what is told of it; no robot has such a name
+AGAIN = 2.0             # s between two attempts to write while writing fails
+TOGETHER = 0.04         # s within which all changes by reports share one commit
+_JOURNAL = '/journal'   # key of the journal's state in `note_state`; no robot has such a name
 
 
 class Outbox:
-    """Collects what follows an event; `take` stores first what changed.
+    """Collects the actions that follow an event. `take` first stores what has changed.
 
-    trouble -- why nothing can be stored, a clause; empty: it can
+    trouble -- why nothing can be stored, as a clause; empty: it can be stored
     """
 
     def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
@@ -47,18 +47,21 @@ class Outbox:
         self._actions: List[Action] = []
         self._wrong: Dict[str, str] = {}
 
-    # -- what follows -----------------------------------------------------------------------------
+    # -- adding actions ---------------------------------------------------------------------------
 
     def put(self, action: Action) -> None:
-        """This is to be done."""
+        """Adds an action."""
         self._actions.append(action)
 
     def note(self, text: str, is_warning: bool = False) -> None:
-        """The people who watch are to be told."""
+        """Adds a log text for the operators."""
         self.put(Note(text, is_warning))
 
     def note_state(self, subject: str, wrong: str, mended: str) -> None:
-        """What is wrong with something, if anything, is told when that changes, not while it lasts.
+        """Logs what is wrong with a subject when that changes, but not while it lasts.
+
+        wrong  -- what is wrong; empty: nothing
+        mended -- the text to log when nothing is wrong any more
         """
         before = self._wrong.get(subject, '')
         self._wrong[subject] = wrong
@@ -66,7 +69,7 @@ class Outbox:
             self.note(wrong or mended, bool(wrong))
 
     def robot_changed(self, name: str) -> None:
-        """What is stored of a robot is not true any more."""
+        """The stored state of a robot is outdated."""
         self._stale.add(name)
 
     def value_changed(self, name: str, number: int) -> None:
@@ -74,18 +77,17 @@ class Outbox:
         self._values[name] = number
 
     def graph_changed(self, graph: Graph) -> None:
-        """What is stored of robots is on this graph from now on."""
+        """From now on the stored data of robots refer to this graph."""
         self._graph = graph
 
     def send(self) -> None:
         """All orders that are due are to be sent."""
         self._is_sending = True
 
-    # -- what goes out ----------------------------------------------------------------------------
+    # -- taking actions ---------------------------------------------------------------------------
 
     def take(self, now: float) -> List[Action]:
-        """Everything to be done now, orders to robots first; all that it relies on is on the disk.
-        """
+        """All actions to be done now, orders to robots first. Their data are on the disk."""
         self._store(now)
         orders = self._orders(now) if self._is_sending else []
         self._is_sending = False
@@ -93,15 +95,17 @@ class Outbox:
         return [*orders, *actions]
 
     def take_unless_due_later(self, now: float) -> List[Action]:
-        """The same where nothing is to be stored, or a robot is to be told something at once.
+        """Like `take`, if nothing is to be stored or orders are to be sent at once.
 
-        Else all of it waits until it is `due`, so that many reports share one commit.
+        Otherwise all actions wait until `due`, so that many reports share one commit.
         """
         return self.take(now) if self._is_sending or not self._is_anything_new else []
 
     @property
     def due(self) -> Optional[float]:
-        """When to take what waits: at once where the last commit is not new; None: nothing does.
+        """When to take the waiting actions; None: none wait, or the disk cannot be written.
+
+        A commit is due TOGETHER s after the last one.
         """
         if self.trouble or not self._is_anything_new:
             return None
@@ -141,11 +145,11 @@ class Outbox:
             self.put(TellStatus(mission.status))
 
     def _orders(self, now: float) -> List[Action]:
-        """All orders that are due, as the interlocking lets them out."""
+        """All orders that are due and that the interlocking lets pass."""
         return [SendRoute(name, *sending) for name, sending in self._interlocking.orders(now)]
 
     def _memory(self, name: str) -> Optional[RobotMemory]:
-        """What is to be stored of a robot; None: it left the fleet for good."""
+        """The state of a robot to be stored; None: the robot left the fleet for good."""
         known = self._everywhere.get(name)
         if known is None:
             return None

@@ -1,6 +1,6 @@
 """Missions that wait for a robot, in the order in which they are to be served.
 
-There may be thousands: what is done for each event must not depend on how many.
+There may be thousands, so the work for each event must not depend on their number.
 """
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from typing import Dict, List, Mapping, Tuple
 from graph_fleet_manager.supervision.missions import Mission
 
 Key = Tuple[int, int]
-"""Priority, negative, and serial: the least goes first."""
+"""The negative priority and the serial. The least key is served first."""
 Kind = Tuple[str, str]
-"""What robot a mission wants: type and name, each empty where any will do."""
+"""Type and name of the robot that a mission wants; empty: any."""
 
 FIRST: Key = (-2 ** 63, 0)
 
 
 def key_of(mission: Mission) -> Key:
-    """Those of higher priority go first, then the oldest."""
+    """Missions of higher priority are served first, then the oldest."""
     return -mission.request.priority, mission.serial
 
 
 class PendingMissions:
-    """All of them, and those of each kind."""
+    """All waiting missions, also sorted by kind."""
 
     def __init__(self) -> None:
         self.changes = 0
-        """So often a mission came or went."""
+        """Number of times that a mission was added or removed."""
         self._missions: Dict[Key, Mission] = {}
         self._order: List[Key] = []
         self._kinds: Dict[Kind, List[Key]] = {}
@@ -39,7 +39,7 @@ class PendingMissions:
         return key_of(mission) in self._missions
 
     def add(self, mission: Mission) -> None:
-        """It waits now."""
+        """Adds a mission that waits now."""
         key, kind = key_of(mission), _kind_of(mission)
         self._missions[key] = mission
         insort(self._order, key)
@@ -47,7 +47,7 @@ class PendingMissions:
         self.changes += 1
 
     def remove(self, mission: Mission) -> None:
-        """It does not wait any more."""
+        """Removes a mission that does not wait any more."""
         key, kind = key_of(mission), _kind_of(mission)
         del self._missions[key]
         keys = self._kinds[kind]
@@ -58,7 +58,8 @@ class PendingMissions:
         self.changes += 1
 
     def first(self, free: Mapping[str, str]) -> List[Mission]:
-        """Of each kind as many as these robots could serve; `free`: their types, by name."""
+        """Of each kind as many missions as these robots could serve; `free`: their types, by name.
+        """
         of_type: Dict[str, int] = {'': len(free)}
         for kind in free.values():
             of_type[kind] = of_type.get(kind, 0) + 1
@@ -69,7 +70,7 @@ class PendingMissions:
         return found
 
     def behind(self, key: Key, count: int) -> List[Mission]:
-        """So many missions from behind a key on, and from the first one on again."""
+        """The `count` missions behind a key. Behind the last mission the first one follows."""
         start = bisect_right(self._order, key)
         keys = self._order[start:start + count]
         keys += self._order[:min(start, count - len(keys))]

@@ -1,8 +1,12 @@
-"""Is an answer of the planner a plan for the question?
+"""The check whether an answer of the planner is a plan for the question.
 
-An answer is a message: any program can send one. It is used only if each robot, edge and drive that
-it names exists, if drives follow each other from where the robot is, and if no robots wait for each
-other for ever. Whether two robots may be where it leads them is the interlocking's business.
+An answer is a message, and any program can send one. It is used only if
+
+- each robot, edge and drive in it exists,
+- the drives follow each other from where the robot is, and
+- no robots wait for each other for ever.
+
+The interlocking decides whether two robots may be at the places of the plan.
 """
 from __future__ import annotations
 
@@ -13,15 +17,15 @@ from graph_fleet_manager.planning.precedence import Constraint
 from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive, Task
 from trajectory_graph import Graph
 
-_SHOWN = 40  # characters of a name that no robot has
+_SHOWN = 40  # characters shown of a name that no robot has
 
 
 def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
-    """The first thing that is wrong, as the end of a sentence about the plan; empty: none."""
+    """The first fault, as the end of a sentence about the plan; empty: there is none."""
     asked = {task.name for task in tasks}
     for name in (*outcome.drives, *outcome.unserved):
         if name not in asked:
-            return f'names robot {name[:_SHOWN]!r}, which was not in the question'
+            return f'names robot {name[:_SHOWN]!r}, which the question does not have'
     for task in tasks:
         drives = outcome.drives.get(task.name, ())
         fault = _fault_of_drives(task, [drive.edge for drive in drives], graph)
@@ -39,11 +43,11 @@ def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
 
 
 def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
-    """Does each edge exist, and begin where the one before it ends?"""
+    """Returns a fault unless each edge exists and begins where the one before it ends."""
     name = task.name
     for edge in edges:
         if abs(edge) not in graph.edges:
-            return f'leads {name} over edge {abs(edge)}, which the graph lacks'
+            return f'leads {name} over edge {abs(edge)}, which the graph does not have'
     for before, edge in zip(edges, edges[1:]):
         if graph.end_vertex(before).id != graph.start_vertex(edge).id:
             return f'leads {name} from edge {before} to edge {edge}, which do not meet'
@@ -60,7 +64,7 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
 
 
 def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
-    """Over all destinations in their order? Of what is released some may lie behind."""
+    """Do the drives visit all destinations in order? Some released drives may be done already."""
     left = list(task.destinations)
     vertices = [graph.end_vertex(drive.edge).id for drive in drives]
     for vertex in ((task.vertex,) if task.vertex is not None else ()) + tuple(vertices):
@@ -70,7 +74,7 @@ def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> boo
 
 
 def _is_possible(constraint: Constraint, outcome: Outcome) -> bool:
-    """Do both drives exist? A fraction that is no number is no fraction either."""
+    """Do both drives exist, and is the fraction a number from 0 to 1?"""
     return (0 <= constraint.before < len(outcome.drives.get(constraint.first, ()))
             and 0 <= constraint.drive < len(outcome.drives.get(constraint.then, ()))
             and 0.0 <= constraint.fraction <= 1.0)
@@ -79,8 +83,8 @@ def _is_possible(constraint: Constraint, outcome: Outcome) -> bool:
 def _ring(outcome: Outcome) -> List[str]:
     """Robots that would wait for each other for ever.
 
-    A drive may begin once the one before it has begun, and the drives for which it waits. One that
-    waits for fraction 0 of a drive waits for the drive before that.
+    A drive may begin after the drive before it, and all drives for which it waits, have begun. To
+    wait for fraction 0 of a drive means to wait for the drive before that.
     """
     first_node: Dict[str, int] = {}
     robots: List[str] = []
@@ -97,7 +101,7 @@ def _ring(outcome: Outcome) -> List[str]:
             behind[first_node[first] + begun].append(first_node[then] + drive)
     waits = Counter(node for nodes in behind for node in nodes)
     ready = [node for node in range(len(robots)) if not waits[node]]
-    for node in ready:  # it grows
+    for node in ready:  # the list grows in the loop
         for later in behind[node]:
             waits[later] -= 1
             if not waits[later]:

@@ -1,5 +1,4 @@
-"""Carries out the plan: asks the planner while none serves, and has the edges granted that are due.
-"""
+"""The plan executor: asks the planner for plans, and has the edges granted that are due."""
 from __future__ import annotations
 
 from math import inf
@@ -17,13 +16,13 @@ from graph_fleet_manager.supervision.release import due_edges, has_enough
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.switching import OrderSwitching
 
-PLANNER_PATIENCE = 10.0  # s after which the planner is asked again
-AGAIN = 2.0              # s between two plans while a robot has none that serves it
-HOLD = 2.0               # s for which no edge is granted while an answer is due, if at all
-HELD_UP = 5.0            # s for which a due edge may be refused before the plan is useless
-USELESS = 3              # such plans in a row after which a person is called
-_OPEN = 3                # questions of which an answer is still taken
-_PLANNING = '/planning'  # what is told of it; no robot has such a name
+PLANNER_PATIENCE = 10.0  # s without an answer after which the planner is asked again
+AGAIN = 2.0              # s between two plans while the plan does not serve all robots
+HOLD = 2.0               # s for which granting may be suspended while an answer is due
+HELD_UP = 5.0            # s for which a due edge may be refused before the plan counts as useless
+USELESS = 3              # number of useless plans in a row after which a person is called
+_OPEN = 3                # number of open questions whose answers are still accepted
+_PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
 _HELD_UP = '/held_up'
 
 
@@ -35,7 +34,10 @@ class _Delay(NamedTuple):
 
 
 class PlanExecutor:
-    """The plan in force, the questions to the planner that are open, and what each robot waits for.
+    """The plan in force, the open questions to the planner, and what each robot waits for.
+
+    `go_on` runs one step. It asks the interlocking for the edges that are due by the plan's order,
+    and asks the planner for a new plan if the present one is not useful any more.
 
     switching -- looks for a better order while robots are late; None: the order stays
     """
@@ -44,21 +46,23 @@ class PlanExecutor:
                  outbox: Outbox, switching: Optional[OrderSwitching] = None) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
-        """What holds up each robot, in words; empty: nothing."""
+        """What each robot waits for, in words; empty: nothing."""
         self.trouble = ''
-        """Why there is no new plan though one was asked for, in words; empty: there is."""
+        """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
         self._switching = switching
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
         self._is_holding = False
-        """Edges granted while the planner worked made its answer useless; so it is waited for."""
+        """Grants during planning made the last answer useless, so the next answer is waited for."""
         self._is_anew = False
-        self._failures = 0                     # in a row; each asks with another seed
+        self._failures = 0                     # in a row; each new question has another seed
         self._delays: Dict[str, _Delay] = {}
-        self._useless = 0                      # plans in a row by which a robot was held up
-        self._missions: Dict[str, int] = {}    # serial of the mission of each robot's route
+        # number of plans in a row by which a robot was held up
+        self._useless = 0
+        # serial of the mission for which each robot's route was given
+        self._missions: Dict[str, int] = {}
 
     @property
     def is_planning(self) -> bool:
@@ -66,20 +70,21 @@ class PlanExecutor:
         return bool(self._open)
 
     def plan_anew(self) -> None:
-        """The planner is asked again in any case, and need not keep anything of the plan."""
+        """Asks the planner again in any case, and lets it drop the old plan."""
         self._is_anew = True
 
     # -- answers of the planner -------------------------------------------------------------------
 
     def plan_made(self, number: int, outcome: Outcome, world: World) -> bool:
-        """Takes the planner's answer, even a late one, if it serves; was it waited for?"""
+        """Uses the planner's answer, even a late one, if it fits. Returns whether it was expected.
+        """
         question = self._open.pop(number, None)
         if question is None:
             return False
         fault = question.fault_of(outcome, world.network.graph)
         if fault:
             self._failures += 1
-            self._tell(f'that of the planner {fault}')
+            self._tell(f'the planner sent a plan that {fault}')
             return True
         self._tell('')
         plan = question.plan(outcome, world)
@@ -92,20 +97,20 @@ class PlanExecutor:
         return True
 
     def plan_failed(self, number: int, reason: str) -> None:
-        """The planner could not answer; the plan in force stays."""
+        """The planner could not answer. The plan in force stays."""
         if self._open.pop(number, None) is not None:
             self._failures += 1
-            self._tell(f'the planner gave none: {reason}')
+            self._tell(f'the planner found none: {reason}')
 
     def _tell(self, trouble: str) -> None:
         self.trouble = trouble
-        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. It is asked '
-                                'again and again.', 'The planner answers again.')
+        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. The planner '
+                                'is asked again until it gives one.', 'The planner answers again.')
 
-    # -- what goes on -----------------------------------------------------------------------------
+    # -- execution --------------------------------------------------------------------------------
 
     def go_on(self, world: World, now: float) -> None:
-        """Has granted what is due, and asks for another plan where this one does not serve."""
+        """Has due edges granted, and asks for another plan if this one is not useful any more."""
         is_useful = self._is_useful(world, now)
         if self._switching is not None and self.plan is not None and is_useful and not self._open:
             self.plan = self._switching.better(self.plan, world, now) or self.plan
@@ -117,12 +122,12 @@ class PlanExecutor:
         self._ask(world, is_useful, now)
 
     def _is_held(self, now: float) -> bool:
-        """Is nothing granted until the planner's answer is there?"""
+        """Is granting suspended until the planner's answer is there?"""
         return bool(self._open) and now - self._asked_at < HOLD and (
             self._is_holding or bool(self._useless))
 
     def _is_useful(self, world: World, now: float) -> bool:
-        """Does the plan in force still serve?"""
+        """Is the plan in force still useful?"""
         if self.plan is None or not self.plan.assumptions.still_useful(world):
             return False
         late = [name for name, delay in self._delays.items() if now - delay.since > HELD_UP]
@@ -137,8 +142,11 @@ class PlanExecutor:
         return False
 
     def _release(self, plan: PlanInForce, world: World, is_useful: bool, now: float) -> None:
-        """Has every robot granted the edges that are due; where not all is as the plan assumes,
-        only those that are as assumed."""
+        """Has the edges granted that are due.
+
+        If not all assumptions of the plan hold, it does so only for the robots whose assumption
+        holds.
+        """
         records = {name: robot.record for name, robot in self._robots.items()}
         agents = [name for name, errand in world.errands.items()
                   if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
@@ -180,7 +188,7 @@ class PlanExecutor:
             self._delays[name] = _Delay(now, refusal)
 
     def _ask(self, world: World, is_useful: bool, now: float) -> None:
-        """Asks for another plan where this one does not serve what is to be done now."""
+        """Asks for another plan if this one does not fit the present errands."""
         again = bool(self._failures or (self.plan and self.plan.unserved))
         if is_useful and not self._is_anew and not (again and now - self._asked_at >= AGAIN):
             return
@@ -188,7 +196,7 @@ class PlanExecutor:
             return
         if self._failures and now - self._asked_at < AGAIN:
             return
-        # One that cannot be carried out is not kept.
+        # A plan that cannot be carried out is not kept.
         kept = None if self._useless or self._is_anew else self.plan
         self._is_anew = False
         question = question_of(world, kept, self._failures, now)
@@ -212,12 +220,12 @@ _DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
 
 
 def _words(refusal: Refusal) -> str:
-    """What a robot waits for whose edge is not granted."""
+    """What a robot waits for after a refusal, in words."""
     if refusal.gate is Gate.CLOSED_EDGE:
         return f'edge {abs(refusal.edge)}, which is closed'
     if refusal.gate is Gate.NOT_READY:
         return 'a new location of its own'
     if refusal.gate is Gate.UNKNOWN_ROBOT:
-        return (f'{refusal.other}, which was never heard of: switch it on, or '
+        return (f'{refusal.other}, which has never reported: switch it on, or '
                 f'`fleet absent {refusal.other}`')
     return refusal.other or refusal.gate.value

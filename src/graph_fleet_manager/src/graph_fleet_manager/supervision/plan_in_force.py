@@ -1,4 +1,4 @@
-"""The plan by which robots are released: which robot's turn it is, however late robots are."""
+"""The plan in force: the order in which robots use places, however late they are."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
@@ -10,7 +10,7 @@ from graph_fleet_manager.supervision.robot_plan import RobotPlan
 
 
 class _Turn(NamedTuple):
-    """`first` must have driven `fraction` of its drive `before`."""
+    """`first` must have driven `fraction` of its drive number `before`."""
 
     first: str
     before: int
@@ -18,11 +18,14 @@ class _Turn(NamedTuple):
 
 
 class PlanInForce:
-    """The plans of all robots, and the order in which they use what they share.
+    """The plans of all robots, and the order in which they use the places that they share.
+
+    Only the order counts, not the times. A robot's drive is due after each robot that the order
+    puts before it has driven far enough.
 
     bases   -- number, in the robot's record, of the first drive of its plan
     made_at -- the supervisor's time that is 0 in the plan's times
-    assumptions -- what must hold for it to serve
+    assumptions -- the conditions under which the plan is useful
     """
 
     def __init__(self, outcome: Outcome, bases: Mapping[str, int], made_at: float,
@@ -39,7 +42,7 @@ class PlanInForce:
             self._waited_for.setdefault(first, []).append((before, then))
 
     def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
-        """The robots that must go on before a robot may begin its drive."""
+        """Name of a robot that must drive on before this robot may begin its drive; empty: none."""
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
             if plan is None:
@@ -50,9 +53,9 @@ class PlanInForce:
         return ''
 
     def asked_to_move(self, working: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
-        """Robots for which one of `working` waits, or one that is asked to move itself.
+        """Robots that must move because one of `working`, or another such robot, waits for them.
 
-        ends -- number behind the record of each robot: what is released already needs no asking
+        ends -- number behind the record of each robot: drives that are released need no request
         """
         moving = set(working)
         asked: Set[str] = set()
@@ -71,5 +74,5 @@ class PlanInForce:
         return asked
 
     def plan_of(self, name: str) -> Optional[RobotPlan]:
-        """One robot's plan."""
+        """The plan of one robot; None: it has none."""
         return self.plans.get(name)

@@ -1,4 +1,4 @@
-"""What the planner is asked, and what its answer assumes."""
+"""Questions to the planner, and the assumptions of its answers."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ from graph_fleet_manager.supervision.robot_plan import RobotPlan
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 
-_MID_EDGE = 1e-6  # the least fraction of an edge at which a robot is between its ends
+_MID_EDGE = 1e-6  # the smallest fraction of an edge at which a robot counts as between its ends
 
 
 @dataclass(frozen=True)
 class Question:
-    """What the planner is asked, and what its answer will assume."""
+    """A question to the planner, and the assumptions of the answer."""
 
     tasks: Tuple[Task, ...]
     obstacles: Tuple[Obstacle, ...]
@@ -32,9 +32,9 @@ class Question:
     asked_at: float
 
     def plan(self, outcome: Outcome, world: World) -> Optional[PlanInForce]:
-        """The plan that an answer is; None where a robot was granted meanwhile what it lacks.
+        """The plan in an answer; None: a robot was granted edges meanwhile that the plan lacks.
 
-        Where a robot's errand has changed meanwhile, it serves all others.
+        If a robot's errand has changed meanwhile, the plan still serves all other robots.
         """
         planned = {task.name for task in self.tasks}
         bases = {name: known.base for name, known in self.assumptions.robots.items()
@@ -45,17 +45,17 @@ class Question:
             drives = outcome.drives.get(name, ())[end - base:record.end - base]
             if record.first > base or tuple(d.edge for d in drives) != record.part(
                     end, record.end):
-                return None  # it was granted something else meanwhile, or more than the plan has
+                return None  # it was granted other edges meanwhile, or more than the plan has
         plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
         return plan if self._is_in_turn(plan, world) else None
 
     def fault_of(self, outcome: Outcome, graph: Graph) -> str:
-        """The first thing for which an answer is no plan; empty: none, as long as the planner is
-        right."""
+        """The first fault of an answer; empty: none. The planner may still be wrong in other ways.
+        """
         return fault_of(outcome, self.tasks, graph)
 
     def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
-        """Was nothing granted meanwhile that another robot goes before, by the new plan?"""
+        """Does the new plan's order allow all edges that were granted meanwhile?"""
         records = {name: robot.record for name, robot in world.robots.items()}
         return not any(plan.in_the_way(name, number - own.base, records)
                        for name, own in plan.plans.items()
@@ -63,7 +63,7 @@ class Question:
 
 
 def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float) -> Question:
-    """Where all robots are and what each is to do, as the planner reads it."""
+    """The places and errands of all robots, as a question to the planner."""
     tasks: List[Task] = []
     obstacles: List[Obstacle] = []
     assumed: Dict[str, Assumption] = {}
@@ -86,7 +86,7 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
 
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan],
           now: float) -> Tuple[Task, Optional[int]]:
-    """What the planner is asked for a robot, and how many destinations of its mission that has."""
+    """The planner's task for a robot, and the number of its mission's destinations in that task."""
     record, mission = robot.record, errand.mission
     vertex: Optional[int] = None
     mid_edge: Optional[Tuple[int, float]] = None

@@ -1,8 +1,8 @@
-"""How far a robot's turn has come by the plan, and no farther than it needs.
+"""The edges that are due for a robot by the plan's order, and no more than it needs.
 
-An edge is due only when all robots that use anything in conflict with it before, by the order of
-the plan, have left that. What is granted is granted for good, so no more of it than the robot needs
-in order not to brake.
+An edge is due only when all robots that use a conflicting place before, by the order of the plan,
+have left that place. A grant is final. So a robot is granted no more than it needs in order not to
+brake.
 """
 from __future__ import annotations
 
@@ -13,24 +13,23 @@ from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 
 
 class Due(NamedTuple):
-    """Edges that are a robot's next ones now, and the robot that keeps it from more (empty: none).
-    """
+    """The edges that are due for a robot, and the robot that blocks the next (empty: none)."""
 
     edges: List[int]
     waits_for: str = ''
 
 
 def has_enough(record: RouteRecord, ahead: float) -> bool:
-    """Has a robot more than so many m ahead, so that no edge is due for it?"""
+    """Has a robot more than `ahead` m to drive, so that no edge is due for it?"""
     return not record.is_standing and record.distance_ahead() > ahead
 
 
 def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord], until: int,
               ahead: float) -> Due:
-    """What one robot is to be granted.
+    """The edges that one robot is to be granted.
 
     until -- number of the record's edge before which it must stop in any case
-    ahead -- m: no more than the first edge that ends farther ahead than this is due
+    ahead -- m: the first edge that ends farther ahead than this is the last one that is due
     """
     own, record = plan.plans[name], records[name]
     edges: List[int] = []

@@ -1,4 +1,4 @@
-"""The robots of a fleet as they were before a restart, on a graph that may be another by now."""
+"""Restores the robots of a fleet after a restart, on a graph that may have changed."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _STEP = 0.1  # m between two points of a curve that is kept as a line
 
 @dataclass(frozen=True)
 class RemovedRobot:
-    """A robot that the fleet file does not have any more; it keeps what it held."""
+    """A robot that is not in the fleet file any more. It keeps what it held."""
 
     name: str
     type: RobotType
@@ -29,22 +29,22 @@ class RemovedRobot:
 
     @property
     def needs_person(self) -> bool:
-        """It is never driven."""
+        """The robot is never given anything to drive."""
         return True
 
     @property
     def is_silent(self) -> bool:
-        """Its reports are not listened to."""
+        """Reports of the robot are not received."""
         return True
 
 
 def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
               memories: Mapping[str, RobotMemory], before: Optional[Graph],
               now: float) -> Dict[str, ManagedRobot]:
-    """Every robot by its name, with what is stored of it.
+    """All robots by name, each with its stored state.
 
-    settings -- those that are missing are as RobotSettings has them
-    before   -- another graph, on which that was stored; None: it was stored on this one
+    settings -- a robot without an entry gets the defaults of RobotSettings
+    before   -- the other graph to which the stored states refer; None: they refer to this graph
     """
     robots: Dict[str, ManagedRobot] = {}
     for robot in fleet.robots:
@@ -62,13 +62,13 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 
 def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
                before: Optional[Graph], now: float) -> Dict[str, RemovedRobot]:
-    """Robots of which something is stored, but that the fleet file does not have any more."""
+    """Robots that are stored, but are not in the fleet file any more."""
     names = {robot.name for robot in fleet.robots}
     removed: Dict[str, RemovedRobot] = {}
     for name, memory in memories.items():
         if name not in names and memory.kind is not None and not memory.client.evidence.is_absent:
             client = RouteClient(RouteRecord(graph, memory.kind))
-            # It has no topics here any more, so not even a stop can be sent to it.
+            # It has no topics here any more, so that not even a stop can be sent to it.
             client.restore(memory.client.on(graph)._replace(is_stopping=False), now)
             client.lose(lost_areas(memory.client, graph, before))
             removed[name] = RemovedRobot(name, memory.kind, client)
@@ -89,9 +89,9 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
 
 
 def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
-    """Where a robot may be that a new graph has elsewhere, or not at all.
+    """Areas where a robot may be and that the new graph has elsewhere, or not at all.
 
-    before -- another graph, on which the memory was stored; None: it was stored on this one
+    before -- the other graph to which the memory refers; None: it refers to this graph
     """
     if before is None:
         return []
@@ -107,7 +107,7 @@ def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Ar
 
 
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
-    """Does the curve of an edge lie where it lay?"""
+    """Is the curve of an edge the same in both graphs?"""
     if edge not in graph.edges:
         return False
     ends = [(one.edge(edge).curve_type, one.edge(edge).param_f, one.edge(edge).param_b, *(

@@ -1,4 +1,4 @@
-"""One robot as the fleet manager knows it: its place, its battery, what keeps it from working."""
+"""One robot as the fleet manager knows it: its place, its battery and its outage."""
 from __future__ import annotations
 
 import math
@@ -26,14 +26,18 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
-TRIAL = 2.0        # s between two tries to go on after an emergency stop
+TRIAL = 2.0        # s between two attempts to go on after an emergency stop
 RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
-REFUSALS = 3       # in a row, after which a person must look
+REFUSALS = 3       # number of refusals in a row after which a person must look
 
 
 @dataclass
 class ManagedRobot:
-    """One robot; times are those of the supervisor's clock."""
+    """One robot of the fleet. Times are those of the supervisor's clock.
+
+    It judges reports, refusals and silence, and keeps the robot's outage. `client` keeps its route
+    record and its allocation.
+    """
 
     name: str
     type: RobotType
@@ -44,19 +48,19 @@ class ManagedRobot:
     battery: Battery = field(init=False)
     liveness: Liveness = field(default_factory=Liveness)
     is_halted: bool = False
-    """It was given an empty route, as all robots are by stop all."""
+    """It was given an empty route, as each robot is by a fleet stop."""
     comes_to_rest: bool = False
     """Its mission was cancelled or paused: it stops at the end of its edge."""
     dock: Optional[int] = None
-    """At which it charges, or to which it is on its way to do so."""
+    """The dock at which it charges, or to which it drives for charging."""
     passed: List[int] = field(default_factory=list)
-    """Vertices passed that its mission was not told of yet."""
+    """Vertices that it passed and that are not yet counted for its mission."""
     driven: List[Driven] = field(default_factory=list)
-    """Edges driven of which nothing was learned yet."""
+    """Edges that it drove and whose times are not yet learned."""
     _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
     _has_refused: bool = False
-    """It refused its last order, and where it begins was not considered again yet."""
+    """It refused its last order, and its starting place was not judged again yet."""
     _tried: float = -math.inf
     _retried: float = -math.inf
 
@@ -65,37 +69,38 @@ class ManagedRobot:
 
     @property
     def works(self) -> bool:
-        """Can it be given something to drive?"""
+        """Can the robot be given something to drive?"""
         return self.outage is None and not self.is_halted
 
     @property
     def is_charged(self) -> bool:
-        """May it be given a mission, as far as its battery is concerned?"""
+        """Does the battery allow a mission?"""
         return self.dock is None and not self.battery.is_low
 
     @property
     def needs_person(self) -> bool:
-        """Does it drive only once a person has brought it back?"""
+        """May the robot drive only after a person has brought it back?"""
         return self.outage is not None and self.outage.needs_person
 
     @property
     def is_silent(self) -> bool:
-        """Does it not report, so that it may have forgotten its route?"""
+        """Has the robot stopped reporting, so that it may have forgotten its route?"""
         return self.outage is Outage.SILENT
 
     @property
     def position(self) -> Optional[GraphPosition]:
-        """Where it stands; None while it drives, or where that is unknown."""
+        """Where the robot stands; None: it drives, or its place is unknown."""
         return self.record.position if self.record.is_standing else None
 
     def stands_at(self, vertices: Collection[int]) -> bool:
-        """Does it stand on one of these vertices?"""
+        """Does the robot stand on one of these vertices?"""
         return self.position is not None and self.position.vertex in vertices
 
     def position_at(self, pose: Pose) -> Optional[GraphPosition]:
-        """Where it can begin a route: on a vertex only if it is as near as it can tell.
+        """Where the robot can begin a route if it is at this pose.
 
-        Near a dock it is not docked: it is still to drive there.
+        It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
+        still drive into it.
         """
         graph = self.record.graph
         position = position_of(pose, graph, self.record.near)
@@ -103,13 +108,13 @@ class ManagedRobot:
 
     @property
     def record(self) -> RouteRecord:
-        """What it was given to drive, and how far it is."""
+        """The edges that the robot was ordered to drive, and its progress on them."""
         return self.client.record
 
-    # -- what comes in ----------------------------------------------------------------------------
+    # -- events -----------------------------------------------------------------------------------
 
     def notice(self, sign: Sign, why: str = '') -> bool:
-        """Follows a sign of an outage or of its end; tells whether that changes anything."""
+        """Applies a sign of an outage or of its end. Returns whether the outage changed."""
         sources, target = TRANSITIONS[sign]
         if self.outage not in sources:
             return False
@@ -120,9 +125,9 @@ class ManagedRobot:
         return changes
 
     def hear(self, report: Report, now: float) -> None:
-        """Follows a report that makes sense; one that tells neither place nor time is ignored.
+        """Evaluates a report that passed the check. One with neither edge nor stamp is ignored.
 
-        now -- when the report arrived
+        now -- time at which the report arrived
         """
         if not report.pose.edge and not report.stamp:
             return
@@ -142,7 +147,8 @@ class ManagedRobot:
         self.passed += heard.passed
         self._judge(heard, report)
         if self.outage is Outage.STOPPED and not was_stopped:
-            self._tried = now  # it might take an order yet, for what it knows of its stop
+            # the robot may still take up an order, because it does not know of its stop yet
+            self._tried = now
         if self.outage is Outage.LOST_LINK and self.client.withdrawn is None and (
                 self.client.order is None and now - self._retried > RETRY
                 and self.liveness.is_linked_again(report, now)):
@@ -154,9 +160,10 @@ class ManagedRobot:
             self.driven.append(driven)
 
     def must_stop(self, report: Report, now: float) -> bool:
-        """Is it to be stopped for an order that was under way when it dropped out?
+        """Must the robot be stopped because an order was on its way when it dropped out?
 
-        One that was left to a person drives it; one whose link is back may yet.
+        - A robot that needs a person is stopped if it drives that order.
+        - A robot whose link is back is stopped because that order may still reach it.
         """
         if self.needs_person:
             return self.client.drives_withdrawn(report)
@@ -164,8 +171,8 @@ class ManagedRobot:
                 and not self.client.is_stopping and self.liveness.is_linked_again(report, now))
 
     def hear_refusal(self, refusal: RouteRefusal, stamp: float = 0.0) -> bool:
-        """An order was not taken up, at `stamp` (s) of the robot's clock; tells whether it is one
-        that is still to be answered."""
+        """The robot refused an order at `stamp` (s) of its clock. Returns whether it was pending.
+        """
         heard = self.client.refuse(refusal, stamp)
         self._judge(heard, None)
         return bool(heard.refused)
@@ -181,7 +188,7 @@ class ManagedRobot:
         if not self.is_halted:
             self._judge_motion(heard, report)
         if self.client.clock_is_off:
-            self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: mend the '
+            self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: correct the '
                                         'time of both (NTP)')
         elif self.liveness.seen - self._retried > RETRY:
             self.notice(Sign.CLOCK_RIGHT)
@@ -194,7 +201,7 @@ class ManagedRobot:
             self.liveness.lose_link()
         elif report is not None and not report.pose.edge and self.record.is_standing and (
                 self.client.evidence.is_confirmed):
-            self.notice(Sign.LEFT_GRAPH, 'it reports to be off the graph')
+            self.notice(Sign.LEFT_GRAPH, 'it reports that it is off the graph')
         elif heard.left and self.outage is None:
             self.notice(Sign.TAKEN, f'it left {self.record.position} without a route')
 
@@ -216,17 +223,17 @@ class ManagedRobot:
 
     @property
     def _was_nowhere(self) -> bool:
-        """Was it never on the graph?"""
+        """Was the robot never on the graph?"""
         return self.record.position is None and not self.record.held
 
-    # -- the clock --------------------------------------------------------------------------------
+    # -- time -------------------------------------------------------------------------------------
 
     def look(self, now: float, heard: float) -> bool:
-        """Finds out that it is silent, or deaf; tells whether its allocation has grown by that.
+        """Detects that the robot is silent or deaf. Returns whether its allocation has grown.
 
-        heard -- all reports that arrived until then were heard
+        heard -- time until which all arrived reports were evaluated
         """
-        if self.client.order is None or self.client.is_new_motion:  # one that waits for the disk
+        if self.client.order is None or self.client.is_new_motion:  # a new order waits for the disk
             self.liveness.nothing_to_answer(now)
         if self.liveness.is_silent(heard):
             self.notice(Sign.SILENCE, f'it has not reported for {SILENCE:.0f} s')
@@ -238,9 +245,9 @@ class ManagedRobot:
         return self.liveness.is_seen and silence > STANDING and self.client.grow(silence)
 
     def wants_to_go_on(self, now: float) -> int:
-        """After an emergency stop, how many edges are to be ordered anew; 0: none now.
+        """Number of edges to order anew after an emergency stop; 0: none now.
 
-        A robot that was moved needs a person.
+        A robot that was moved during the stop needs a person.
         """
         if self.outage is not Outage.STOPPED or self.is_halted or now - self._tried < TRIAL:
             return 0
@@ -258,9 +265,10 @@ class ManagedRobot:
         return 1 if self.comes_to_rest else len(ahead)
 
     def begin_elsewhere(self) -> None:
-        """After a refusal: what stands near a vertex begins there, or else on the edge it is on.
+        """Chooses another starting place after a refusal.
 
-        How near is near, every robot decides by itself.
+        Each robot decides by itself how near to a vertex it must be. So a robot near a vertex is
+        now settled on the vertex if it counted as on its edge, and on its edge otherwise.
         """
         record, client = self.record, self.client
         if not self._has_refused or not client.is_ready or client.order is not None:
@@ -276,7 +284,7 @@ class ManagedRobot:
             edge=record.pose.edge, fraction=record.pose.fraction))
 
     def go_on_after_stop(self, now: float) -> bool:
-        """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
+        """After an obeyed fleet stop: settles the robot where it stands. Returns whether it did."""
         if not self.is_halted or self.client.order is not None:
             return False
         if not self.liveness.is_still(now) or self.outage not in (None, Outage.STOPPED):
@@ -290,7 +298,10 @@ class ManagedRobot:
             self._refusals = 0
 
     def _settle_where_expected(self, sign: Sign) -> bool:
-        """It stands: on what it holds (`sign` is noticed), or elsewhere, as a person moved it."""
+        """Settles a standing robot if it is on what it holds. Otherwise a person moved it.
+
+        sign -- the sign to notice if it is on what it holds
+        """
         position, held = self.position_at(self.record.pose), self.record.held
         if position is not None and (
                 not held or position.touches(self.record.graph, held, self.type.play)):
@@ -302,23 +313,23 @@ class ManagedRobot:
                                 f'{", ".join(map(str, held))}, but is {whereabouts}')
         return False
 
-    # -- people -----------------------------------------------------------------------------------
+    # -- commands of people -----------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:
-        """Why a person cannot put it back into service now; empty: they can, or it works."""
+        """Why a person cannot put it back into service now; empty: it is possible, or it works."""
         if self.works:
             return ''
         if self.outage is Outage.ABSENT:
             return f'{self.name} was declared absent: switch it on, and it is back'
         if now - self.liveness.seen > SILENCE or self.outage is Outage.DEAF:
-            return f'{self.name} does not report or answer: mend its link first'
+            return f'{self.name} does not report or answer: repair its link first'
         if self.client.order is not None or not self.liveness.is_still(now):
             return (f'{self.name} does not stand still yet, or has a route to drive, or its '
                     'locations are old: try again in a moment')
         return ''
 
     def come_back(self) -> str:
-        """A person says that it works again, from where it is; returns why not, or nothing."""
+        """A person says that it works again, from where it is. Returns why not; empty: done."""
         position = self.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
@@ -329,7 +340,7 @@ class ManagedRobot:
         return ''
 
     def declare_absent(self, now: float) -> str:
-        """A person says that it is not on the site; returns why that cannot be, or nothing."""
+        """A person says that it is not on the site. Returns why that cannot be; empty: done."""
         if self.liveness.is_seen and now - self.liveness.seen <= SILENCE:
             return f'{self.name} reports: switch it off first'
         self.client.declare_absent(now)
@@ -341,7 +352,7 @@ class ManagedRobot:
 
     @property
     def knowledge(self) -> Knowledge:
-        """What is known of where it is."""
+        """What is known of the robot's place."""
         return self.client.allocation.knowledge
 
 

@@ -1,4 +1,4 @@
-"""What a fleet file says of each robot that the supervisor needs."""
+"""The settings of each robot in the fleet file that the supervisor needs."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class RobotSettings:
-    """What the fleet file says of one robot beside its type.
+    """The settings of one robot in the fleet file, in addition to its type.
 
-    release_ahead -- m that it is let go ahead of where it is, so that it need not brake
-    slack         -- m that it may be short of where it reports to be, along its path
-    stopping      -- m that it may need to stop once it has acknowledged a shorter route
+    release_ahead -- m that are granted ahead of the robot, so that it need not brake
+    slack         -- m that the robot may be short of its reported place, along its path
+    stopping      -- m that it may need to stop after it has acknowledged a shorter route
     charge_below  -- state of charge (0..1) below which it goes to charge
-    leave_above   -- state of charge from which on it may leave again
-    reserve       -- state of charge that it must have left when a mission ends
-    endurance     -- m that it drives on a full battery
+    leave_above   -- state of charge from which on it may leave the dock
+    reserve       -- state of charge that must remain at the end of a mission
+    endurance     -- m that it can drive on a full battery
     """
 
     release_ahead: float = 8.0

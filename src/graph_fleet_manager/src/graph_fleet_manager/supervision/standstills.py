@@ -1,4 +1,4 @@
-"""How long a robot that stands on its route will still stand, by how long robots stood before."""
+"""Predicts how long a robot that stands on its route will still stand, from past standstills."""
 from __future__ import annotations
 
 from collections import deque
@@ -7,22 +7,22 @@ from typing import Deque, Dict
 
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-COUNTS = 3.0  # s of standing that is more than turning or setting out
-KEPT = 100    # standstills that are remembered
-ENOUGH = 5    # of them must have lasted longer than the present one
+COUNTS = 3.0  # s of standing; a shorter stop is only turning or setting out
+KEPT = 100    # number of standstills that are remembered
+ENOUGH = 5    # number of remembered standstills that must have lasted longer than the present one
 
 
 class Standstills:
-    """Standstills of all robots that had something to drive: waiting for a turn is none."""
+    """Standstills of all robots that had something to drive. Waiting for a turn does not count."""
 
     def __init__(self) -> None:
         self._lasted: Deque[float] = deque(maxlen=KEPT)
         self._stands: Dict[str, float] = {}
         self._let_go: Dict[str, float] = {}
-        """Since when each robot has had something to drive."""
+        """Time since which each robot has had something to drive."""
 
     def further(self, robot: ManagedRobot, now: float) -> float:
-        """s for which a robot will not move yet; 0: it drives, or has nothing to drive."""
+        """s for which a robot will probably not move yet; 0: it drives, or has nothing to drive."""
         if not robot.record.ahead:
             self._let_go.pop(robot.name, None)
             self._stands.pop(robot.name, None)

@@ -1,8 +1,8 @@
-"""The fleet manager's mind: missions and reports in, routes and statuses out.
+"""The supervisor: takes missions and reports, and returns routes and statuses.
 
-Neither ROS nor a planner nor a clock: every event comes with the time at which it happened (s,
-monotonic), and every answer is a list of actions. What must outlive a restart is on the disk before
-the answer is given; where the disk cannot be written, only stops and cuts are.
+It uses neither ROS, nor a planner, nor a clock. Each event comes with its time (s, monotonic), and
+each answer is a list of actions. The state that must survive a restart is on the disk before the
+answer is returned. While the disk cannot be written, only stops and shorter routes are returned.
 """
 from __future__ import annotations
 
@@ -61,8 +61,15 @@ from trajectory_graph.route_protocol import RouteRefusal
 class Supervisor:
     """All robots and missions of one fleet.
 
-    settings -- of robots by name; those that are missing are as RobotSettings has them
-    rate     -- simulated robots are so many times faster than the clock
+    Each public method handles one event (a request, a report, a command, a tick) and returns the
+    actions to be carried out. It passes the event to the module that is in charge:
+
+    - `book` keeps the missions, and `charging` gives docks to robots.
+    - `plan_executor` asks the planner, and requests grants by the plan's order.
+    - `interlocking` grants edges, and lets orders out.
+
+    settings -- of robots by name; a robot without an entry gets the defaults of RobotSettings
+    rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     """
 
@@ -79,7 +86,7 @@ class Supervisor:
         self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
-        """What requests are judged by."""
+        """The data by which requests are checked."""
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(
             journal.missions(), journal.last_serial() + 1,
@@ -87,7 +94,8 @@ class Supervisor:
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
-        self._is_recovering = False  # from a lost journal: nothing is granted until all stand
+        # after the loss of the journal: nothing is granted until all robots stand
+        self._is_recovering = False
         self._waiting = WaitingMissions(self.book, self.robots)
         self._ids = RouteIds(journal)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
@@ -110,34 +118,34 @@ class Supervisor:
 
     @property
     def network(self) -> RoadNetwork:
-        """The graph without what is closed, by learned times."""
+        """The graph without closed edges, with learned times."""
         return self.networks.network
 
     @property
     def trouble(self) -> str:
-        """Why nothing can be stored, a clause; empty: it can.
+        """Why nothing can be stored, as a clause; empty: it can be stored.
 
-        While it lasts no mission is accepted and no robot gets anything new to drive.
+        While it lasts, no mission is accepted, and no robot gets anything new to drive.
         """
         return self._out.trouble
 
     @property
     def look_at(self) -> Optional[float]:
-        """When the next `tick` is wanted, perhaps before its time; None: in its time.
+        """Time of the next `tick`, perhaps earlier than usual; None: as usual.
 
-        What reports have changed is stored by it, with all that follows, in one commit.
+        That tick stores all changes by reports, with all their effects, in one commit.
         """
         return self._out.due
 
     @property
     def is_stopped(self) -> bool:
-        """Is every robot to stand until the fleet is resumed?"""
+        """Must each robot stand until the fleet is resumed?"""
         return self.interlocking.is_stopped
 
     # -- missions ---------------------------------------------------------------------------------
 
     def request(self, request: Request, now: float) -> List[Action]:
-        """Accepts, refuses or repeats; an accepted mission is on the disk before it is told."""
+        """Accepts, refuses or repeats. An accepted mission is stored before it is confirmed."""
         return self.requests((request,), now)
 
     def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
@@ -167,13 +175,13 @@ class Supervisor:
 
     def _accept(self, request: Request, before: Optional[Mission],
                 acceptance: Acceptance) -> Optional[Mission]:
-        """None for a request that is told again what became of it.
+        """Accepts a request. None: it is a repeat, and its status is published again.
 
         before -- the last mission with its id
         """
         if request.stamp and (before is None or before.request.identity != request.identity):
             ended = self._journal.find(request)
-            if ended is not None:  # latched, or under way for long
+            if ended is not None:  # the request was latched, or on its way for a long time
                 self._out.put(TellStatus(ended.status))
                 return None
         mission = self.book.add(request, acceptance)
@@ -188,15 +196,15 @@ class Supervisor:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
 
     def stored_status(self, request_id: int, stamp: float) -> Optional[Status]:
-        """What the disk says of a mission (stamp 0: the last with this id); None: nothing.
+        """The stored status of a mission (stamp 0: the last with this id); None: none is stored.
 
-        So it is never taken back. Raises JournalUnavailable.
+        A stored status is never taken back. Raises JournalUnavailable.
         """
         return self._journal.status(request_id, stamp)
 
     def command(self, request_id: int, command: Command, now: float,
                 change: Optional[Change] = None, requested_by: str = '') -> List[Action]:
-        """Cancels, pauses, resumes, ends a dwell, or modifies: that needs the `change`."""
+        """Cancels, pauses, resumes, ends a dwell, or modifies (by `change`) a mission."""
         if requested_by:
             self._out.note(f'{requested_by} requests {command.name} of mission {request_id}.')
         mission = self.book.find(request_id)
@@ -233,7 +241,7 @@ class Supervisor:
 
     def report(self, name: str, report: Report, now: float,
                arrived: Optional[float] = None) -> List[Action]:
-        """A robot tells where it is and how far its route is; `arrived`: when the report came."""
+        """Handles a robot's report of place and route. `arrived`: when the report came."""
         robot, arrived = self.robots[name], now if arrived is None else arrived
         try:
             check_report(report, self.network.graph)
@@ -264,29 +272,29 @@ class Supervisor:
         return self._out.take_unless_due_later(now)
 
     def _take_up_stop(self, robot: ManagedRobot) -> None:
-        """Makes a stop its own that a robot was given past a supervisor that hung."""
+        """Stops the fleet because a robot got a stop that bypassed a hanging supervisor."""
         if self.is_stopped or robot.client.is_stopping:
             return
-        self._out.note(f'{robot.name} was stopped past the fleet manager, which hung: the fleet is '
-                       'stopped until it is resumed.', True)
+        self._out.note(f'{robot.name} was stopped by a command that bypassed the fleet manager '
+                       'while it hung. The whole fleet is stopped until you resume it.', True)
         self._stop()
 
     def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
-        """Looks for a journal that is not the last."""
+        """Checks by a robot's first report whether the journal is an old one."""
         if self.is_stopped or robot.client.is_stopping:
             return
         if self._ids.is_unknown(report.route_id):
             self._ids.skip(report.route_id)
             if report.is_running:
                 self._out.note(f'{robot.name} drives route {report.route_id}, which the journal '
-                               'does not know: it was lost, or an older one was brought back. All '
-                               'robots are stopped, and go on once all stand.', True)
+                               'does not know: the journal was lost, or an older one was '
+                               'restored. All robots are stopped, and go on when all stand.', True)
                 self._is_recovering = True
                 self._halt(self.robots.values())
                 self._out.send()
 
     def _separate(self, robot: ManagedRobot) -> None:
-        """Stops two robots that evidence shows to be where they exclude each other."""
+        """Stops two robots that exclude each other according to evidence."""
         if not robot.client.is_by_evidence:
             return
         other = self.interlocking.excluding(robot.name)
@@ -300,26 +308,27 @@ class Supervisor:
 
     def refusal(self, name: str, refusal: RouteRefusal, now: float,
                 stamp: float = 0.0) -> List[Action]:
-        """A robot did not take up an order; `stamp`: s, when, by its clock, 0: unknown."""
+        """Handles the refusal of an order at `stamp` (s) of the robot's clock; 0: unknown."""
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
         if not robot.hear_refusal(refusal, stamp):
             return self._out.take(now)
         self._out.robot_changed(name)
-        if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
+        # during an emergency stop each attempt is refused
+        if not (was_stopped and robot.outage is Outage.STOPPED):
             self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
         self._outages.look_at(robot)
         return self._out.take_unless_due_later(now)
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
-        """A robot's state of charge, 0..1."""
+        """Handles a report of the state of charge, 0..1."""
         self.robots[name].battery.tell(charge, now)
         return self._out.take_unless_due_later(now)
 
-    # -- people -----------------------------------------------------------------------------------
+    # -- commands of people -----------------------------------------------------------------------
 
     def take_out(self, name: str, now: float) -> List[Action]:
-        """Takes a robot out of service: it stops where it is."""
+        """Takes a robot out of service. It stops where it is."""
         robot = self.robots[name]
         robot.client.halt(self._out.new_id)
         robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
@@ -329,18 +338,18 @@ class Supervisor:
         return self._out.take(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
-        """Puts a robot back into service where it is; also tells why not, or nothing."""
+        """Puts a robot back into service where it is. Also returns why not; empty: done."""
         robot = self.robots[name]
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._out.take(now)
-        # Its old place would count again after a restart, and not that where it stands.
+        # Without the disk, a restart would restore its old place, not the one where it stands.
         problem = self.trouble or robot.not_back_yet(now)
         if not problem and robot.client.withdrawn is not None:
             robot.client.halt(self._out.new_id)
             self._out.robot_changed(name)
             self._out.send()
-            problem = f'{name} is told to stop first, as an old order may reach it: try again in ' \
-                      'a moment'
+            problem = f'{name} is told to stop first, because an old order may still reach it: ' \
+                      'try again in a moment'
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
@@ -355,7 +364,7 @@ class Supervisor:
         return f'{robot.name} is too near to {other}: move one of them by hand' if other else ''
 
     def declare_absent(self, name: str, now: float) -> Tuple[str, List[Action]]:
-        """A person says that a robot is not on the site; also tells why not, or nothing."""
+        """A person says that a robot is not on the site. Also returns why not; empty: done."""
         problem = ''
         if name in self.robots:
             problem = self.robots[name].declare_absent(now)
@@ -370,11 +379,11 @@ class Supervisor:
 
     @property
     def unknown(self) -> List[str]:
-        """Robots of which it is not known where they are: nothing is granted because of them."""
+        """Robots whose place is unknown. While there is one, nothing is granted."""
         return self.interlocking.unknown_robots
 
     def stop_fleet(self, now: float) -> List[Action]:
-        """Every robot gets an empty route at once, planner or not."""
+        """Sends an empty route to each robot at once, with or without a planner."""
         self._stop()
         return self._out.take(now)
 
@@ -397,11 +406,11 @@ class Supervisor:
 
     def resume_fleet(self, now: float,
                      ticket: Optional[int] = None) -> Tuple[List[str], List[Action]]:
-        """Every robot goes on from where it is; also names those for which a person must look.
+        """Lets each robot go on from where it is. Also names those for which a person must look.
 
-        One that has not obeyed the stop yet goes on once it has.
+        A robot that has not obeyed the stop yet goes on after it has.
 
-        ticket -- the gate's, when the person said so: a later stop wins
+        ticket -- the gate's ticket at the person's command; a later stop has precedence
         """
         if not self.gate.open(self.gate.ticket if ticket is None else ticket):
             return ['the fleet was stopped again meanwhile'], self._out.take(now)
@@ -412,49 +421,48 @@ class Supervisor:
                     if robot.needs_person]
         actions = self._out.take(now)
         if self.trouble:
-            problems.insert(0, f'robots go on only once that is stored: {self.trouble}')
+            problems.insert(0, f'robots go on only after this is stored: {self.trouble}')
         return problems, actions
 
     # -- the graph and the plan -------------------------------------------------------------------
 
     def close_edges(self, edges: Iterable[int], now: float) -> List[Action]:
-        """Edges not to be used from now on; what is granted already is driven to its end."""
+        """Sets the closed edges. Edges that are granted already are driven to their end."""
         if self.networks.close(edges):
             self.interlocking.closed = self.network.closed
             self._go_on(now)
         return self._out.take(now)
 
     def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
-        """The planner's answer; one that does not serve by now is ignored."""
+        """Handles the planner's answer. An answer that does not fit any more is ignored."""
         if self.plan_executor.plan_made(number, outcome, self._world()):
             self._go_on(now)
         return self._out.take(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
-        """The planner could not answer; the plan in force stays."""
+        """The planner could not answer. The plan in force stays."""
         self.plan_executor.plan_failed(number, reason)
         return self._out.take(now)
 
     def _keep_graph(self, graph: Graph) -> None:
-        """What robots hold from now on is described by this graph; what they held is as areas."""
+        """Stores robots' data for this graph from now on. Former holds are kept as areas."""
         self._out.graph_changed(graph)
         for name in self._everywhere:
             self._out.robot_changed(name)
 
-    # -- what goes on -----------------------------------------------------------------------------
+    # -- time -------------------------------------------------------------------------------------
 
     def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
-        """Looks at the clock; to be called ten to twenty times a second.
+        """Does what time requires. It is to be called ten to twenty times a second.
 
-        heard -- all reports that arrived until then were told before: a robot's silence is judged
-                 by that
+        heard -- time until which all arrived reports were handled; silence is judged by it
         """
         self._heard = now if heard is None else heard
         self._go_on(now)
         return self._out.take(now)
 
     def errands(self) -> Dict[str, Errand]:
-        """What every robot is about."""
+        """The errand of each robot."""
         missions = self.book.serving
         return {name: errand_of(missions.get(name), robot.dock)
                 for name, robot in self.robots.items()}
@@ -494,12 +502,12 @@ class Supervisor:
         self.plan_executor.go_on(self._world(), now)
 
     def _shorten(self) -> None:
-        """A robot that is to come to rest gets no farther than the end of its edge."""
+        """Shortens the route of each robot that must come to rest to the end of its edge."""
         if self.is_stopped:
             return
         for name, robot in self.robots.items():
             if not robot.comes_to_rest or not (robot.works or robot.client.order):
-                continue  # an order that was not heard yet must not be heard as it was
+                continue  # an order that the robot has not received must not reach it unchanged
             if not robot.client.shorten(self._out.new_id):
                 robot.comes_to_rest = False
             self._out.robot_changed(name)

@@ -1,7 +1,7 @@
-"""Another order for the plan in force where a robot holds up others: what the search is told.
+"""Switches the order of the plan in force if a robot holds up others: input and output.
 
-What robots take for their drives is what the plan says, by learned times; how late each is comes
-from where it is now, and from how long robots usually stand.
+The plan gives the times that robots take for their drives, by learned times. The lateness of each
+robot follows from its place now, and from how long robots usually stand.
 """
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ from graph_fleet_manager.supervision.robot_plan import RobotPlan
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.standstills import Standstills
 
-PERIOD = 1.0  # s between two looks at the order
-LIMIT = 0.02  # s of the clock that one look may take
+PERIOD = 1.0  # s between two searches
+LIMIT = 0.02  # s of the clock that one search may take
 
 
 class OrderSwitching:
-    """Looks for a better order, now and then.
+    """Looks for a better order, at most once in PERIOD.
 
     clearance -- m that stays free between any two robots
-    limit     -- s of the clock for one look
+    limit     -- s of the clock for one search
     """
 
     def __init__(self, clearance: float, limit: float = LIMIT) -> None:
         self.switched = 0
-        """How often the order was changed."""
+        """Number of changes of the order."""
         self._clearance, self._limit = clearance, limit
         self._standstills = Standstills()
         self._looked = -math.inf
 
     def better(self, plan: PlanInForce, world: World, now: float) -> Optional[PlanInForce]:
-        """The plan in a better order; None where there is none, or it is not time to look."""
+        """The plan in a better order; None: there is none, or it is too early to search."""
         if now - self._looked < PERIOD:
             return None
         self._looked = now
@@ -78,10 +78,10 @@ def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> Progress:
 
 def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, now: float,
             at: float) -> Course:
-    """What a robot has left to drive.
+    """The remaining drives of a robot.
 
     delay -- s for which it will stand where it is
-    at    -- the time now, in the plan's
+    at    -- the present time on the plan's time scale
     """
     record = robot.record
     first = record.done - own.base
@@ -100,7 +100,7 @@ def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, n
 
 def _stays(own: RobotPlan, first: int, robot: ManagedRobot,
            errand: Errand) -> Tuple[List[float], Optional[int]]:
-    """How long it stays before each drive that is left, and before which its errand is done."""
+    """The stays before each remaining drive, and the number of the drive after its errand."""
     pauses = [0.0] * max(len(own.drives) - first, 0)
     mission = errand.mission
     if mission is None or errand.duty is not Duty.MISSION:

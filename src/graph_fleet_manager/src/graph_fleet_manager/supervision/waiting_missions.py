@@ -1,4 +1,4 @@
-"""Waiting missions go to free robots, as soon as there are both."""
+"""Assigns waiting missions to free robots."""
 from __future__ import annotations
 
 from math import inf
@@ -11,15 +11,16 @@ from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.pending_missions import FIRST, Key, key_of
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-AGAIN = 1.0   # s after which waiting missions are looked at although no robot came free
-AT_ONCE = 50  # missions that are looked at beside those that robots could serve now
+AGAIN = 1.0   # s after which waiting missions are examined although no robot became free
+AT_ONCE = 50  # number of missions that are examined beside those that robots could serve now
 
 
 class WaitingMissions:
     """Gives each waiting mission a robot, or says why it has none.
 
-    It looks at as many missions as there are robots for, and at a few more, in turn, to tell what
-    they wait for: so one for which no free robot will do does not keep the others from a robot.
+    At a time it examines as many missions as free robots could serve, and some more, in turn, to
+    find out what they wait for. So a mission for which no free robot is suitable does not keep the
+    others from a robot.
     """
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot]) -> None:
@@ -28,22 +29,22 @@ class WaitingMissions:
         self._short: Dict[int, str] = {}
         self._question: Optional[Tuple[object, ...]] = None
         self._looked = -inf
-        self._left = 0  # missions still to be looked at, in turn
-        self._last: Key = FIRST  # key of the last one
+        self._left = 0  # number of missions that are still to be examined, in turn
+        self._last: Key = FIRST  # key of the last one examined
 
     @property
     def short(self) -> FrozenSet[str]:
-        """Robots that a mission waits for until they are charged."""
+        """Robots that must charge before a mission that waits for them."""
         return frozenset(self._short.values())
 
     def hold(self, reason: str) -> None:
-        """None is given to a robot now, and why."""
+        """Gives no mission to a robot now, and notes the reason."""
         self._question = None
         for mission in self._next():
             self._book.set(mission, MissionState.PENDING, reason)
 
     def assign(self, acceptance: Acceptance, networks: Networks, now: float) -> List[str]:
-        """The robots that got a mission now."""
+        """Assigns waiting missions. Returns the robots that got one."""
         pending, busy = self._book.pending, self._book.serving
         if not pending:
             self._short = {}
