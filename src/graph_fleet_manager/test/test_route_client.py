@@ -226,6 +226,19 @@ def test_a_robot_on_what_it_was_to_be_told_of_is_not_where_it_stood_once_that_is
     assert client.take(Report(0, (), (), Pose(2, 0.5), stamp=102.0)).left
 
 
+def test_a_robot_that_falls_silent_as_it_arrives_was_not_moved_by_another_giver(client, ids):
+    client.extend([1], ids)
+    client.take(report(1, [1], 0, fraction=0.5))
+    client.take(replace(report(1, [1], 1), stamp=101.0))
+    assert not client.grow(5.0)
+
+
+def test_a_robot_that_a_person_drives_may_be_farther_on_while_it_is_silent(client):
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
+    client.take(Report(0, (), (), Pose(1, 0.3), stamp=101.0))
+    assert client.grow(5.0)
+
+
 def test_a_robot_that_stands_off_its_route_blocks_no_more_because_its_report_comes_late(client):
     away = Report(0, (), (), Pose(3, 0.5), stamp=100.0)
     client.take(replace(away, age=1.0))

@@ -251,12 +251,17 @@ class Chaos:
             agv.order(self._foreign, (agv.edges[agv.current],))
 
     def carry(self, robot: str, number: int) -> None:
-        """A person carries a robot that is out of service to where there is room."""
+        """A person carries a robot that is out of service to where there is room.
+
+        The robot tells at once where it is: the fleet manager cannot know of one that does not.
+        """
         fleet, agv = self.fleet, self.fleet.agvs[robot]
         edges = sorted(fleet.graph.edges)
         edge, share = edges[number % len(edges)], (0.0, 0.4)[number % 2]
         outage = fleet.supervisor.robots[robot].outage
-        if outage is None or not outage.needs_person or robot in fleet.lost or agv.is_driving:
+        is_quiet = (agv.off_graph or robot in fleet.lost or fleet.late.get(robot, 0.0) > 0.0
+                    or fleet.silent.get(robot, 0.0) > fleet.now)
+        if outage is None or not outage.needs_person or is_quiet or agv.is_driving:
             return
         x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
         for name, other in fleet.supervisor.robots.items():

@@ -69,6 +69,7 @@ class Evidence:
         self._age = 0.0          # s for which the robot may have moved on from its last location
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
         self._is_moved = False   # by another giver than the fleet manager, as last reported
+        self._drove = False      # a route that it was given here, as last reported
         self._strays = 0         # number of consecutive locations that were outliers
         self._absent_since = -math.inf
 
@@ -106,7 +107,9 @@ class Evidence:
         before, self.location = self.location, point
         has_moved = before is None or math.dist(before, point) > TREMBLE
         drives = is_obedient and report.is_running
-        self._is_moved = before is not None and has_moved and not drives
+        arrives = is_obedient and self._drove and not report.is_failed
+        self._is_moved = before is not None and has_moved and not (drives or arrives)
+        self._drove = drives
         self.reach = 0.0
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
