@@ -1,40 +1,42 @@
 #!/usr/bin/env python3
-"""Does the fleet in virtual time do what the fleet in real time does?
+"""Does the fleet in virtual time do the same as the fleet in real time?
 
-The real one is the factory, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` starts it:
+The real fleet is the factory, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` starts it:
 simulated LD-90s and AGVs, their ROS nodes, the fleet manager, random missions, at real speed. The
-virtual one is `fleet_simulation` with the same graph, robots and missions, without delays of
-chance. Told are missions an hour, and the share of the time with a mission in which robots stand.
+virtual fleet is `fleet_simulation` with the same graph, robots and missions, without random delays.
+Both are observed once a second and evaluated by the same function.
 
-`--minutes M` of real time (60), `--virtual N` virtual hours (20); `--real R` takes the real figures
-from a file that `--keep FILE` of an earlier run wrote.
+`--minutes M` of real time (60), `--virtual N` virtual hours (20). `--keep FILE` writes what was
+observed of the real fleet; `--real FILE` takes it from there and runs no real fleet.
 """
 from __future__ import annotations
 
 import argparse
 import json
 import math
+import multiprocessing
 import os
 import statistics
 import time
+from collections import Counter
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from random import Random
-from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Sequence, Tuple, Union
 
-from factory import COUNT, WARM_UP, factory, running
+from factory import COUNT, factory, running
 from measuring.tables import print_table
 from scipy.stats import t as students_t
 
 from fleet_bringup.made_fleet import RELEASE_AHEAD, STOPPING, made_fleet
-from fleet_simulation.batch import Job, Progress, run_all
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, Standstill
-from fleet_simulation.figures import Figures, Use
+from fleet_simulation.simulation import Run
 from fleet_simulation.site import Site, site_of
 from graph_fleet_manager.nodes.random_missions import places_by_edge
-from graph_fleet_manager.supervision.missions import Request
+from graph_fleet_manager.supervision.missions import MissionState, Request, Status
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import load_graph, split_edges
 
@@ -42,16 +44,47 @@ ROOT = Path(__file__).resolve().parents[2]
 LONGEST_EDGE = 1.5    # m
 MOST = 2              # destinations of a random mission
 LOOK = 1.0            # s between two looks at the robots
+WARM_UP = 120.0       # s in which the robots spread
 MOVED, TURNED = 0.01, 0.01  # m and rad in a look that count as motion
 NEVER = Standstill(0.0, 0.0)
+KINDS = {'ld90': 'LD-90s', 'agv': 'AGVs'}
 
 
-class Hour(NamedTuple):
-    """Missions that succeeded, an hour; share of the robots' time with a mission that they stood.
-    """
+class Seen(NamedTuple):
+    """One robot at one look: x, y in m, heading in rad, and whether it has a mission."""
 
-    missions: float
-    standing: float
+    name: str
+    x: float
+    y: float
+    heading: float
+    has_mission: bool
+
+    @property
+    def kind(self) -> str:
+        """A key of KINDS."""
+        return self.name.partition('_')[0]
+
+    def has_moved(self, before: Seen) -> bool:
+        """Whether it has driven or turned since the look before."""
+        return (math.dist((before.x, before.y), (self.x, self.y)) > MOVED
+                or abs(math.remainder(self.heading - before.heading, math.tau)) > TURNED)
+
+
+class Look(NamedTuple):
+    """All robots at one time (s from the moment at which all take missions)."""
+
+    time: float
+    robots: Tuple[Seen, ...]
+
+
+class Success(NamedTuple):
+    """A mission that a robot has ended at one time."""
+
+    time: float
+    name: str
+
+
+Observation = Union[Look, Success]
 
 
 @dataclass(frozen=True)
@@ -64,11 +97,43 @@ class RandomFlow(Flow):
         return Request(id, tuple(random.sample(self.targets, count)), stamp=stamp)
 
 
+# --- what is observed -----------------------------------------------------------------------------
+
+def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str, float]:
+    """The figures of so many seconds after the warm-up, by name."""
+    missions: Counter[str] = Counter()
+    served: Counter[str] = Counter()   # looks at robots with a mission
+    moving: Counter[str] = Counter()   # of these the looks at which the robot has moved
+    metres: Dict[str, float] = dict.fromkeys(KINDS, 0.0)
+    before: Dict[str, Seen] = {}
+    for one in observations:
+        if not WARM_UP <= one.time < WARM_UP + seconds:
+            continue
+        if isinstance(one, Success):
+            missions[one.name.partition('_')[0]] += 1
+            continue
+        for robot in one.robots:
+            last = before.get(robot.name)
+            before[robot.name] = robot
+            if last is None:
+                continue
+            metres[robot.kind] += math.dist((last.x, last.y), (robot.x, robot.y))
+            served[robot.kind] += robot.has_mission
+            moving[robot.kind] += robot.has_mission and robot.has_moved(last)
+    all_served = max(sum(served.values()), 1)
+    figures = {'missions an hour': 3600.0 * sum(missions.values()) / seconds,
+               'standing, with a mission, %': 100.0 - 100.0 * sum(moving.values()) / all_served}
+    for kind, name in KINDS.items():
+        figures[f'{name}: missions an hour'] = 3600.0 * missions[kind] / seconds
+        figures[f'{name}: m driven for a mission'] = metres[kind] / max(missions[kind], 1)
+        figures[f'{name}: m/s while moving'] = metres[kind] / max(moving[kind] * LOOK, 1.0)
+    return figures
+
+
 # --- real time ------------------------------------------------------------------------------------
 
 def watch(master: str, count: int, seen: Any) -> None:
-    """Puts `ready` when so many robots take missions, then each mission's success, and at each look
-    how many robots have a mission, and how many of these stand."""
+    """Puts `ready` when so many robots take missions, then each observation."""
     import rosgraph
     import rospy
 
@@ -77,22 +142,21 @@ def watch(master: str, count: int, seen: Any) -> None:
     while not rosgraph.Master('/bench').is_online():
         time.sleep(0.01)
     rospy.init_node('bench', anonymous=True, disable_signals=True)
-    robots: Dict[str, FleetRobot] = {}
+    served: Dict[str, bool] = {}
     poses: Dict[str, Tuple[float, float, float]] = {}
-    before: Dict[str, Tuple[float, float, float]] = {}
-    is_ready = False
+    begun = math.inf
 
     def on_state(state: FleetState) -> None:
-        nonlocal is_ready
-        robots.update((one.name, one) for one in state.robots)
-        if not is_ready and count == sum(
+        nonlocal begun
+        served.update((one.name, one.has_mission) for one in state.robots)
+        if begun == math.inf and count == sum(
                 one.state in (FleetRobot.IDLE, FleetRobot.BUSY) for one in state.robots):
-            is_ready = True
-            seen.put(('ready', time.monotonic()))
+            begun = time.monotonic()
+            seen.put(('ready', begun))
 
     def on_status(status: MissionStatus) -> None:
         if status.state == MissionStatus.SUCCEEDED:
-            seen.put(('mission', time.monotonic()))
+            seen.put(Success(time.monotonic() - begun, status.robot))
 
     rospy.Subscriber('/fleet_state', FleetState, on_state, queue_size=10)
     rospy.Subscriber('/mission_status', MissionStatus, on_status, queue_size=100)
@@ -102,38 +166,32 @@ def watch(master: str, count: int, seen: Any) -> None:
     while not rospy.is_shutdown():
         next_look += LOOK
         time.sleep(max(next_look - time.monotonic(), 0.0))
-        served = [name for name, robot in robots.items() if robot.has_mission and name in before]
-        stand = sum(not has_moved(before[name], poses[name]) for name in served)
-        before = dict(poses)
-        if is_ready:
-            seen.put(('look', time.monotonic(), len(served), stand))
+        now = time.monotonic()
+        if now > begun:
+            seen.put(Look(now - begun, tuple(Seen(name, *pose, served.get(name, False))
+                                             for name, pose in poses.items())))
 
 
-def has_moved(before: Tuple[float, float, float], now: Tuple[float, float, float]) -> bool:
-    """Between two looks."""
-    return (math.dist(before[:2], now[:2]) > MOVED
-            or abs(math.remainder(now[2] - before[2], math.tau)) > TURNED)
-
-
-def real(minutes: float) -> Hour:
-    """What the factory does, after the robots have spread."""
-    missions, served, stood = 0, 0, 0
+def real(seconds: float) -> List[Observation]:
+    """What the factory does."""
+    observed: List[Observation] = []
     with running(factory('rviz:=false', 'demo:=true'), watch, 2 * COUNT) as run:
-        begin = time.monotonic() + WARM_UP
-        end = begin + 60.0 * minutes
-        while True:
-            what, at, *more = run.seen.get(timeout=30.0)
-            if at >= end:
-                break
-            if at >= begin and what == 'mission':
-                missions += 1
-            elif at >= begin and what == 'look':
-                served, stood = served + more[0], stood + more[1]
-    return Hour(60.0 * missions / minutes, stood / max(served, 1))
+        while not observed or observed[-1].time < WARM_UP + seconds:
+            observed.append(run.seen.get(timeout=30.0))
+    return observed
+
+
+def kept(file: Path) -> Iterator[Observation]:
+    """The observations in a file of `--keep`."""
+    with file.open() as lines:
+        for moment, what in map(json.loads, lines):
+            yield (Success(moment, what) if isinstance(what, str)
+                   else Look(moment, tuple(Seen(*one) for one in what)))
 
 
 # --- virtual time ---------------------------------------------------------------------------------
 
+@lru_cache(maxsize=1)
 def virtual_site() -> Site:
     """The factory's graph, fleet and missions."""
     whole = load_graph(ROOT / 'maps/lab_graph.yaml')
@@ -148,33 +206,53 @@ def virtual_site() -> Site:
                    Wanted(Demand((flow,)), Delays(1.0, NEVER, NEVER), {}, {}))
 
 
-def virtual(hours: int) -> List[Hour]:
-    """So many hours, each from a seed of its own."""
-    jobs = [Job(0, 2 * COUNT, seed, 1.0) for seed in range(1, hours + 1)]
-    done, _ = run_all([virtual_site()], jobs, os.cpu_count() or 1, Progress('virtual hours'))
-    return [hour_of(figures) for _, figures in done]
+class ObservedRun(Run):
+    """A virtual run that is observed as the real fleet is."""
+
+    def __init__(self, site: Site, seed: int) -> None:
+        super().__init__(site, 2 * COUNT, seed)
+        self.observed: List[Observation] = []
+        self._looked = 0.0
+
+    def tells(self, status: Status) -> None:
+        """A mission may have ended."""
+        if status.state is MissionState.SUCCEEDED:
+            self.observed.append(Success(self.world.now, status.robot))
+        super().tells(status)
+
+    def stepped(self) -> None:
+        """One step of time is over."""
+        super().stepped()
+        if self.world.now >= self._looked + LOOK - 1e-6:
+            self._looked = self.world.now
+            book = self.world.supervisor.book
+            self.observed.append(Look(self.world.now, tuple(
+                Seen(name, *robot.vehicle.pose, book.of_robot(name) is not None)
+                for name, robot in self.world.agvs.items())))
 
 
-def hour_of(figures: Figures) -> Hour:
-    """The same figures of a virtual run."""
-    assert not figures.trouble, f'seed {figures.seed}: {figures.trouble}'
-    stood, drove = figures.use[Use.WAITING], figures.use[Use.LOADED]
-    return Hour(figures.per_hour, stood / (stood + drove))
+def virtual(seed: int) -> Dict[str, float]:
+    """The figures of one virtual hour."""
+    run = ObservedRun(virtual_site(), seed)
+    trouble = run.run((WARM_UP + 3600.0) / 3600.0).trouble
+    assert not trouble, f'seed {seed}: {trouble}'
+    return figures_of(run.observed, 3600.0)
 
 
 # --- both -----------------------------------------------------------------------------------------
 
-def print_agreement(real_hour: Hour, hours: Sequence[Hour]) -> None:
+def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float]]) -> None:
     """The real figures beside mean and range of the virtual ones."""
     rows = []
-    for name, of, show in (('missions an hour', lambda hour: hour.missions, '{:.0f}'),
-                           ('standing, with a mission', lambda hour: hour.standing, '{:.1%}')):
-        values = [of(hour) for hour in hours]
+    for name, measured in real_hour.items():
+        show: Callable[[float], str] = ('{:.0f}' if measured >= 100.0 else '{:.1f}').format
+        if name.endswith('moving'):
+            show = '{:.3f}'.format
+        values = [hour[name] for hour in hours]
         mean, half = statistics.mean(values), half_width(values)
-        measured = of(real_hour)
-        rows.append((name, show.format(measured), show.format(mean),
-                     f'{show.format(mean - half)} to {show.format(mean + half)}',
-                     'yes' if abs(measured - mean) <= half else 'NO',
+        rows.append((name, show(measured), show(mean),
+                     f'{show(mean - half)} to {show(mean + half)}',
+                     'yes' if abs(measured - mean) <= half else '**no**',
                      f'{100.0 * (measured / mean - 1.0):+.1f} %'))
     print_table(rows, ('figure', 'real', f'mean of {len(hours)} virtual hours',
                        'range of 95 % of single virtual hours', 'real within', 'real to mean'))
@@ -193,13 +271,16 @@ def main() -> None:
     parser.add_argument('--minutes', type=float, default=60.0, help='of real time')
     parser.add_argument('--virtual', type=int, default=20, metavar='N', help='hours')
     parser.add_argument('--real', type=Path, metavar='FILE', help='an earlier run kept it')
-    parser.add_argument('--keep', type=Path, metavar='FILE', help='for the real figures')
+    parser.add_argument('--keep', type=Path, metavar='FILE', help='for what is observed')
     options = parser.parse_args()
-    measured = (Hour(*json.loads(options.real.read_text())) if options.real
-                else real(options.minutes))
+    seconds = 60.0 * options.minutes
+    observed = list(kept(options.real)) if options.real else real(seconds)
     if options.keep:
-        options.keep.write_text(json.dumps(measured))
-    print_agreement(measured, virtual(options.virtual))
+        with options.keep.open('w') as lines:
+            lines.writelines(json.dumps(one) + '\n' for one in observed)
+    with multiprocessing.Pool(os.cpu_count()) as pool:
+        hours = pool.map(virtual, range(1, options.virtual + 1), 1)
+    print_agreement(figures_of(observed, seconds), hours)
 
 
 if __name__ == '__main__':
