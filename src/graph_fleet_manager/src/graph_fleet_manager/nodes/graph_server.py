@@ -54,7 +54,7 @@ from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, r
 from trajectory_graph import Graph
 
 _REPORTED_WITHIN = 3.0  # s in which each connected robot has reported, at 1 Hz or more
-_WAITING = 'The file has changed since it was last in force: waiting for what robots report.'
+_WAITING = 'The file has changed since it was last in force: waiting for the reports of the robots.'
 _SURVEY_NICENESS = 10  # a survey takes seconds of work for which no program waits
 
 
@@ -151,8 +151,8 @@ class GraphServer:
         self._graphs.publish(graph_message(graph, self._stamp))
         self._docks.publish(docking_points_message(graph, self._fleet, self._stamp))
         self._closures.publish()
-        rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; finding out what it '
-                      'allows.', len(graph.vertices), len(graph.edges),
+        rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; it is being '
+                      'surveyed.', len(graph.vertices), len(graph.edges),
                       sum(graph.curve(id).length for id in graph.edges))
         threading.Thread(target=self._survey, args=(graph, self._stamp), name='survey',
                          daemon=True).start()
@@ -214,7 +214,7 @@ class GraphServer:
                            f'{len(graph.edges)} edges in force')
         status.add('file', rospy.get_param('~graph_file', ''))
         if graph is not None and not said:
-            status.add('what it allows', 'is being found out')
+            status.add('survey', 'is running')
         for k, remark in enumerate(said, 1):
             status.add(f'remark {k}', remark.text)
 
