@@ -11,7 +11,7 @@ from fleet_page.core.roles import Role
 
 MOST_DESTINATIONS = 100
 MOST_EDGES = 1000
-LONGEST_STAY = 1e6  # s, as the fleet manager has it
+LONGEST_STAY = 1e6  # s, the limit of the fleet manager
 _LONGEST_NAME = 100
 _INT32 = 2 ** 31 - 1
 

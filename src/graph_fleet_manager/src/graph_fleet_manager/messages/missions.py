@@ -38,7 +38,7 @@ def request_of(message: msg.MissionRequest) -> Request:
                              'give the time at which it was sent, or 0')
     for name, value in (('robot_type', message.robot_type), ('robot', message.robot)):
         if value and not value.isprintable():
-            raise RequestRefused(f'its {name} holds what cannot be printed')
+            raise RequestRefused(f'its {name} has characters that cannot be printed')
         if len(value) > _LONGEST_NAME:
             raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
     return Request(message.request_id, tuple(message.destination_vertices_id), message.robot_type,

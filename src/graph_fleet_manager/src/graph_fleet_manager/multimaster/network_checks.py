@@ -74,7 +74,7 @@ class NetworkChecks:
                            'give the address, or add the name to /etc/hosts')
         if self._address.startswith('127.') and self._address != self._host:
             return Finding('name', Level.WRONG, f'{self._host} is {self._address}, this computer '
-                           'itself', 'mend its line in /etc/hosts')
+                           'itself', 'correct its line in /etc/hosts')
         shown = '' if self._address == self._host else f'{self._host} is '
         return Finding('name', Level.OK, f'{shown}{self._address}')
 
@@ -85,7 +85,7 @@ class NetworkChecks:
                            'connect both computers to the same network')
         advice = f'export ROS_IP={towards}'
         if self._environment.get('ROS_HOSTNAME'):
-            return Finding('ROS_IP', Level.WRONG, 'ROS_HOSTNAME is set and goes before ROS_IP',
+            return Finding('ROS_IP', Level.WRONG, 'ROS_HOSTNAME is set and overrides ROS_IP',
                            f'unset ROS_HOSTNAME, then {advice}')
         if not self._ros_ip:
             return Finding('ROS_IP', Level.WRONG, 'it is not set, so nodes here give a name that '
@@ -106,7 +106,7 @@ class NetworkChecks:
             Master(self._own_uri).pid()
         except NoAnswer as silence:
             return Finding('own master', Level.WRONG, f'no ROS master answers at {self._own_uri} '
-                           f'({silence})', 'start this side\'s launch file, or mend '
+                           f'({silence})', 'start this side\'s launch file, or correct '
                            'ROS_MASTER_URI')
         return Finding('own master', Level.OK, f'{self._own_uri} answers')
 
@@ -131,7 +131,7 @@ class NetworkChecks:
             came = calls_back(self._master, address)
         except (NoAnswer, OSError) as error:
             return Finding('way back', Level.WRONG, f'it could not be tried ({error})',
-                           'mend what is wrong above first')
+                           'correct the faults above first')
         if not came:
             return Finding('way back', Level.WRONG, f'the master there does not reach this '
                            f'computer at {address}', 'open all TCP ports from 1024 on between the '
@@ -175,7 +175,7 @@ class NetworkChecks:
         twice = sorted(name for name, uri in own.items() if name not in _ON_EVERY_SIDE
                        and theirs.get(name, uri) != uri)
         if twice:
-            return Finding('node names', Level.WRONG, f'both sides have a {", ".join(twice)}',
+            return Finding('node names', Level.WRONG, f'both sides have a node {", ".join(twice)}',
                            'there must be one fleet manager, and each robot needs a robot_name of '
                            'its own')
         return Finding('node names', Level.OK, 'no node is on both sides')

@@ -34,7 +34,7 @@ STALL = 1.0       # s without a look at the clock after which the process counts
 RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
 BATCH = 100       # most requests in one commit, so that urgent events do not wait for more
 _WAITING = 10000  # most events, and most requests, that wait; callbacks block beyond that
-_TOO_EARLY = f'the fleet manager has not begun yet, and {MOST_OPEN} already wait for that'
+_TOO_EARLY = f'the fleet manager has not started yet, and {MOST_OPEN} already wait for it'
 
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
 """An event: gets the supervisor (None: there is none yet) and the time, returns actions."""
@@ -128,8 +128,10 @@ class EventLoop:
                            f'{_TOO_EARLY}.')
 
     def put_request(self, request: Request) -> None:
-        """Queues a request. Blocks while too many wait, but refuses it while there is no supervisor
-        and the queue is full."""
+        """Queues a request. Blocks while too many wait.
+
+        While there is no supervisor, a request is refused if MOST_OPEN requests wait already.
+        """
         with self._changed:
             is_refused = not self._is_ready and len(self._requests) >= MOST_OPEN
         if is_refused:

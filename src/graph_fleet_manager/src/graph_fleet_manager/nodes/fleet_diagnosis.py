@@ -41,7 +41,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
     elif out:
         status.summary(DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work')
     elif stuck:
-        status.summary(DiagnosticStatus.WARN, f'no way for now for {", ".join(stuck)}')
+        status.summary(DiagnosticStatus.WARN, f'no path at present for {", ".join(stuck)}')
     else:
         status.summary(DiagnosticStatus.OK, f'{len(views)} robots')
     for view in views:

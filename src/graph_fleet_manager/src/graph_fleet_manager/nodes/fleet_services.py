@@ -72,7 +72,7 @@ class FleetServices:
         return rospy.Service(name, DeclareAbsent, answer)
 
     def _called(self, name: str, act: Act, done: str, lasts: bool = False) -> TriggerResponse:
-        late = 'but it will be' if lasts else 'nor will it be'
+        late = 'but it will be done' if lasts else 'and it will not be done'
         return _logged(name, self._answer(act, done, lasts=lasts) or TriggerResponse(
             False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
                    'manager, and at its log'))
@@ -90,8 +90,8 @@ class FleetServices:
         if done is not None:
             return done
         self._past(time.monotonic())
-        return TriggerResponse(True, 'Every robot was told to stop, past the fleet manager, which '
-                                     'hangs: look at its disk and its log.')
+        return TriggerResponse(True, 'Every robot was told to stop directly, because the fleet '
+                                     'manager hangs: look at its disk and its log.')
 
     def _resume(self, request: TriggerRequest) -> TriggerResponse:
         """Releases the fleet stop, unless the fleet is stopped again by then."""
@@ -132,9 +132,9 @@ class FleetServices:
                 lasts: bool = False) -> Optional[TriggerResponse]:
         """Returns the answer of the call; None if it was not begun within `patience` (s).
 
-        A call that was not begun within that time is given up, unless it `lasts`: a person relies
-        on an answer that says that robots do not go on. A call that lasts stops robots; it is
-        urgent, and is carried out later.
+        A call that was not begun within that time is given up: a person who was told that robots
+        do not go on relies on it. A call that `lasts` stops robots: it is urgent, and it is still
+        carried out after that time.
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
         turn = threading.Lock()  # acquired once: to carry out the call, or to give it up
@@ -174,7 +174,7 @@ def _warning(supervisor: Supervisor) -> str:
 
 def not_stored(trouble: str) -> str:
     """A warning for a change that is not on the disk; `trouble` is the reason, a clause."""
-    return ('If the fleet manager ends before that is stored, it is forgotten: '
+    return ('If the fleet manager ends before this is stored, it is forgotten: '
             f'{trouble}.')
 
 

@@ -105,7 +105,7 @@ class GraphServer:
         self._is_waiting = False
         trouble = self._load()
         if trouble:
-            rospy.logerr('%s Mend it and call /reload_graph.', trouble)
+            rospy.logerr('%s Correct it and call /reload_graph.', trouble)
 
     def _reload(self, _: TriggerRequest) -> TriggerResponse:
         if self._is_waiting:
@@ -117,7 +117,7 @@ class GraphServer:
             return TriggerResponse(False, trouble)
         file = rospy.get_param('~graph_file')
         if self._stamp == before:
-            return TriggerResponse(True, f'{file} holds the graph that is in force.')
+            return TriggerResponse(True, f'{file} has the graph that is already in force.')
         graph = self._graph
         assert graph is not None
         return TriggerResponse(True, f'{file} is in force: {len(graph.vertices)} vertices, '

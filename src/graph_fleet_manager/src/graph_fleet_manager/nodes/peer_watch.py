@@ -67,7 +67,7 @@ class Peer:
             since = '' if self._seen is None else (
                 f' for {time.monotonic() - self._seen:.0f} s')
             return [Finding('link', Level.WRONG, f'it does not answer{since} ({silence})',
-                            f'scripts/check_network.sh {self.address} finds out why')]
+                            f'run scripts/check_network.sh {self.address} to find out why')]
         self._seen = time.monotonic()
         return [definitions_finding(self._own, theirs), clock_finding(*clock)]
 
@@ -76,7 +76,7 @@ class Peer:
         with self._lock:
             findings = self._findings
         if not findings:
-            status.summary(DiagnosticStatus.WARN, 'it was not asked yet')
+            status.summary(DiagnosticStatus.WARN, 'it was not checked yet')
             return
         worst = max(findings, key=lambda finding: finding.level)
         status.summary(LEVELS[worst.level], 'joined' if worst.level is Level.OK else str(worst))

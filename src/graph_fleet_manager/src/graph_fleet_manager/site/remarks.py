@@ -33,7 +33,8 @@ def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
         told.append(Remark(False, f'Edges {one} and {other} run so near each other that only one '
                            'robot at a time may be on the two.'))
     if len(found.near_edges) > _NAMED:
-        told.append(Remark(False, f'So do {len(found.near_edges) - _NAMED} more pairs of edges.'))
+        told.append(Remark(False, f'The same is so for {len(found.near_edges) - _NAMED} more pairs '
+                                  'of edges.'))
     return [*told, *_on_dead_ends(graph, found), *_on_long_edges(found)]
 
 
@@ -41,12 +42,12 @@ def _wrong_in_fleet(graph: Graph, fleet: Fleet) -> Iterable[str]:
     for robot in fleet.robots:
         if robot.vertex not in graph.vertices:
             yield (f'Robot {robot.name} of the fleet file begins on vertex {robot.vertex}, which '
-                   'the graph does not have: mend the fleet file.')
+                   'the graph does not have: correct the fleet file.')
     docks = {vertex.id for vertex in graph.vertices.values() if vertex.dock}
     for kind in fleet.types:
         for dock in sorted((kind.docks or frozenset()) - docks):
             yield (f'Robot type {kind.name} lists dock {dock}, but the graph has no dock there: '
-                   'mend the fleet file, or mark the vertex (Dock: true).')
+                   'correct the fleet file, or mark the vertex (Dock: true).')
     unused = docks.difference(*(kind.docks or () for kind in fleet.types))
     if unused:
         yield (f'No robot type lists {_named("dock", "docks", sorted(unused))} under docks in the '
@@ -81,14 +82,14 @@ def _on_dead_ends(graph: Graph, found: Survey) -> Iterable[Remark]:
     if spurs:
         ids = sorted(end.vertices[0] for end in spurs)
         yield Remark(False, f'{_named("Vertex", "Vertices", ids)} '
-                     f'{"ends" if len(ids) == 1 else "end"} an edge: a robot there comes back the '
-                     'way it went in.')
+                     f'{"is" if len(ids) == 1 else "are"} at the end of a single edge: a robot '
+                     'drives back the way it came.')
     for end in found.dead_ends:
         if end.entry is None:
             where = 'The graph' if len(graph.parts) == 1 else (
                 f'The part of the graph with vertex {min(end.vertices)}')
-            yield Remark(True, f'{where} has no way round anywhere: robots that meet have to back '
-                         'out; join some of its ends.')
+            yield Remark(True, f'{where} has no loop: robots that meet must drive back; join some '
+                         'of its dead ends.')
         elif len(end.vertices) > 1:
             yield Remark(False, f'Behind vertex {end.entry} lies a dead end of {end.length:.1f} m '
                          f'with {_named("vertex", "vertices", end.vertices)}: robots that are to '
