@@ -247,8 +247,8 @@ def _access(host: str) -> Any:
         except WrongCertificate as wrong:
             raise ConfigurationError(str(wrong)) from None
     elif not is_loopback(host):
-        rospy.logwarn('The page is served without TLS: anyone on the network can read its tokens. '
-                      'Set ~certificate and ~key.')
+        rospy.logwarn('The page is served without TLS: other computers on the network can read its '
+                      'tokens. Set ~certificate and ~key.')
     names = [name.strip() for name in parameter('~names', '').split(',') if name.strip()]
     secure = certificates is not None
     return Access(Addresses.of(host, names, secure), tokens, secure), certificates
