@@ -235,7 +235,7 @@ class FleetPlannerTest(unittest.TestCase):
     def test_a_list_that_is_not_used_is_told(self):
         self.closing.publish(ClosedEdges(edges=[3], header=Header(stamp=rospy.Time(1))))
         self.log.wait_for(lambda line: line.name == '/graph_server'
-                          and 'of 1.000 s is not used' in line.msg, 10, 'a word about the list')
+                          and 'stamp 1.000 s is not used' in line.msg, 10, 'a word about the list')
 
     def test_a_restart_does_not_take_up_a_file_that_breaks_a_running_route(self):
         save_graph(corridor(7), self.graph_file)

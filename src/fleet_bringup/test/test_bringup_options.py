@@ -35,4 +35,4 @@ def test_what_is_wrong_is_one_sentence(words, problem):
 
 
 def test_the_help_names_every_argument():
-    assert '  longest_edge:=  m; longer edges are cut into sections' in help_text()
+    assert '  longest_edge:=  m; longer edges are divided into sections' in help_text()

@@ -1,4 +1,4 @@
-// Elements are made of texts, never of HTML.
+// Functions that make elements from texts, never from HTML.
 const SVG = 'http://www.w3.org/2000/svg';
 
 export const $ = id => document.getElementById(id);
@@ -19,7 +19,7 @@ export function makeSvg(tag, attributes = {}) {
   return element;
 }
 
-// Shows items as children of a list. Only what changed is made anew, and the focus stays where it was.
+// Shows items as children of a list. Only changed items are made again, and the focus stays where it was.
 export function showRows(list, items, keyOf, build, context = '') {
   const known = list.rows || (list.rows = new Map());
   const wanted = new Set();

@@ -1,4 +1,4 @@
-// What happened: charts where the distribution has Chart.js, tables always.
+// The history: always as tables, and also as charts if the operating system has Chart.js.
 import { $, showTable } from './dom.js';
 import { get } from './server.js';
 import { t, dateOf, duration } from './texts.js';

@@ -1,4 +1,4 @@
-// What holds the page together: login, tabs, robots, edges, alarms, and what is said of acts.
+// The frame of the page: login, tabs, robots, edges, alarms, and the answers to acts.
 import { $, make, showRows } from './dom.js';
 import { all, entries, follow, get, heardAt, loadSite, post, site, unfollow } from './server.js';
 import { dateOf, duration, language, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
@@ -9,7 +9,7 @@ import { enterReplay, leaveReplay, startReplay } from './replay.js';
 
 const TABS = ['missions', 'robots', 'edges', 'history', 'replay', 'audit'];
 const NEEDS_PERSON = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF'];
-const SILENT = 12000; // ms without a message after which the server counts as gone: it speaks every 5 s
+const SILENT = 12000; // ms without a message after which the server counts as lost: it sends one every 5 s
 let me = { role: null, login: false }, chosen = '', tab = 'missions', shownSite = null, sayTimer = null, ageShown = 0;
 
 async function act(values) {
@@ -55,7 +55,7 @@ async function login(event) {
   else $('login_said').textContent = answer.text;
 }
 
-// -- what comes --------------------------------------------------------------------------------
+// -- messages of the server --------------------------------------------------------------------
 
 let pending = new Set(), listsDue = false, isShown = false;
 function changed(keys) {
@@ -184,7 +184,7 @@ function detailWords(details) {
   return Object.entries(details).map(([name, value]) => `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`).join(', ');
 }
 
-// What became of a mission is told as STATE robot: reason.
+// The outcome of a mission has the form STATE robot: reason.
 function becameWords(outcome) {
   const [, state, robot, reason] = /^([A-Z]{4,})(?: ([^\s:]+))?(?:: (.*))?$/s.exec(outcome) || [];
   return state && t(`mission_${state}`) !== `mission_${state}` ? [t(`mission_${state}`), robot, reason && said(reason)].filter(Boolean).join(' · ') : said(outcome);

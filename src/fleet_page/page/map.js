@@ -1,16 +1,16 @@
-// The map: what stands still on a canvas, what moves as SVG with names for screen readers.
+// The map: fixed objects on a canvas, moving objects as SVG with names for screen readers.
 import { $, makeSvg } from './dom.js';
 import { entries, all, site } from './server.js';
 import { language, said, t } from './texts.js';
 
-const REACH = 16; // pixels around a vertex that belong to it
+const REACH = 16; // pixels around a vertex within which a click selects it
 const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
 const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
 const canvas = $('site'), svg = $('moving');
-const view = { x: 0, y: 0, scale: 20 }; // metres in the middle, pixels a metre
+const view = { x: 0, y: 0, scale: 20 }; // centre of the view in m, pixels per m
 const edgesById = new Map(), verticesById = new Map(), robots = new Map();
 let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0;
-let isFree = false; // moved by the user: it stays as it is when the window changes
+let isFree = false; // the user has moved the view: it stays when the window changes
 
 const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), robotLayer = makeSvg('g');
 svg.append(planLayer, robotLayer);
@@ -126,7 +126,7 @@ function pixel(x, y) {
   return [size.width / 2 + (x - view.x) * view.scale, size.height / 2 - (y - view.y) * view.scale];
 }
 
-// Where a vertex is drawn in the window; null: it is not there.
+// The position of a vertex in the window; null: there is no such vertex.
 export function screenPlace(id) {
   const vertex = verticesById.get(id), box = svg.getBoundingClientRect();
   if (!vertex || size.width < 2) return null;
@@ -193,7 +193,7 @@ function drawSite() {
     for (const [id, x, y, kind] of site.vertices) {
       if (kind === 'cut') continue;
       const [px, py] = pixel(x, y), name = vertexName(id), gap = radius + 3, width = paint.measureText(name).width;
-      const left = px + gap + width > size.width && px - gap >= width ? px - gap - width : px + gap; // never cut off at the right
+      const left = px + gap + width > size.width && px - gap >= width ? px - gap - width : px + gap; // left of the vertex if the right side would cut it off
       paint.fillText(name, left, py + radius + 0.6 * rem);
     }
   }
@@ -218,7 +218,7 @@ export const hueOf = name => {
   return (sum * 0.61803 * 360) % 360;
 };
 
-// Moves what moves; keys: entries that changed, null: all.
+// Updates the moving objects; keys: entries that changed, null: all.
 export function drawMoving(keys) {
   if (past) { drawPast(); return; }
   const wanted = new Set();
@@ -272,7 +272,7 @@ export function robotWords(robot) {
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
 }
 
-// Why a robot does not work or drive: by its code where its words are its own.
+// The reason why a robot does not work or drive: from its code if the words come from the robot.
 export function outageWords(robot) {
   const words = said(robot.waits_for), code = robot.outage;
   const isForeign = language !== 'en' && words === robot.waits_for && code && !['NONE', 'UNKNOWN'].includes(code);

@@ -1,4 +1,4 @@
-// Missions: a new one by clicks, favourites, open and ended ones.
+// Missions: a new mission by clicks, favourites, open and ended missions.
 import { $, make, showRows } from './dom.js';
 import { entries, all } from './server.js';
 import { t, duration, said } from './texts.js';
@@ -109,7 +109,7 @@ function missionRow(mission) {
     row.append(make('p', { class: 'row' }, button('cancel', 'cancel'),
       mission.state === 'PAUSED' ? button('continue', 'continue') : button('pause', 'pause'), button('release', 'release'),
       make('button', { 'data-act': 'change', 'aria-expanded': String(mission.editing), onclick: () => { editing = mission.editing ? null : mission.id; form = null; showMissions(me, ''); } }, t('change'))));
-    if (mission.editing) row.append(form = form || changeForm(mission)); // what is typed outlives news of the mission
+    if (mission.editing) row.append(form = form || changeForm(mission)); // keeps the user's input when the mission changes
   }
   return row;
 }

@@ -1,4 +1,4 @@
-// The last hours: a slider draws where every robot was, and what it waited for.
+// The replay of the last hours: for the slider's time, it draws each robot and the reason why it waited.
 import { $, make, showRows } from './dom.js';
 import { get } from './server.js';
 import { t, dateOf, timeOf } from './texts.js';
@@ -21,7 +21,7 @@ export async function enterReplay() {
   if (wanted === null) { slider.value = slider.max; $('moment_time').textContent = dateOf(span[1]); }
 }
 
-// Of moments that come faster than answers only the last is asked for.
+// If the slider moves faster than answers come, only the last moment is requested.
 async function show(time) {
   wanted = time;
   $('moment_time').textContent = dateOf(time);

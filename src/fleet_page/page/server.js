@@ -1,4 +1,4 @@
-// The connection with the server: events come down into `entries`, acts go up.
+// The connection to the server: its events fill `entries`, and acts are sent to it.
 export const entries = new Map();
 export let site = { vertices: [], edges: [], radii: {}, map: null };
 export let heardAt = 0;
@@ -21,7 +21,7 @@ export async function post(path, values) {
   }
 }
 
-// Calls changed(keys) after each message; refused() where a login is needed.
+// Calls changed(keys) after each message, and refused() if a login is needed.
 export function follow(changed, refused) {
   if (source) source.close();
   source = new EventSource('/api/events');
@@ -34,7 +34,7 @@ export function follow(changed, refused) {
     changed(update.full ? null : new Set([...Object.keys(update.set), ...update.gone]));
   };
   source.onerror = async () => {
-    if (source.readyState !== EventSource.CLOSED) return; // it comes back by itself
+    if (source.readyState !== EventSource.CLOSED) return; // the browser connects again by itself
     const me = await get('/api/me').catch(() => null);
     if (me && !me.role) refused();
     else setTimeout(() => follow(changed, refused), 2000);

@@ -22,14 +22,14 @@ export function t(key, values = {}) {
   return (table[key] || key).replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ''));
 }
 
-// What the fleet manager says stands in the English table: each text that begins so tells how to know it again.
+// The English table has the fleet manager's sentences: they are recognised by the texts of these keys.
 function patternsOf(english) {
   return Object.entries(english).filter(([key]) => /^(words|outage)_/.test(key)).map(([key, text]) => ({
     key, names: [...text.matchAll(/\{(\w+)\}/g)].map(found => found[1]),
     form: new RegExp(`^${text.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{why\}/g, '(.+)').replace(/\{\w+\}/g, '([^:]+?)')}$`, 's') }));
 }
 
-// Words of the fleet manager in the language of the page; words that it has from robots stay as they are.
+// A text of the fleet manager in the language of the page; texts that come from robots stay as they are.
 export function said(words) {
   for (const { key, names, form } of patterns) {
     const found = form.exec(words);
@@ -44,7 +44,7 @@ export function stored(name) {
 }
 
 export function store(name, value) {
-  try { localStorage.setItem(name, value); } catch (error) { /* a private window: only not remembered */ }
+  try { localStorage.setItem(name, value); } catch (error) { /* in a private window nothing is stored */ }
 }
 
 export function timeOf(seconds) {

@@ -280,7 +280,7 @@ def test_who_only_sees_logs_in_and_finds_nothing_to_press(browser, tmp_path):
         browser.open(shown.url)
         browser.one('#token').send_keys('wrong')
         browser.click('#login button')
-        browser.wait(lambda: 'opens nothing' in browser.text('#login_said'))
+        browser.wait(lambda: 'is not valid' in browser.text('#login_said'))
         browser.one('#token').send_keys(TOKENS['see'])
         browser.click('#login button')
         browser.one('.robot[data-name=a]')

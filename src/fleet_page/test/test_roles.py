@@ -27,10 +27,10 @@ def test_a_token_file_that_others_may_read_is_refused(tmp_path, mode):
 
 
 @pytest.mark.parametrize('text, words', [
-    ('', 'has no token'), ('see anna', 'line 1: must be ROLE NAME TOKEN'),
+    ('', 'has no token'), ('see anna', 'line 1: the line must be ROLE NAME TOKEN'),
     ('boss anna 0123456789abcdef', 'must be see, operate or admin'),
     ('see a/b 0123456789abcdef', 'name must be'), ('see anna short', '16 characters'),
-    ('see anna 0123456789abcdef\nadmin eve 0123456789abcdef', 'line 2: the token stands there')])
+    ('see anna 0123456789abcdef\nadmin eve 0123456789abcdef', 'line 2: the token occurs twice')])
 def test_a_wrong_token_file_is_told_without_its_tokens(tmp_path, text, words):
     path = tmp_path / 'tokens'
     path.write_text(text)

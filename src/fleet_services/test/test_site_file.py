@@ -46,10 +46,11 @@ def test_a_number_of_robots_is_no_file(tmp_path):
     ('name: a\nhosts: 2\narguments: {fleet: 2}\n', "line 2: there is no key 'hosts'"),
     ('name: ../a\narguments: {fleet: 2}\n', 'line 1: name "../a" must begin with a small letter'),
     ('name: a\nuser: "a b"\narguments: {fleet: 2}\n', 'line 2: user "a b" must begin'),
-    ('name: a\naddress: "1 2"\narguments: {fleet: 2}\n', 'line 2: address "1 2" is no address'),
+    ('name: a\naddress: "1 2"\narguments: {fleet: 2}\n',
+     'line 2: address "1 2" is not the address or name of a computer'),
     ('name: a\nmaster_port: 0\narguments: {fleet: 2}\n', 'line 2: master_port is 0'),
     ('name: a\nrobots_per_unit: 0\narguments: {fleet: 2}\n', 'line 2: robots_per_unit is 0'),
-    ('name: a\narguments:\n  fleet: 2\n  rviz: true\n', 'line 4: rviz has no place in a service'),
+    ('name: a\narguments:\n  fleet: 2\n  rviz: true\n', 'line 4: rviz cannot be used in a service'),
     ('name: a\narguments:\n  fleet: [2]\n', 'line 3: fleet must be one value'),
 ])
 def test_what_is_wrong_is_named_with_its_line(tmp_path, text, problem):

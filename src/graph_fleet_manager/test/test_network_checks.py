@@ -74,7 +74,7 @@ def test_a_name_without_an_address_ends_the_checks(own, other):
 @pytest.mark.parametrize('environment, problem, advice', [
     ({'ROS_IP': ''}, 'not set', 'export ROS_IP=127.'),
     ({'ROS_IP': '192.0.2.77'}, 'no address of this computer', 'export ROS_IP=127.'),
-    ({'ROS_HOSTNAME': 'robot'}, 'goes before ROS_IP', 'unset ROS_HOSTNAME')])
+    ({'ROS_HOSTNAME': 'robot'}, 'overrides ROS_IP', 'unset ROS_HOSTNAME')])
 def test_how_this_computer_names_itself(own, other, environment, problem, advice):
     found = findings(own, other, **environment)['ROS_IP']
     assert found.level is Level.WRONG
@@ -113,7 +113,7 @@ def test_a_node_on_both_sides_is_named_and_one_that_crossed_is_not(own, other):
     own.nodes['/path_supervisor'] = f'http://{ROBOT}:1/'
     other.nodes['/path_supervisor'] = f'http://{FLEET}:{other.master_port}/'
     own.nodes['/bridge'] = other.nodes['/bridge'] = f'http://{ROBOT}:2/'
-    assert 'both sides have a /path_supervisor' in wrong(findings(own, other))['node names']
+    assert 'both sides have a node /path_supervisor' in wrong(findings(own, other))['node names']
 
 
 def test_definitions_of_another_version(own, other):

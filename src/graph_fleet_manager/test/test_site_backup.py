@@ -59,7 +59,7 @@ def test_a_journal_of_before_is_as_good_as_lost_and_its_history_is_kept(
     fleet.journal.close()
     monkeypatch.setattr(fleet.journal, 'close', lambda: None)
     assert main(['restore', archive, str(tmp_path / 'elsewhere')]) == 0
-    assert '1 missions that were open are CANCELLED' in capsys.readouterr().out
+    assert '1 open missions are CANCELLED' in capsys.readouterr().out
     assert [(line.request_id, line.state) for line in history(str(home / 'journal.sqlite'))] == [
         (1, MissionState.SUCCEEDED), (2, MissionState.CANCELLED)]
     fleet.restart()

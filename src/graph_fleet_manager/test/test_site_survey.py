@@ -139,7 +139,7 @@ class TestRemarks:
         found = Survey(0.9, frozenset((1,)), (), (), (Stranded('agv', (12,)),), (), ())
         graph = ring(2, one_way=[12])
         assert survey(RoadNetwork(graph), Fleet((AGV,), (), 0.1)).stranded == found.stranded
-        assert 'not come back from, vertex 12' in ' '.join(
+        assert 'cannot return from, vertex 12' in ' '.join(
             remark.text for remark in remarks(graph, Fleet((AGV,), (), 0.1), found))
 
     def test_what_fleet_file_and_graph_do_not_agree_on_is_named(self):

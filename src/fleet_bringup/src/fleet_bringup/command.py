@@ -1,9 +1,10 @@
-"""`fleet_launch`: makes the files of a fleet, and says which launch file to start.
+"""`fleet_launch`: makes the files of a fleet, and prints the path of the launch file to start.
 
     fleet_launch [--print] fleet:=N|FILE [name:=value ...]
 
-Without a ROS master. The path of the launch file is the only line on stdout; with `--print` it is
-the files themselves. Exit status 0; 1 with one sentence where the fleet cannot be started.
+It needs no ROS master. The path of the launch file is the only line on stdout. With `--print` the
+content of the files is printed instead. Exit status 0: done; 1: the fleet cannot be started, with
+one sentence that says why.
 """
 from __future__ import annotations
 
@@ -65,13 +66,13 @@ def _show(files: Dict[str, str]) -> None:
 
 
 def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]:
-    """Writes all files into a folder; their paths by what they are.
+    """Writes all files into a folder. Returns their paths, by the kind of file.
 
-    With `check`, ports that are in use are told. Raises CannotStart, FileError, GraphError.
+    With `check`, a port that is in use is an error. Raises CannotStart, FileError, GraphError.
     """
     gathered = gather(options, folder, check)
     files = gathered.files
-    if all(entry.is_simulated for entry in gathered.entries):  # they begin anew each time
+    if all(entry.is_simulated for entry in gathered.entries):  # a simulation keeps nothing
         files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
         files['journal'] = os.path.join(folder, 'fleet.sqlite')
         files['page'] = os.path.join(folder, 'page')
@@ -83,7 +84,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
 
 @dataclass(frozen=True)
 class Gathered:
-    """All that launch files are made of. `files`: paths by what they are."""
+    """The inputs of launch files. `files`: paths by the kind of file."""
 
     entries: List[Entry]
     site: Site
@@ -91,7 +92,7 @@ class Gathered:
 
 
 def gather(options: Options, folder: str, check: bool = True) -> Gathered:
-    """Writes graph, map, fleet file and robots of the simulator into a folder; see `prepare`."""
+    """Writes graph, map, fleet file and the simulator's robots into a folder; see `prepare`."""
     laboratory = laboratory_folder(rospkg.RosPack().get_path('omron_ld90'))
     graph_file = options.graph_file or os.path.join(laboratory, 'lab_graph.yaml')
     whole = load_graph(graph_file)
@@ -109,19 +110,24 @@ def gather(options: Options, folder: str, check: bool = True) -> Gathered:
 
 
 def laboratory_folder(package: str) -> str:
-    """Where the map and the graph of the laboratory are: in the folder of the installed package
-    omron_ld90, or at the top of the repository of its sources."""
+    """The folder with the map and the graph of the laboratory.
+
+    It is in the folder of the installed package omron_ld90, or at the top of the repository.
+    """
     installed = os.path.join(package, 'maps')
     return installed if os.path.isdir(installed) else os.path.join(package, '..', '..', 'maps')
 
 
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
-    """The fleet, and the path of its file. No robot parks where a long edge is cut, so `graph` is
-    the whole one."""
+    """The fleet and the path of its file.
+
+    `graph` is the graph before long edges are divided, because no robot parks where an edge is
+    divided.
+    """
     if options.fleet.isdigit():
         count = int(options.fleet)
         if count == 0:
-            raise CannotStart('fleet:=0 makes no robots: choose at least 1.')
+            raise CannotStart('fleet:=0 gives no robots: choose at least 1.')
         fleet = made_fleet(count, graph)
         return fleet, write_file(folder, 'fleet.yaml', fleet_text(fleet))
     path = options.fleet
@@ -138,14 +144,14 @@ def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
 
 def _site(options: Options, folder: str, graph: Graph, entries: List[Entry],
           laboratory: str) -> Site:
-    """Graph and map as files; raises CannotStart where there is no map for LD-90s."""
+    """The graph and the map as files; raises CannotStart if LD-90s have no map."""
     base_map, map_file = options.base_map, options.map_file
     if not any(entry.robot.driver == LD90 for entry in entries):
         base_map = ''
     elif not base_map and not map_file:
         if options.graph_file:
-            raise CannotStart('Which map do the LD-90s drive on? Name the .map file to make theirs '
-                              'from with base_map:=, or theirs with map_file:=.')
+            raise CannotStart('The LD-90s have no map: give base_map:=FILE, a .map file from which '
+                              'theirs is made, or map_file:=FILE, a finished .map file.')
         base_map = os.path.join(laboratory, 'lab_base.map')
     return make_site(folder, graph, base_map, map_file)
 

@@ -1,5 +1,5 @@
-"""What keeps a fleet from being started."""
+"""The error for a fleet that cannot be started."""
 
 
 class CannotStart(Exception):
-    """Why the fleet cannot be started, and what to do: one sentence."""
+    """The fleet cannot be started. The text is one sentence that says why and what to do."""

@@ -1,4 +1,4 @@
-"""The files of one start, all in one folder."""
+"""The graph, the map and the simulator's robots for one start, as files in one folder."""
 from __future__ import annotations
 
 import math
@@ -18,7 +18,7 @@ from trajectory_graph import Graph, save_graph
 
 @dataclass(frozen=True)
 class Site:
-    """Graph and map that the fleet drives on, as files. `map_file` is empty without LD-90s."""
+    """The graph and the map of the fleet, as files. `map_file` is empty without LD-90s."""
 
     graph: Graph
     graph_file: str
@@ -26,12 +26,12 @@ class Site:
 
     @property
     def dock(self) -> int:
-        """The dock that LD-90s use; 0: none."""
+        """The id of the dock that LD-90s use; 0: none."""
         return next((one.id for one in self.graph.vertices.values() if one.dock), 0)
 
 
 def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Site:
-    """Writes the graph, and makes the map of the base map; raises CannotStart."""
+    """Writes the graph, and makes the map from the base map; raises CannotStart."""
     graph_file = os.path.join(folder, 'graph.yaml')
     save_graph(graph, graph_file)
     site = Site(graph, graph_file, map_file)
@@ -43,12 +43,13 @@ def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Site:
                      Options(dock_vertex=site.dock or None, existing_goals=ExistingGoals.REPLACE,
                              fences=Fences.AREAS))
     except (ConversionError, MapError) as error:
-        raise CannotStart(f'The map of the LD-90s cannot be made of {base_map}: {error}') from None
+        raise CannotStart(
+            f'The map of the LD-90s cannot be made from {base_map}: {error}') from None
     return Site(graph, graph_file, output)
 
 
 def simulated_robots(entries: Sequence[Entry], graph: Graph) -> str:
-    """The file that `ld90_sim --robots` reads."""
+    """The content of the file for `ld90_sim --robots`."""
     rows: List[Dict[str, Any]] = []
     for entry in entries:
         if entry.robot.driver != LD90 or not entry.is_simulated:
@@ -63,7 +64,10 @@ def simulated_robots(entries: Sequence[Entry], graph: Graph) -> str:
 
 
 def _pose_on(graph: Graph, vertex: int) -> Optional[Sequence[float]]:
-    """On the vertex, facing its first way out; None for a dock, in which it starts by itself."""
+    """The pose on a vertex, with the heading of the first edge that leads away from it.
+
+    None for a dock, because the simulator places a robot into its dock itself.
+    """
     place = graph.vertex(vertex)
     ways = graph.edges_from(vertex)
     if place.dock or not ways:

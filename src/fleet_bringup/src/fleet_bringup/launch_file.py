@@ -1,6 +1,6 @@
-"""The launch file of a fleet: roslaunch has no loops, so it is written out, robot by robot.
+"""The launch file of a fleet. roslaunch has no loops, so the file has an entry for each robot.
 
-All that one robot needs stands in the launch files of its package, which are included here.
+The nodes of one robot are in the launch files of its package, which are included.
 """
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import AGV, LD90, Entry
 
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
-#: Where the bridge of a real robot keeps its last route, in ROS_HOME.
+#: The file in ROS_HOME in which the bridge of a real robot keeps its last route.
 ROUTE_FILE = 'omron_ld90/{}_route.json'
-#: How lines look on the screen that all robots share: with the name of the robot, unless the user
-#: has a form.
+#: The format of log lines: with the name of the node, because all robots share one screen. A format
+#: that the user has set is kept.
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
-#: Namespace of the one node that shows the LD-90s' map.
+#: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: What makes a node a fork of the node host.
+#: The attributes that make a node a fork of the node host.
 HOSTED = {'launch-prefix': '$(find node_host)/hosted'}
-#: What the fleet manager's nodes import, which all forks share.
+#: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
     'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
 
 
 class Part(Enum):
-    """What may have a launch file of its own."""
+    """A part of the fleet that can have its own launch file."""
 
     SIMULATORS = 'simulators'
     ROBOTS = 'robots'
@@ -48,7 +48,7 @@ def parts_of(entries: Sequence[Entry], options: Options) -> Sequence[Part]:
 
 def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: Dict[str, str],
                 parts: Collection[Part] = tuple(Part)) -> str:
-    """The launch file of some parts. `files`: paths by what they are, see `command.prepare`."""
+    """The launch file of some parts. `files`: paths by the kind of file, see `command.prepare`."""
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
@@ -93,7 +93,7 @@ def _manager(root: ET.Element, entries: Sequence[Entry], site: Site, options: Op
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:
-    """Where the fleet manager keeps what must outlive it; with real robots at its own place."""
+    """The persistent files of the fleet manager; empty with real robots: its default files."""
     return {name: files[key] for name, key in (
         ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}
 
@@ -116,7 +116,7 @@ def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
         'route_file': '' if entry.is_simulated else ROUTE_FILE.format(entry.name),
         'strategy': options.strategy, 'hosted': _xml(options.hosted), 'node_host': 'false'})
     group = ET.SubElement(root, 'group', ns=entry.name)
-    if entry.is_simulated:  # what an older run under the same ROS master left means nothing to it
+    if entry.is_simulated:  # parameters of an older run under the same ROS master do not apply
         group.set('clear_params', 'true')
     _node(group, 'robot_state_publisher', 'omron_ld90', 'robot_state_publisher', {
         'base_frame': f'{entry.name}/base_link', 'laser_frame': f'{entry.name}/laser_link'},

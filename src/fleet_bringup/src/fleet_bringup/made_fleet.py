@@ -1,4 +1,4 @@
-"""A fleet made from a number: so many LD-90s and so many AGVs, on distinct parking vertices."""
+"""Makes a fleet from a number N: N LD-90s and N AGVs, on distinct parking vertices."""
 from __future__ import annotations
 
 from typing import List, Sequence
@@ -10,21 +10,21 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
-#: m that robots of a type are let go ahead: braking, and the time until the next order.
+#: m that are released ahead of a robot of a type: for braking, and until the next order comes.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 #: m that a robot of a type may need to stop once it has acknowledged a shorter route.
 STOPPING = {'ld90': 3.5, 'agv': 1.0}
 
 
 def made_fleet(count: int, graph: Graph) -> Fleet:
-    """`count` LD-90s and as many AGVs; raises CannotStart where the graph cannot park them."""
+    """`count` LD-90s and as many AGVs; raises CannotStart if the graph cannot park them."""
     docks = frozenset(vertex.id for vertex in graph.vertices.values() if vertex.dock)
     ld90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks)
     agv = RobotType('agv', 0.35, 1.0, 0.0, False)
     starts = parking_places(graph, [ld90, agv], CLEARANCE, 2 * count)
     if 2 * count > len(starts):
         raise CannotStart(
-            f'fleet:={count} makes {2 * count} robots, but the graph has places for {len(starts)} '
+            f'fleet:={count} gives {2 * count} robots, but the graph has places for {len(starts)} '
             f'to park without cutting any robot off: choose fleet:={len(starts) // 2} or less, or '
             'another graph.')
     names = [f'{kind}_{number + 1}' for number in range(count) for kind in ('ld90', 'agv')]
@@ -37,9 +37,9 @@ def made_fleet(count: int, graph: Graph) -> Fleet:
 
 def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
                    enough: int) -> List[int]:
-    """Vertices on which robots of the largest of these types may all stand for ever, docks aside.
+    """Vertices, without docks, on which robots of the largest type may all stand for ever.
 
-    The search ends with `enough` of them; fewer are the most that were found.
+    The search ends when it has found `enough` vertices. It returns fewer if it finds no more.
     """
     largest = max(types, key=lambda kind: kind.reach)
     network = RoadNetwork(graph)
@@ -49,7 +49,7 @@ def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
 
 
 def fleet_text(fleet: Fleet) -> str:
-    """The fleet file."""
+    """The content of the fleet file."""
     lines = [f'clearance: {fleet.clearance}', 'robot_types:']
     for kind in fleet.types:
         docks = f', docks: {sorted(kind.docks)}' if kind.docks else ''

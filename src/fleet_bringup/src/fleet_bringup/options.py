@@ -15,13 +15,13 @@ def _option(default: Any, doc: str) -> Any:
 
 @dataclass(frozen=True)
 class Options:
-    """What is to be started; an empty file name stands for the laboratory's."""
+    """The options of a start. An empty file name stands for the file of the laboratory."""
 
-    fleet: str = _option('', 'N: so many simulated LD-90s and so many AGVs; FILE: a fleet file')
+    fleet: str = _option('', 'N: N simulated LD-90s and N simulated AGVs; FILE: a fleet file')
     graph_file: str = _option('', 'trajectory graph (YAML); empty: the laboratory')
-    base_map: str = _option('', '.map file to make the LD-90s\' map from, with the graph')
+    base_map: str = _option('', '.map file from which, with the graph, the LD-90s\' map is made')
     map_file: str = _option('', 'instead of base_map: finished .map file, with a goal per vertex')
-    longest_edge: float = _option(0.0, 'm; longer edges are cut into sections; 0: none is')
+    longest_edge: float = _option(0.0, 'm; longer edges are divided into sections; 0: no edge is')
     sim_speed: float = _option(1.0, 'factor on the clock of all simulated robots, 0.1 to 20')
     demo: bool = _option(False, 'true: send random missions')
     lasers: bool = _option(False, 'true: the simulated LD-90s also send their laser')
@@ -30,24 +30,24 @@ class Options:
     page_port: int = _option(8080, 'port of the page')
     listen: str = _option('127.0.0.1', 'address at which browsers reach the page; another one '
                                        'needs token_file')
-    token_file: str = _option('', 'tokens of the roles see, operate and administer')
+    token_file: str = _option('', 'file with the tokens of the roles see, operate and admin')
     certificate_file: str = _option('', 'PEM file; with key_file, the page is served by TLS')
     key_file: str = _option('', 'PEM file')
-    strategy: str = _option('rolling', 'how LD-90s drive routes')
+    strategy: str = _option('rolling', 'strategy by which LD-90s drive routes')
     fleet_manager: bool = _option(True, 'false: start the robots only')
-    hosted: bool = _option(True, 'false: each node is a program of its own, which needs three '
+    hosted: bool = _option(True, 'false: each node is a process of its own, which needs three '
                                  'times the memory')
-    arcl_port: int = _option(7171, 'ARCL port of the first simulated LD-90; the next has 10 more')
-    outgoing_port: int = _option(7179, 'port on which this computer awaits the first LD-90; the '
-                                       'next has 10 more')
+    arcl_port: int = _option(7171, 'ARCL port of the first simulated LD-90; add 10 for each next')
+    outgoing_port: int = _option(7179, 'port of this computer to which the first LD-90 connects; '
+                                       'add 10 for each next')
     control_port: int = _option(7160, 'port for faults and true poses of the simulated LD-90s; '
-                                      'the AGVs have the one above')
+                                      'that of the AGVs is 1 higher')
 
 
 def parse(words: Sequence[str], folder: str = '') -> Options:
-    """The options in words `name:=value`; raises CannotStart.
+    """The options from arguments `name:=value`; raises CannotStart.
 
-    folder -- where relative files begin; empty: the working directory
+    folder -- folder of relative file names; empty: the working directory
     """
     types = get_type_hints(Options)
     given: Dict[str, Any] = {}
@@ -62,18 +62,18 @@ def parse(words: Sequence[str], folder: str = '') -> Options:
         given[name] = _value(name, types[name], value, folder)
     options = Options(**given)
     if not options.fleet:
-        raise CannotStart('fleet:= is missing: say fleet:=4, or name a fleet file.')
+        raise CannotStart('fleet:= is missing: give fleet:=4, or fleet:=FILE with a fleet file.')
     if not 0.1 <= options.sim_speed <= 20.0:
         raise CannotStart(f'sim_speed:={options.sim_speed:g} must lie in 0.1 to 20.')
     if not 0.0 <= options.longest_edge <= 1000.0 or 0.0 < options.longest_edge < 0.5:
         raise CannotStart(f'longest_edge:={options.longest_edge:g} must be 0.5 m or more, or 0.')
     if options.base_map and options.map_file:
-        raise CannotStart('Of base_map:= and map_file:= only one can be what LD-90s drive on.')
+        raise CannotStart('Both base_map:= and map_file:= are given: give only one of them.')
     return options
 
 
 def help_text() -> str:
-    """All arguments, one a line."""
+    """The help text: all arguments, one per line."""
     return '\n'.join(f'  {one.name}:=  {one.metadata["doc"]}'
                      + (f' ({one.default})' if one.default not in ('',) else '')
                      for one in fields(Options))

@@ -1,4 +1,4 @@
-"""TCP ports that the simulated robots, and the robots' connections to this computer, need."""
+"""TCP ports of this computer for simulated robots, connections of robots, and the page."""
 from __future__ import annotations
 
 import socket
@@ -10,7 +10,7 @@ from fleet_bringup.robot_entries import AGV, LD90, Entry
 
 
 def needed_ports(entries: Sequence[Entry], options: Options) -> List[Tuple[int, str]]:
-    """Every port of this computer, and what it is for."""
+    """Each port of this computer that is needed, and its purpose."""
     ports: List[Tuple[int, str]] = []
     for entry in entries:
         if entry.robot.driver == LD90:
@@ -27,23 +27,23 @@ def needed_ports(entries: Sequence[Entry], options: Options) -> List[Tuple[int, 
 
 
 def check_ports(ports: Iterable[Tuple[int, str]]) -> None:
-    """Raises CannotStart for a port that two need, or that another program has."""
+    """Raises CannotStart for a port that is needed twice, or that another program uses."""
     users: Dict[int, str] = {}
     for port, what in ports:
         if port in users:
             raise CannotStart(f'TCP port {port} is {users[port]} and {what}: each needs its own.')
         users[port] = what
         if not 0 < port < 65536:
-            raise CannotStart(f'{what} would be {port}, which is no TCP port: begin with a lower '
-                              'one.')
+            raise CannotStart(f'{what} would be {port}, which is not a TCP port: begin with a '
+                              'lower one.')
         if is_taken(port):
             name = what.partition(' ')[0]
-            raise CannotStart(f'TCP port {port} ({what}) is in use: end the program that holds it, '
-                              f'or choose another with {name}:=PORT.')
+            raise CannotStart(f'TCP port {port} ({what}) is in use: end the program that uses it, '
+                              f'or choose another port with {name}:=PORT.')
 
 
 def is_taken(port: int) -> bool:
-    """Does a program listen there, on any address of this computer?"""
+    """Returns whether a program listens on the port, on any address of this computer."""
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

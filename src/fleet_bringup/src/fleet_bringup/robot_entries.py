@@ -1,4 +1,4 @@
-"""What a fleet file says about starting its robots, beside what planners read of it.
+"""The keys of a fleet file for the start of its robots, in addition to those for planning.
 
     robots:
     - {name: ld90_1, type: ld90, vertex: 16, driver: ld90, host: 10.0.0.5, arcl_port: 7171,
@@ -8,9 +8,10 @@
     - {name: visitor, type: agv, vertex: 10, driver: none}
     - {name: ld90_3, type: ld90, vertex: 6, driver: ld90, computer: 10.0.0.21}
 
-An LD-90 with a `host` is a real robot, one without is simulated; so are all AGVs. Of a robot with
-driver `none` nothing is started: it comes with its own software. One with a `computer` has a ROS
-master of its own there, which is joined with the fleet's.
+- An LD-90 with a `host` is a real robot. Without a `host` it is simulated.
+- All AGVs are simulated.
+- For a robot with the driver `none` nothing is started: it has its own software.
+- A robot with a `computer` has its own ROS master there, which is joined with that of the fleet.
 """
 from __future__ import annotations
 
@@ -31,16 +32,19 @@ from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
 LD90, AGV, NONE = 'ld90', 'agv', 'none'
-PORT_STEP = 10  # between the ports of one simulated robot and of the next
+PORT_STEP = 10  # difference between the ports of two successive simulated robots
 
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
 @dataclass(frozen=True)
 class Entry:
-    """How one robot is started. `start`: m, m, degrees; an empty `host`: it is simulated.
+    """The data to start one robot.
 
-    Of one with a `computer` of its own nothing is started here; its driver counts as `none`.
+    line     -- line of the robot in the fleet file
+    host     -- address of a real robot; empty: it is simulated
+    start    -- x (m), y (m) and heading (degrees) of a simulated robot; None: on its vertex
+    computer -- address of its own computer. Nothing is started here then, and its driver is `none`
     """
 
     robot: Robot
@@ -54,12 +58,12 @@ class Entry:
 
     @property
     def name(self) -> str:
-        """The robot's."""
+        """The name of the robot."""
         return self.robot.name
 
     @property
     def is_simulated(self) -> bool:
-        """Whether this computer plays the robot."""
+        """Whether this computer simulates the robot."""
         return not self.host and self.robot.driver != NONE
 
 
@@ -105,7 +109,7 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
     password = strict_yaml.optional(given, 'password_file', strict_yaml.text, '')
     if host and not password:
         raise WrongYaml(f'robot {robot.name} has a host, but no password_file: name the file that '
-                        'holds its ARCL password, and nothing else', node)
+                        'contains its ARCL password, and nothing else', node)
     if password:
         password = os.path.join(folder, os.path.expanduser(password))
         if not os.access(password, os.R_OK):
@@ -119,7 +123,7 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
 
 
 def _check_each_other(entries: Sequence[Entry]) -> None:
-    """Raises WrongYaml where two robots would have the same place or connection."""
+    """Raises WrongYaml if two robots have the same vertex, host or port."""
     users: Dict[str, Entry] = {}
     for entry in entries:
         own = [f'vertex {entry.robot.vertex}']
@@ -136,7 +140,7 @@ def _check_each_other(entries: Sequence[Entry]) -> None:
 
 
 def tcp_port(one: Field) -> int:
-    """A port; raises WrongYaml."""
+    """The TCP port in a field; raises WrongYaml."""
     port = strict_yaml.whole(one)
     if not 0 < port < 65536:
         raise WrongYaml(f'{one[0]} is {port}, but must be a TCP port from 1 to 65535', one[1])
@@ -151,7 +155,7 @@ def _start(one: Field) -> Tuple[float, float, float]:
 
 
 def check_count(fleet: Fleet, capacity: int, source: str) -> None:
-    """Raises CannotStart for more robots than the graph can park."""
+    """Raises CannotStart if the fleet has more robots than the graph can park."""
     if len(fleet.robots) > capacity:
         raise CannotStart(
             f'{source} has {len(fleet.robots)} robots, but the graph has places for {capacity} to '

@@ -1,4 +1,5 @@
-"""The RViz configuration of a fleet: that of graph_fleet_manager, and what single robots add."""
+"""The RViz configuration of a fleet: that of graph_fleet_manager, with displays of single robots.
+"""
 from __future__ import annotations
 
 import os
@@ -12,7 +13,7 @@ from fleet_bringup.robot_entries import LD90, Entry
 
 
 def rviz_text(entries: Sequence[Entry], options: Options) -> str:
-    """The file for RViz."""
+    """The content of the configuration file for RViz."""
     template = os.path.join(rospkg.RosPack().get_path('graph_fleet_manager'), 'rviz', 'fleet.rviz')
     with open(template, encoding='utf-8') as stream:
         configuration = yaml.safe_load(stream)

@@ -87,7 +87,7 @@ def test_a_fleet_of_agvs_needs_nothing_of_the_ld90(tmp_path):
 def test_more_robots_than_the_graph_can_park_are_told(tmp_path, capsys):
     assert main(['fleet:=9']) == 1
     sentence = capsys.readouterr().err.strip()
-    assert 'fleet:=9 makes 18 robots, but the graph has places for' in sentence
+    assert 'fleet:=9 gives 18 robots, but the graph has places for' in sentence
     assert len(sentence.splitlines()) == 1
 
 

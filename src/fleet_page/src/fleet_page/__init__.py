@@ -1,1 +1,1 @@
-"""The fleet in a browser: one node, one address, nothing from the internet."""
+"""Shows the fleet in a browser. It is one node with one address, and needs no internet."""

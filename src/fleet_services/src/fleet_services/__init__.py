@@ -1,1 +1,1 @@
-"""A site as systemd services."""
+"""Runs a site as systemd services."""

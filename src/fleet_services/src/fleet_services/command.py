@@ -1,9 +1,9 @@
 """`scripts/install_service.sh`: runs a site as systemd services of this computer.
 
-    install_service.sh site.yaml       makes the units and starts them; again after each change of the site's files
-    install_service.sh --remove NAME   stops the services and takes them away; the site's data stay
-    install_service.sh --purge NAME    takes away the journal, records and logs, too
-    install_service.sh --root DIR ...  the same below DIR, for an image; nothing is started
+    install_service.sh site.yaml       makes the units and starts them; run it again after each change of the site's files
+    install_service.sh --remove NAME   stops and removes the services; keeps the site's data
+    install_service.sh --purge NAME    removes also the journal, records and logs
+    install_service.sh --root DIR ...  does the same below DIR, for an image; starts nothing
 
 docs/how-to/services.md describes the site file. Needs root. Exit status 0: done; 1: not done, with one sentence.
 """  # noqa: E501 - it is shown by --help
@@ -36,7 +36,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         print(error, file=sys.stderr)
         return 1
     except OSError as error:
-        print(f'This is not done: {error}.', file=sys.stderr)
+        print(f'The installation failed: {error}.', file=sys.stderr)
         return 1
     return 0
 
@@ -46,14 +46,16 @@ def _do(words: List[str]) -> List[str]:
     if words[0] == '--root' and len(words) > 1:
         root, words = Path(words[1]).resolve(), words[2:]
     elif os.geteuid() != 0:
-        raise NotInstalled('Services of this computer need root: say sudo.')
+        raise NotInstalled('To install services, root is needed: run the command with sudo.')
     os.umask(0o022)  # the user of the services reads what root writes here
     machine = Machine(root, systemd_version())
     if machine.is_this and not machine.systemd:
-        raise NotInstalled('This computer has no systemd: --root DIR makes the files for another.')
+        raise NotInstalled('This computer has no systemd: to make the files for another computer, '
+                           'give --root DIR.')
     if len(words) == 2 and words[0] in ('--remove', '--purge'):
         return remove(site_name(words[1]), machine, purge=words[0] == '--purge')
     if len(words) != 1 or words[0].startswith('-'):
-        raise NotInstalled('Say the path of the site file, --remove NAME, or --purge NAME.')
+        raise NotInstalled('Wrong arguments: give the path of the site file, --remove NAME, or '
+                           '--purge NAME.')
     package = Path(rospkg.RosPack().get_path('fleet_services'))
     return install(read_site(words[0]), package, machine)

@@ -1,31 +1,31 @@
-"""Decides what systemd is told of a unit's nodes: that all are up, and that all still work."""
+"""Decides whether all nodes of a unit have started, and whether all of them still work."""
 from __future__ import annotations
 
 from typing import Dict, FrozenSet, Iterable
 
-PATIENCE = 15.0  # s that a node may be silent, or stand still, before its unit counts as hung
+PATIENCE = 15.0  # s that a node may be silent, or report a hang, before its unit counts as hung
 
 
 class Health:
-    """What the watchdogs of some nodes say, by their names.
+    """The state of a unit's nodes, from the reports of their watchdogs.
 
-    A node that ends is started anew by roslaunch within `PATIENCE`.
+    roslaunch restarts a node that ends within `PATIENCE`.
     """
 
     def __init__(self, nodes: Iterable[str]) -> None:
-        self._well: Dict[str, float] = {}  # when each node was last heard to be well
+        self._well: Dict[str, float] = {}  # time of the last good report of each node
         self.nodes: FrozenSet[str] = frozenset(nodes)
 
     def hear(self, node: str, is_well: bool, now: float) -> None:
-        """A watchdog's word at `now` (s, monotonic); those of other nodes are ignored."""
+        """Takes the report of a watchdog at `now` (s, monotonic). Ignores nodes of other units."""
         if is_well and node in self.nodes:
             self._well[node] = now
 
     @property
     def is_ready(self) -> bool:
-        """Whether each node has been well once."""
+        """Whether each node has had a good report."""
         return self.nodes == set(self._well)
 
     def hung(self, now: float) -> FrozenSet[str]:
-        """The nodes that have not been well for too long."""
+        """The nodes without a good report for more than `PATIENCE`; `now` in s, monotonic."""
         return frozenset(node for node, heard in self._well.items() if now - heard > PATIENCE)

@@ -1,4 +1,4 @@
-"""Puts a plan onto a machine, and takes it away again; all that needs root happens here."""
+"""Installs the services of a site on a machine, and removes them. Only this module needs root."""
 from __future__ import annotations
 
 import os
@@ -17,29 +17,33 @@ from fleet_services.plan import Plan, plan_services
 from fleet_services.site_file import SiteFile
 from fleet_services.units import System, unit_files
 
-#: Variables of this process that the nodes need, too.
+#: Environment variables of this process that the nodes need too.
 _INHERITED = re.compile(r'ROS_(?!MASTER_URI|IP|HOSTNAME|HOME|LOG_DIR|NAMESPACE)\w+|PYTHONPATH|PATH|'
                         r'LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
-#: Programs of a launch file that have no watchdog of ours.
+#: Names of nodes that have no watchdog of this project.
 NOT_WATCHED = re.compile(r'/(?:\w+/)*(?:node_host|ld90_sim|master_discovery|master_sync)\w*\Z')
 UNITS = 'etc/systemd/system'
 SETTINGS, DATA, LOGS = 'etc/fleet', 'var/lib/fleet', 'var/log/fleet'
 
 
 class NotInstalled(Exception):
-    """A sentence that says what to do."""
+    """The services cannot be installed. The text is a sentence that says what to do."""
 
 
 @dataclass(frozen=True)
 class Machine:
-    """Where things are put: below `root`, `/` for this machine itself."""
+    """The machine on which services are installed.
+
+    root    -- folder of its files; `/`: this machine
+    systemd -- version of systemd
+    """
 
     root: Path
-    systemd: int  # its version
+    systemd: int
 
     @property
     def is_this(self) -> bool:
-        """Whether it is the machine that runs this program, and not an image of one."""
+        """Whether it is the machine that runs this program, not an image of another."""
         return self.root == Path('/')
 
     @property
@@ -53,7 +57,7 @@ class Machine:
 
 
 def systemd_version() -> int:
-    """Of this machine; 0 where there is none."""
+    """The version of systemd on this machine; 0: there is none."""
     try:
         said = subprocess.run(['systemctl', '--version'], check=True, text=True,
                               stdout=subprocess.PIPE).stdout
@@ -64,9 +68,10 @@ def systemd_version() -> int:
 
 
 def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
-    """Writes all files and starts the services where systemd runs; returns what was done.
+    """Writes all files, and starts the services if systemd runs. Returns lines about the result.
 
-    package -- folder of this ROS package. Raises NotInstalled, CannotStart, FileError, OSError.
+    package -- folder of this ROS package
+    Raises NotInstalled, CannotStart, FileError, OSError.
     """
     settings = machine.path(SETTINGS, site.name)
     system = System(site.name, site.user, f'/{SETTINGS}/{site.name}',
@@ -98,12 +103,12 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
         _run('systemctl', 'restart', '--no-block', system.target)
         said.append(f'Started: systemctl status "fleet-{site.name}-*"')
     else:
-        said.append('systemd does not run here, so nothing was started.')
+        said.append('systemd does not run on this machine, so nothing was started.')
     return said
 
 
 def remove(name: str, machine: Machine, purge: bool) -> List[str]:
-    """Takes a site's services away, with `purge` its data, too; returns what was done."""
+    """Removes a site's services, with `purge` also its data. Returns lines about the result."""
     target = machine.path(UNITS, f'fleet-{name}.target')
     units = _units_of(target)
     settings = machine.path(SETTINGS, name)
@@ -128,7 +133,7 @@ def remove(name: str, machine: Machine, purge: bool) -> List[str]:
 
 
 def _units_of(target: Path) -> List[Path]:
-    """The target and the services that it names, as far as they are there."""
+    """The existing files of the target and of the services that it names."""
     if not target.exists():
         return []
     names = re.findall(r'fleet-[a-z0-9-]+\.service', target.read_text(encoding='utf-8'))
@@ -137,7 +142,7 @@ def _units_of(target: Path) -> List[Path]:
 
 def _make_settings(site: SiteFile, system: System, machine: Machine, package: Path,
                    folder: Path) -> Plan:
-    """All that the units need besides themselves; a site that runs keeps its own until then."""
+    """Makes all files that the units need, in a new folder: a running site keeps its old one."""
     folder.chmod(0o755)
     plan = _make_files(site, system, folder)
     shutil.copy(package / 'config' / 'restart_pause', folder)
@@ -149,7 +154,7 @@ def _make_settings(site: SiteFile, system: System, machine: Machine, package: Pa
 
 
 def _make_files(site: SiteFile, system: System, settings: Path) -> Plan:
-    """Graph, map, fleet file and launch files; the paths in them do not name the root."""
+    """Makes graph, map, fleet file and launch files. The paths in them are without the root."""
     gathered = gather(site.options, str(settings), check=False)
     files, graph = dict(gathered.files), gathered.site
     for path in (files['fleet'], graph.map_file):
@@ -170,13 +175,13 @@ def _make_files(site: SiteFile, system: System, settings: Path) -> Plan:
 
 
 def _installed(path: str, settings: Path, system: System) -> str:
-    """Where a file of the site is after the installation; files of packages stay where they are."""
+    """The path of a file after the installation. Files of packages keep their path."""
     name = Path(path).name
     return f'{system.settings}/{name}' if (settings / name).exists() else path
 
 
 def _watched(text: str, name: str, nodes: List[str]) -> str:
-    """The launch file with the node that tells systemd how these are."""
+    """The launch file, with a node that reports the state of these nodes to systemd."""
     root = ET.fromstring(text)
     node = ET.SubElement(root, 'node', {
         'name': f'service_watch_{name.replace("-", "_")}', 'pkg': 'fleet_services',
@@ -186,11 +191,11 @@ def _watched(text: str, name: str, nodes: List[str]) -> str:
 
 
 def _nodes_of(launch: Path) -> List[str]:
-    """The nodes of a launch file that have a watchdog of ours."""
+    """The nodes of a launch file that have a watchdog of this project."""
     done = subprocess.run(['roslaunch', '--nodes', str(launch)], check=False, text=True,
                           capture_output=True)
     if done.returncode:
-        raise NotInstalled(f'{launch} cannot be launched: {done.stderr.strip()}')
+        raise NotInstalled(f'{launch} cannot be read by roslaunch: {done.stderr.strip()}')
     return [name for name in done.stdout.split() if not NOT_WATCHED.match(name)]
 
 
@@ -218,7 +223,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _keep_secret(source: Path, kept: Path, owner: str) -> None:
-    """A copy that only root, or `owner`, can read."""
+    """Makes a copy that only root, or `owner`, can read."""
     kept.parent.mkdir(mode=0o711, exist_ok=True)
     with open(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), 'wb') as stream:
         stream.write(source.read_bytes())

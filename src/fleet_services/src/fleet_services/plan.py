@@ -1,7 +1,7 @@
-"""From a site to its services: which launch files there are, and what each may read.
+"""Plans the services of a site: their launch files, and the secrets that each may read.
 
-The secrets of the site (ARCL passwords, the page's tokens and key) are read by the one service that
-needs them, from where systemd puts them.
+Each secret of the site (ARCL passwords, the page's tokens and key) is read only by the service that
+needs it, from the path at which systemd provides it.
 """
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _OF_THE_PAGE = ('token_file', 'key_file')
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be installed.
+    """The files to install.
 
     launches -- texts of launch files, by the names of their services
-    secrets -- the files that secrets are copied from, by the names of the secrets
+    secrets  -- the source file of each secret, by the secret's name
     """
 
     services: Tuple[Service, ...]
@@ -39,7 +39,8 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
                   system: System, programs: Mapping[str, str]) -> Plan:
     """All services of a site, in the order in which they start.
 
-    files -- paths by what they are; programs -- `roscore` and `roslaunch` by absolute paths
+    files    -- paths by the kind of file
+    programs -- absolute paths of `roscore` and `roslaunch`
     """
     services = [Service(MASTER, 'ROS master', f'{programs["roscore"]} -p {site.master_port}',
                         is_watched=False)]
@@ -76,7 +77,7 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
 
 
 def _groups(entries: Sequence[Entry], size: int) -> List[Tuple[str, List[Entry]]]:
-    """The LD-90s that share a unit."""
+    """Groups of at most `size` LD-90s that share a unit, with the names of their services."""
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
     return [(f'robots-{number + 1}', ld90s[begin:begin + size])
             for number, begin in enumerate(range(0, len(ld90s), size))]

@@ -1,10 +1,10 @@
-"""The site file: what runs on this computer as services.
+"""The site file: describes the services of a fleet on this computer.
 
-    name: hall                 # of the units: fleet-hall-manager.service ...
-    user: fleet                # an unprivileged user; made where it is missing
-    address: 10.0.0.9          # of this computer, by which robots' computers reach it; 127.0.0.1
+    name: hall                 # part of the units' names: fleet-hall-manager.service ...
+    user: fleet                # an unprivileged user; created if it is missing
+    address: 10.0.0.9          # address by which robots' computers reach this one; 127.0.0.1
     master_port: 11311
-    robots_per_unit: 10        # LD-90s whose nodes share a unit
+    robots_per_unit: 10        # most LD-90s whose nodes share a unit
     arguments:                 # those of scripts/run.sh fleet:=...; files relative to this file
       fleet: fleet.yaml
       graph_file: graph.yaml
@@ -30,13 +30,13 @@ from trajectory_graph.strict_yaml import Field, WrongYaml
 KEYS = ('name', 'user', 'address', 'master_port', 'robots_per_unit', 'arguments')
 _NAME = re.compile(r'[a-z][a-z0-9-]{0,30}\Z')
 _ADDRESS = re.compile(r'[0-9A-Za-z.:-]+\Z')
-#: Arguments that make no sense without a person before the screen.
+#: Arguments that need a screen.
 _NOT_HERE = ('rviz',)
 
 
 @dataclass(frozen=True)
 class SiteFile:
-    """See the top of the module. `options`: what is started, with absolute paths."""
+    """The content of a site file. The paths in `options` are absolute."""
 
     name: str
     options: Options
@@ -67,7 +67,7 @@ def read_site(path: str) -> SiteFile:
 
 
 def site_name(text: str) -> str:
-    """A name of a site, or of a user; raises WrongYaml. It becomes part of paths."""
+    """Checks the name of a site or of a user, which becomes part of paths; raises WrongYaml."""
     if not _NAME.match(text):
         raise WrongYaml(f'"{text}" must begin with a small letter and have only small letters, '
                         'digits and "-", 31 at most')
@@ -75,11 +75,11 @@ def site_name(text: str) -> str:
 
 
 def _words(one: Field) -> List[str]:
-    """Arguments as `name:=value`."""
+    """The arguments as `name:=value`."""
     words = []
     for name, node in strict_yaml.mapping(one[1], 'arguments').items():
         if name in _NOT_HERE:
-            raise WrongYaml(f'{name} has no place in a service: leave it out', node)
+            raise WrongYaml(f'{name} cannot be used in a service: remove it', node)
         if not isinstance(node, yaml.ScalarNode):
             raise WrongYaml(f'{name} must be one value', node)
         words.append(f'{name}:={node.value}')
@@ -96,7 +96,7 @@ def _name(one: Field) -> str:
 def _address(one: Field) -> str:
     address = strict_yaml.text(one)
     if not _ADDRESS.match(address):
-        raise WrongYaml(f'{one[0]} "{address}" is no address or name of a computer', one[1])
+        raise WrongYaml(f'{one[0]} "{address}" is not the address or name of a computer', one[1])
     return address
 
 

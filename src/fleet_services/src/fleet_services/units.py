@@ -1,21 +1,22 @@
 """The texts of systemd units; see systemd.exec(5) and systemd.service(5).
 
-Nothing here looks at the machine: `System` says what it has.
+The functions here do not look at the machine; `System` describes it.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Dict, List, Sequence, Tuple
 
-CREDENTIALS_FROM = 247    # version of systemd that knows LoadCredential
-RESTART_STEPS_FROM = 254  # and RestartSteps
-WATCHDOG = 30  # s without a sign of life, after which systemd restarts a unit
+CREDENTIALS_FROM = 247    # first version of systemd with LoadCredential
+RESTART_STEPS_FROM = 254  # first version of systemd with RestartSteps
+WATCHDOG = 30  # s without a notification after which systemd restarts a unit
 START = 180    # s that a unit may take until all its nodes work
-STOP = 90      # s; the pause before a restart is part of it
+STOP = 90      # s that a unit may take to end, with the pause before a restart
 OPEN_FILES = 16384
 
-#: What a unit may not do; `systemd-analyze security` looks at these. Without ProcSubset, as the
-#: boot id in /proc/sys tells ages; without PrivateNetwork, as the nodes talk by TCP.
+#: Restrictions of each unit; `systemd-analyze security` rates them. ProcSubset is not set, because
+#: the nodes need the boot id in /proc/sys to compute ages. PrivateNetwork is not set, because the
+#: nodes communicate by TCP.
 HARDENING = (
     'NoNewPrivileges=yes', 'CapabilityBoundingSet=', 'AmbientCapabilities=',
     'ProtectSystem=strict', 'ProtectHome=read-only', 'PrivateTmp=yes', 'PrivateDevices=yes',
@@ -31,40 +32,41 @@ HARDENING = (
 
 @dataclass(frozen=True)
 class System:
-    """What the units are for. Folders and programs by absolute paths.
+    """The site and the machine of the units. Folders and programs have absolute paths.
 
     settings -- folder of the launch files and the environment, which only root writes
-    pause -- the program that waits before a restart
+    pause    -- the program that waits before a restart
+    version  -- version of systemd
     """
 
     site: str
     user: str
     settings: str
     pause: str
-    version: int  # of systemd
+    version: int
 
     @property
     def has_credentials(self) -> bool:
-        """Whether systemd itself hands secrets to units."""
+        """Whether this systemd can pass secrets to units (LoadCredential)."""
         return self.version >= CREDENTIALS_FROM
 
     @property
     def target(self) -> str:
-        """Name of the unit that stands for all."""
+        """Name of the target that groups all units."""
         return f'fleet-{self.site}.target'
 
     def unit(self, name: str) -> str:
-        """Name of a service."""
+        """Name of the unit of a service."""
         return f'fleet-{self.site}-{name}.service'
 
     def secret(self, name: str, secret: str) -> str:
-        """Path under which the service `name` reads a secret."""
+        """Path from which the service `name` reads a secret."""
         if self.has_credentials:
             return f'/run/credentials/{self.unit(name)}/{secret}'
         return self.kept_secret(secret)
 
     def kept_secret(self, secret: str) -> str:
-        """Path at which a secret is kept."""
+        """Path of the installed copy of a secret."""
         return f'{self.settings}/secrets/{secret}'
 
 
@@ -74,7 +76,7 @@ class Service:
 
     command -- ExecStart
     secrets -- names of the secrets that it may read
-    is_watched -- it tells systemd when it is ready, and that it works
+    is_watched -- whether it notifies systemd that it is ready, and that it works
     """
 
     name: str
@@ -85,7 +87,7 @@ class Service:
 
 
 def unit_files(services: Sequence[Service], system: System) -> Dict[str, str]:
-    """The texts of all units, by their names; services start in this order."""
+    """The texts of all units, by their names. The services start in the given order."""
     names = [system.unit(one.name) for one in services]
     units = {name: _service(one, names[:number], system)
              for number, (name, one) in enumerate(zip(names, services))}
@@ -100,7 +102,7 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
         '[Unit]', f'Description={service.description} of the site {system.site}',
         f'PartOf={system.target}', 'Wants=network-online.target',
         f'After={" ".join(("network-online.target", *before))}',
-        'StartLimitIntervalSec=0',  # it is tried for ever, with growing pauses
+        'StartLimitIntervalSec=0',  # restarts never end, but their pauses grow
         '', '[Service]', f'User={system.user}', f'Group={system.user}',
         f'EnvironmentFile={system.settings}/environment',
         f'Environment=ROS_LOG_DIR=%L/fleet/{system.site}/{service.name}',

@@ -191,7 +191,7 @@ def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name
     if name == '/resume_fleet':
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     answer, _ = services.call(name, hangs=True)
-    assert not answer.success and 'nor will it be' in answer.message
+    assert not answer.success and 'and it will not be done' in answer.message
     assert services.loop.take()(fleet.supervisor, fleet.now) == ()
     assert not fleet.supervisor.robots['a'].works
     assert fleet.supervisor.is_stopped == (name == '/resume_fleet')
@@ -201,7 +201,7 @@ def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, mon
     monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     answer, _ = services.call('/a/leave_fleet', hangs=True)
-    assert not answer.success and 'but it will be' in answer.message
+    assert not answer.success and 'but it will be done' in answer.message
     assert services.loop.take()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
 

@@ -78,5 +78,5 @@ def test_a_message_that_cannot_be_serialised_is_logged_and_the_others_go_out(
     monkeypatch.setattr(_Publisher, 'error', error, raising=False)
     topics.do([TellStatus(Status(id, MissionState.PENDING)) for id in (12, 13, 14)])
     assert [status.request_id for status in _Publisher.sent['/mission_status']] == [12, 14]
-    assert logged == ['A defect: a MissionStatus is not sent, as it cannot be serialised (too '
+    assert logged == ['A defect: a MissionStatus is not sent, because it cannot be serialised (too '
                       'late).']

@@ -36,7 +36,7 @@ def test_the_parts_are_named_in_a_warning_and_nothing_in_them_is_cut_off():
     assert warnings[0] == (
         'The graph has 2 parts, which no edges join: vertices 1, 2, 3, 4, 5; '
         'vertices 11, 12, 13, 14. A mission stays in one part.')
-    assert not any('cannot come to' in text for text in warnings)
+    assert not any('cannot reach' in text for text in warnings)
 
 
 def test_the_fleets_of_both_parts_run(fleet):

@@ -1,1 +1,1 @@
-"""What the page shows, and which role permits which act: without ROS and without a web server."""
+"""The content of the page and the permissions, independent of ROS and of the web server."""

@@ -1,4 +1,5 @@
-"""What a client may ask for, checked: nothing from the network is trusted to be sane."""
+"""The acts that a client may request. All fields are checked, because they come from the network.
+"""
 from __future__ import annotations
 
 import math
@@ -10,13 +11,13 @@ from fleet_page.core.roles import Role
 
 MOST_DESTINATIONS = 100
 MOST_EDGES = 1000
-LONGEST_STAY = 1e6  # s, as the fleet manager has it
+LONGEST_STAY = 1e6  # s, the limit of the fleet manager
 _LONGEST_NAME = 100
 _INT32 = 2 ** 31 - 1
 
 
 class ActKind(Enum):
-    """Every act; the value is its name in requests, texts and records."""
+    """The kind of an act; the value is its name in requests, texts and records."""
 
     STOP = 'stop'
     RESUME = 'resume'
@@ -37,12 +38,12 @@ class ActKind(Enum):
 
 @dataclass(frozen=True)
 class Act:
-    """One act; what it does not need is empty.
+    """One act. Fields that it does not need are empty.
 
     mission -- request id
-    robot   -- for which robot, or the robot that must serve the mission
-    stays   -- s at each destination, negative: until released; empty: nowhere
-    name    -- of a favourite
+    robot   -- the robot that the act concerns, or that must serve the mission
+    stays   -- s at each destination, negative: until released; empty: no stays
+    name    -- name of a favourite
     """
 
     kind: ActKind
@@ -58,7 +59,7 @@ class Act:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an act, in words; mission: the request id that a new one got."""
+    """The outcome of an act. `mission`: the request id of a new mission, else 0."""
 
     ok: bool
     text: str
@@ -66,7 +67,7 @@ class Outcome:
 
 
 class WrongAct(Exception):
-    """The request makes no sense; the text says what it must be."""
+    """The request is not valid. The text says what it must be."""
 
 
 def _whole(value: Any) -> int:
@@ -125,7 +126,7 @@ _EDGES: Dict[str, Field] = {'edges': _edges}
 
 @dataclass(frozen=True)
 class Rule:
-    """The role that an act needs, and the fields that it needs and may have."""
+    """The role that an act needs, its required fields and its optional fields."""
 
     role: Role
     needed: Mapping[str, Field]

@@ -1,4 +1,4 @@
-"""What the page knows of robots and missions: plain values, as the fleet manager told them."""
+"""Robots and missions as plain values, as the fleet manager publishes them."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED')
 
 @dataclass(frozen=True)
 class Place:
-    """A pose in the frame `map`: m, m, rad; `theta` None: not known."""
+    """A pose in the frame `map`: x (m), y (m), theta (rad); None: the heading is not known."""
 
     x: float
     y: float
@@ -23,11 +23,12 @@ class Place:
 class Robot:
     """One robot.
 
-    outage  -- as in itrci_nav_msgs/FleetRobot without OUTAGE_, NONE where it works
-    edge    -- signed, 0 off the graph; fraction of it behind the robot
-    seen    -- s since 1970, 0: never
-    battery -- 0..1, None: unknown
-    mission -- request id, None: it has none
+    outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE if it works
+    edge     -- signed id; 0: off the graph
+    fraction -- part of the edge that is behind the robot, 0..1
+    seen     -- time of its last report, s since 1970; 0: never
+    battery  -- charge, 0..1; None: unknown
+    mission  -- request id; None: it has no mission
     """
 
     name: str
@@ -45,9 +46,9 @@ class Robot:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a robot drives next: signed edges, of which the first `released` may be driven.
+    """The next edges of a robot, with signed ids. The first `released` edges are released.
 
-    ends -- when each is driven, s since 1970
+    ends -- planned time at the end of each edge, s since 1970
     """
 
     edges: Tuple[int, ...]
@@ -57,9 +58,10 @@ class Plan:
 
 @dataclass(frozen=True)
 class MissionStatus:
-    """What was told of a mission; `stamp`, in ns, tells missions with one id apart.
+    """The status of a mission. `stamp` (ns) distinguishes missions with the same id.
 
-    not_done -- the act that the reason says was not carried out; empty: the reason is the mission's
+    not_done -- the act that was not carried out, for the given reason; empty: the reason concerns
+                the mission itself
     """
 
     id: int
@@ -73,7 +75,7 @@ class MissionStatus:
 
 @dataclass(frozen=True)
 class MissionRequest:
-    """What a mission is to do."""
+    """The request of a mission."""
 
     id: int
     stamp: int

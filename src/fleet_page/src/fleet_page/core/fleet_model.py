@@ -1,4 +1,4 @@
-"""What the page shows, made of what the fleet manager tells: the only writer of the live state.
+"""The model of the fleet that the page shows. It is the only writer of the live state.
 
 Keys of the live state: `fleet`, `site`, `closed`, `favourites`, `robot:NAME`, `pose:NAME`,
 `plan:NAME`, `mission:ID:STAMP`.
@@ -23,16 +23,16 @@ from graph_fleet_manager.supervision.journal import HistoryLine
 from trajectory_graph import Graph
 
 DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second
-MOST_ENDED = 200      # ended missions on the page
-MOST_REQUESTS = 6000  # requests that are remembered for their missions
-LONGEST_STEP = 5.0    # m between two locations; more is no drive
-LONGEST_GAP = 2.0     # s that count between two states
+MOST_ENDED = 200      # most ended missions on the page
+MOST_REQUESTS = 6000  # most requests that are remembered for their missions
+LONGEST_STEP = 5.0    # m between two poses; a longer step is not counted as driven
+LONGEST_GAP = 2.0     # s between two states that are counted at most
 
 Key = Tuple[int, int]
 
 
 class FleetModel:
-    """Takes what comes, tells it by `live`, and sums up what the history needs."""
+    """Takes the messages of the fleet, writes the state to `live`, and sums up for the history."""
 
     def __init__(self) -> None:
         self.live = LiveState()
@@ -43,7 +43,7 @@ class FleetModel:
         self.ended: Dict[str, int] = {}
         """Missions that ended since the start, by state."""
         self.distance: Dict[str, float] = {}
-        """m that each robot drove since the start."""
+        """The m that each robot has driven since the start."""
         self._plans: Dict[str, Plan] = {}
         self._requests: Dict[Key, MissionRequest] = {}
         self._sums: Dict[str, Sums] = {}
@@ -56,22 +56,22 @@ class FleetModel:
     # -- the site ---------------------------------------------------------------------------------
 
     def site_changed(self) -> None:
-        """Graph, map or places are others: pages fetch them anew."""
+        """Notes that the site has changed, so that browsers load graph and map again."""
         self._site += 1
         self.live.put('site', self._site)
 
     def close_edges(self, edges: Iterable[int]) -> None:
-        """These edges are closed."""
+        """Takes the list of all closed edges."""
         self.live.put('closed', sorted(edges))
 
     def show_favourites(self, favourites: Mapping[str, Any]) -> None:
-        """These missions are kept under names."""
+        """Shows the favourites: missions that are stored under a name."""
         self.live.put('favourites', dict(favourites))
 
     # -- robots -----------------------------------------------------------------------------------
 
     def take_robots(self, robots: Iterable[Robot], now: float) -> None:
-        """The state of every robot."""
+        """Takes the states of all robots."""
         found = {robot.name: robot for robot in robots}
         if self._heard is not None:
             self._sum_up(found, min(max(now - self._heard, 0.0), LONGEST_GAP))
@@ -89,7 +89,7 @@ class FleetModel:
         self.tick(now)
 
     def take_places(self, places: Mapping[str, Place]) -> None:
-        """Where robots are, by their locations."""
+        """Takes the poses of robots."""
         for name, place in places.items():
             before = self.places.get(name)
             if before is not None:
@@ -101,9 +101,9 @@ class FleetModel:
             self._show_place(name, place)
 
     def tick(self, now: float) -> None:
-        """Looks whether the fleet manager is alive."""
+        """Checks whether the fleet manager is alive."""
         alive = self._heard is not None and now - self._heard < DEAD_AFTER
-        # While it is alive the time is left out, as it would be a change each time.
+        # While it is alive the time is omitted, because each message would be a change.
         self.live.put('fleet', {'alive': alive, 'heard': None if alive else self._heard})
 
     def _show_place(self, name: str, place: Place) -> None:
@@ -131,13 +131,13 @@ class FleetModel:
                         self._edge_waiting[edge] = self._edge_waiting.get(edge, 0.0) + seconds
 
     def take_sums(self) -> Tuple[Dict[str, Sums], Dict[int, float]]:
-        """What came together since the last call, by robot and by edge."""
+        """Returns the sums since the last call, by robot, and the s of waiting, by edge."""
         sums, self._sums = self._sums, {}
         edges, self._edge_waiting = self._edge_waiting, {}
         return sums, edges
 
     def moment(self) -> Dict[str, List[Any]]:
-        """Every robot as the replay keeps it."""
+        """All robots in the form of the replay."""
         values: Dict[str, List[Any]] = {}
         for name, robot in self.robots.items():
             pose = self.live.get(f'pose:{name}')
@@ -148,7 +148,7 @@ class FleetModel:
     # -- plans and missions -----------------------------------------------------------------------
 
     def take_plans(self, plans: Mapping[str, Plan]) -> None:
-        """Every robot's plan."""
+        """Takes the plans of all robots."""
         self._plans = dict(plans)
         self.live.replace('plan:', {name: [list(plan.edges), plan.released]
                                     for name, plan in plans.items() if plan.edges})
@@ -157,7 +157,7 @@ class FleetModel:
                 self._show_mission(key)
 
     def take_request(self, request: MissionRequest) -> None:
-        """What a mission is to do; it may come before or after its first status."""
+        """Takes the request of a mission. It may come before or after its first status."""
         key = (request.id, request.stamp)
         self._requests[key] = request
         while len(self._requests) > MOST_REQUESTS:
@@ -166,17 +166,17 @@ class FleetModel:
             self._show_mission(key)
 
     def knows(self, request: MissionRequest) -> bool:
-        """Did exactly this request come before?"""
+        """Returns whether the same request came before."""
         return self._requests.get((request.id, request.stamp)) == request
 
     @property
     def unknown(self) -> Set[int]:
-        """Ids of open missions of which nothing is known but what became of them."""
+        """Ids of open missions of which only the status is known, not the request."""
         return {status.id for key, status in self.missions.items()
                 if key not in self._requests and status.state in OPEN_STATES}
 
     def take_history(self, lines: Iterable[HistoryLine]) -> None:
-        """What the journal has of missions that were asked for before the page listened."""
+        """Takes from the journal the requests that came before the page listened."""
         last = {line.request_id: line for line in lines}
         for key, status in list(self.missions.items()):
             line = last.get(status.id)
@@ -185,13 +185,13 @@ class FleetModel:
                                                  line.priority, line.requested_by))
 
     def forget_request(self, id: int) -> None:
-        """A mission may have been changed: what it is to do is read in the journal."""
+        """Forgets the request of a mission that may have changed, so that the journal is read."""
         for key in [key for key, status in self.missions.items()
                     if key[0] == id and status.state in OPEN_STATES]:
             self._requests.pop(key, None)
 
     def take_status(self, status: MissionStatus) -> None:
-        """What is told of a mission."""
+        """Takes the status of a mission."""
         key = (status.id, status.stamp)
         before = self.missions.pop(key, None)
         self.missions[key] = status
@@ -219,7 +219,7 @@ class FleetModel:
         self.live.put(_name_of(key), values)
 
     def _ends_at(self, status: MissionStatus, request: MissionRequest) -> Optional[float]:
-        """When the plan reaches the last destination, stays left out; None: it does not."""
+        """The time at which the plan reaches the last destination, without stays; None: never."""
         plan = self._plans.get(status.robot)
         left = list(request.destinations[status.reached:])
         if plan is None or self.graph is None or status.state not in OPEN_STATES:
@@ -240,7 +240,7 @@ def _name_of(key: Key) -> str:
 
 
 def _robot_values(robot: Robot) -> Dict[str, Any]:
-    """As pages get it: what changes with every report is left out, or made coarse."""
+    """A robot as browsers get it. Values that change with each report are omitted or rounded."""
     values = asdict(robot)
     for name in ('name', 'edge', 'fraction', 'seen'):
         del values[name]

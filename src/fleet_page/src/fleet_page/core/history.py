@@ -1,4 +1,4 @@
-"""What happened: missions from the fleet manager's journal, sums from the page's own records."""
+"""The history: missions from the fleet manager's journal, sums from the page's records."""
 from __future__ import annotations
 
 import csv
@@ -8,7 +8,7 @@ from typing import Any, Dict, Iterable, List, Optional
 from fleet_page.core.records import HOUR, Records
 from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine
 
-HOTTEST = 200  # edges in the heat map
+HOTTEST = 200  # most edges in the heat map
 
 
 def history_values(lines: Iterable[HistoryLine], records: Records, since: float,
@@ -40,7 +40,8 @@ def history_values(lines: Iterable[HistoryLine], records: Records, since: float,
 
 
 def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
-    """Every mission accepted since a time, with the columns of `mission history --csv`."""
+    """The missions accepted since a time (s since 1970), as CSV with the columns of
+    `mission history --csv`."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator='\n')
     writer.writerow(HISTORY_COLUMNS)
@@ -56,7 +57,7 @@ def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
 
 
 def _cell(text: str) -> str:
-    """A text that no spreadsheet takes for a formula."""
+    """The text in a form that no spreadsheet reads as a formula."""
     return f"'{text}" if text[:1] in ('=', '+', '-', '@', '\t', '\r') else text
 
 

@@ -1,4 +1,4 @@
-"""How long planner and release take: counts in buckets, as Prometheus has them."""
+"""Histograms of the planning time and of the time until a release, in the form of Prometheus."""
 from __future__ import annotations
 
 from typing import Dict, List, Mapping
@@ -17,7 +17,7 @@ class Histogram:
         self.count = 0
 
     def add(self, value: float) -> None:
-        """One more value."""
+        """Adds a value."""
         for k, bound in enumerate(BOUNDS):
             if value <= bound:
                 self.counts[k] += 1
@@ -25,7 +25,7 @@ class Histogram:
         self.count += 1
 
     def lines(self, name: str) -> List[str]:
-        """In the text format of Prometheus."""
+        """The histogram in the text format of Prometheus."""
         return [*(f'{name}_bucket{{le="{bound:g}"}} {count}'
                   for bound, count in zip(BOUNDS, self.counts)),
                 f'{name}_bucket{{le="+Inf"}} {self.count}',
@@ -33,18 +33,18 @@ class Histogram:
 
 
 class ReleaseWatch:
-    """How long the next edge of a robot that has nothing released takes to be released.
+    """Measures how long robots without a released edge wait for the release of the next edge.
 
-    It counts from the first plan in which the robot has edges, but may drive none of them, to the
-    first in which it may.
+    The time begins with the first plan in which the robot has edges but none is released. It ends
+    with the first plan in which one is released.
     """
 
     def __init__(self) -> None:
         self.seconds = Histogram()
-        self._held: Dict[str, float] = {}  # since when
+        self._held: Dict[str, float] = {}  # begin of each robot's wait
 
     def take(self, plans: Mapping[str, Plan], now: float) -> None:
-        """The plans as they are now."""
+        """Takes the plans at `now` (s)."""
         for name in [name for name in self._held if name not in plans]:
             del self._held[name]
         for name, plan in plans.items():

@@ -1,7 +1,7 @@
-"""The newest state, as entries with keys; a client is no more than the revision that it has seen.
+"""The newest state as entries with keys. For each client only its last revision is known.
 
-So no client has a queue: a client that was slow gets what is newest once it reads again,
-and one that reads nothing costs nothing.
+So no client has a queue. A slow client gets the newest state when it reads again, and a client that
+reads nothing costs nothing.
 """
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import json
 from collections import OrderedDict
 from typing import Any, Dict, Mapping, Optional, Tuple
 
-MOST_GONE = 5000  # removed keys that are remembered; a client that lacks more gets all anew
-_KEPT_TEXTS = 8   # updates that are kept as text, as most clients have seen the same
+MOST_GONE = 5000  # removed keys that are remembered; a client that lacks more gets all entries
+_KEPT_TEXTS = 8   # updates that are kept as text, because most clients need the same one
 
 
 class LiveState:
-    """Entries of JSON values by key."""
+    """Entries with JSON values, by key."""
 
     def __init__(self) -> None:
         self.revision = 1
@@ -24,13 +24,13 @@ class LiveState:
         self._texts: OrderedDict[Tuple[int, int], str] = OrderedDict()
 
     def put(self, key: str, value: Any) -> None:
-        """Sets an entry; the same value again is no change."""
+        """Sets an entry. The same value again is no change."""
         known = self._entries.get(key)
         if known is not None and known[1] == value:
             return
         self.revision += 1
         self._gone.pop(key, None)
-        # Moved to the end: the newest entries stand last, see `_update`.
+        # The entry moves to the end: `_update` needs the newest entries last.
         self._entries.pop(key, None)
         self._entries[key] = (self.revision, value)
 
@@ -49,7 +49,7 @@ class LiveState:
             self._oldest = self._gone.popitem(last=False)[1]
 
     def replace(self, prefix: str, values: Mapping[str, Any]) -> None:
-        """Makes these all entries whose keys begin with a prefix; the keys come without it."""
+        """Replaces all entries whose keys begin with a prefix. The given keys are without it."""
         for key in [key for key in self._entries
                     if key.startswith(prefix) and key[len(prefix):] not in values]:
             self.remove(key)
@@ -62,9 +62,10 @@ class LiveState:
                 if key.startswith(prefix)}
 
     def update(self, seen: int) -> str:
-        """What a client that has seen a revision must be told, as JSON.
+        """The update for a client that has a revision, as JSON.
 
-        It holds `revision`, `full` (forget all else), `set` (values by key) and `gone` (keys).
+        Its fields are `revision`, `full` (true: the client must drop all other entries), `set`
+        (values by key) and `gone` (removed keys).
         """
         is_full = not self._oldest <= seen <= self.revision or seen <= 0
         wanted = (0 if is_full else seen, self.revision)

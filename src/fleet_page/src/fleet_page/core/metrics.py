@@ -13,7 +13,7 @@ CONTENT_TYPE = 'text/plain; version=0.0.4'
 
 def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
                  clients: int) -> str:
-    """Everything that is measured now."""
+    """All metrics at present."""
     robots = model.robots.values()
     of_robots, of_missions = Counter(robot.state for robot in robots), Counter(
         status.state for status in model.missions.values() if status.state in OPEN_STATES)
@@ -22,7 +22,7 @@ def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
 
     def family(name: str, kind: str, words: str, samples: Iterable[str]) -> None:
         lines.extend((f'# HELP {name} {words}', f'# TYPE {name} {kind}', *samples))
-    family('fleet_manager_up', 'gauge', '1 while the fleet manager tells its state.',
+    family('fleet_manager_up', 'gauge', '1 while the fleet manager publishes its state.',
            [f'fleet_manager_up {int(bool(fleet.get("alive")))}'])
     family('fleet_robots', 'gauge', 'Robots by state.', (
         f'fleet_robots{{state="{state}"}} {of_robots[state]}' for state in ROBOT_STATES))
@@ -50,7 +50,7 @@ def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
 
 
 def escaped(text: str) -> str:
-    """A text as the value of a label."""
+    """The text, escaped as the value of a label."""
     return text.replace('\\', '\\\\').replace('"', '\\"').replace('\n', '\\n')
 
 

@@ -1,5 +1,4 @@
-"""The page without its transport: what it shows, its sessions, its requests and their outcomes.
-"""
+"""The page without its transport: its content, its records, and the outcomes of requests."""
 from __future__ import annotations
 
 import logging
@@ -20,8 +19,8 @@ from fleet_page.core.site import WallMap, site_values
 from graph_fleet_manager.supervision.journal import HistoryLine
 
 Missions = Callable[[float], List[HistoryLine]]
-"""Missions in the journal that have changed since a time (s since 1970), and the open ones; raises
-JournalError. It may take its time."""
+"""Returns the missions in the journal that have changed since a time (s since 1970), and the open
+ones. Raises JournalError. It may be slow."""
 _LOG = logging.getLogger(__name__)
 REPLAY_PERIOD = 1.0   # s between two moments of the replay
 SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
@@ -29,7 +28,7 @@ SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
 
 @dataclass
 class Site:
-    """What of the site was told, beside the graph."""
+    """The data of the site, except the graph. `radii`: m, by robot type."""
 
     parking: frozenset = frozenset()
     docks: frozenset = frozenset()
@@ -38,7 +37,7 @@ class Site:
 
 
 class Page:
-    """One owner of all that pages see. Everything but `missions` is used by one thread."""
+    """Owns all data that browsers see. One thread uses it, except for `missions`."""
 
     def __init__(self, records: Records, replay: ReplayRing, missions: Missions) -> None:
         self.model = FleetModel()
@@ -50,10 +49,13 @@ class Page:
         self.model.site_changed()
         self.model.show_favourites(records.favourites())
 
-    # -- what comes from the fleet ----------------------------------------------------------------
+    # -- data from the fleet ----------------------------------------------------------------------
 
     def tick(self, now: float) -> None:
-        """Several times a second: is the fleet manager alive; replay and history."""
+        """Does the periodic work: checks that the fleet manager is alive, records replay and sums.
+
+        It is called several times per second.
+        """
         self.model.tick(now)
         if abs(now - self._recorded) >= REPLAY_PERIOD:
             self._recorded = now
@@ -63,12 +65,12 @@ class Page:
             self._keep('history', lambda: self.records.add(now, *self.model.take_sums()))
 
     def take_plans(self, plans: Dict[str, Plan], now: float) -> None:
-        """Every robot's plan."""
+        """Takes the plans of all robots."""
         self.model.take_plans(plans)
         self.release.take(plans, now)
 
     def take_status(self, status: MissionStatus) -> None:
-        """What is told of a mission; one that was asked for here is followed in the audit list."""
+        """Takes the status of a mission, and updates the outcome in the audit list."""
         self.model.take_status(status)
         if status.not_done:
             self._keep('audit list', lambda: self.records.was_not_done(
@@ -80,7 +82,7 @@ class Page:
             self._keep('audit list', lambda: self.records.mission_became(status.id, words))
 
     def take_request(self, request: MissionRequest, sender: str, now: float) -> None:
-        """A mission is asked for; `sender`: its sender beside this page; empty: not to be kept."""
+        """Takes the request of a mission. A request with a `sender` is added to the audit list."""
         is_new = not self.model.knows(request)
         self.model.take_request(request)
         if sender and is_new:
@@ -89,29 +91,29 @@ class Page:
             self.noticed(sender, act, now, request.id)
 
     def noticed(self, name: str, act: Act, now: float, mission: int = 0) -> None:
-        """A person or program asked for this past the page."""
+        """Adds an act that a person or program requested without the page to the audit list."""
         self._keep('audit list', lambda: self.records.note(now, name, act, Outcome(
             True, '', mission)))
 
     def _keep(self, what: str, write: Callable[[], None]) -> None:
-        """Writes to the page's own files; the fleet is shown without them, too."""
+        """Writes to the page's files. The fleet is shown even if that fails."""
         try:
             write()
         except (OSError, sqlite3.Error) as error:
             if self._troubles.get(what) != str(error):
-                _LOG.warning('The %s of the page is not kept: %s', what, error)
+                _LOG.warning('The %s of the page cannot be written: %s', what, error)
             self._troubles[what] = str(error)
         else:
             self._troubles.pop(what, None)
 
-    # -- what pages ask ---------------------------------------------------------------------------
+    # -- requests of browsers ---------------------------------------------------------------------
 
     def done(self, person: Person, act: Act, outcome: Outcome, now: float) -> None:
-        """Something was asked for, and this came of it."""
+        """Adds an act of a person, and its outcome, to the audit list."""
         self._keep('audit list', lambda: self.records.note(now, person.name, act, outcome))
 
     def change_favourites(self, act: Act) -> Outcome:
-        """Keeps or removes a favourite."""
+        """Stores or removes a favourite."""
         try:
             if act.kind is ActKind.REMOVE_FAVOURITE:
                 found = self.records.remove_favourite(act.name)
@@ -124,19 +126,19 @@ class Page:
         except TooManyFavourites:
             return Outcome(False, 'There are too many favourites: remove some.')
         except sqlite3.Error as error:
-            return Outcome(False, f'The disk does not keep it: {error}.')
+            return Outcome(False, f'The favourite cannot be written to the disk: {error}.')
         self.model.show_favourites(self.records.favourites())
         return outcome
 
     def site_values(self) -> Dict[str, Any]:
-        """Graph, places and map."""
+        """The graph, parking, docks, map and radii as JSON values."""
         site = self.site
         return site_values(self.model.graph, site.parking, site.docks, site.walls, site.radii)
 
     def history(self, lines: List[HistoryLine], since: float, now: float) -> Dict[str, Any]:
-        """Of the time since then."""
+        """The history since a time (s since 1970), as JSON values."""
         return history_values(lines, self.records, since, now)
 
     def metrics(self, clients: int) -> str:
-        """For Prometheus."""
+        """The metrics in the text format of Prometheus."""
         return metrics_text(self.model, self.planner, self.release.seconds, clients)

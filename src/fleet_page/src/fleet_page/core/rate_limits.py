@@ -1,4 +1,4 @@
-"""How often a client may ask: a bucket of tickets that fills again steadily."""
+"""A limit on the rate of requests: a bucket of tickets that fills at a constant rate."""
 from __future__ import annotations
 
 from typing import Dict, Hashable, Tuple
@@ -7,14 +7,14 @@ MOST_KEYS = 2000
 
 
 class RateLimit:
-    """So many tickets at once, and so many more each second, for each key."""
+    """For each key: at most `at_once` tickets, and `each_second` new ones per second."""
 
     def __init__(self, at_once: float, each_second: float) -> None:
         self._at_once, self._each_second = at_once, each_second
         self._buckets: Dict[Hashable, Tuple[float, float]] = {}  # tickets left, and when
 
     def allows(self, key: Hashable, now: float) -> bool:
-        """Takes a ticket; False: none is left."""
+        """Takes a ticket. Returns False if none is left."""
         left, since = self._buckets.pop(key, (self._at_once, now))
         left = min(self._at_once, left + (now - since) * self._each_second)
         allowed = left >= 1.0

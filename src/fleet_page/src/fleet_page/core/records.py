@@ -1,4 +1,4 @@
-"""What the page itself keeps: acts with their senders, favourites, and sums for the history."""
+"""The records of the page: acts with their senders, favourites, and sums for the history."""
 from __future__ import annotations
 
 import json
@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 
 from fleet_page.core.acts import Act, Outcome
 
-MOST_ROWS = 50000       # of the audit list; older ones go
+MOST_ROWS = 50000       # most rows of the audit list; the oldest are deleted
 MOST_FAVOURITES = 100
 HOUR = 3600
 KEPT_HOURS = 24 * 90
@@ -27,12 +27,18 @@ CREATE TABLE IF NOT EXISTS edge_hour (
 
 
 class TooManyFavourites(Exception):
-    """No more are kept."""
+    """The number of favourites has reached its limit."""
 
 
 @dataclass
 class Sums:
-    """Of one robot: m driven; s with a mission, s of these in which it waited, s watched."""
+    """Sums for one robot.
+
+    distance -- m driven
+    busy     -- s with a mission
+    waiting  -- s with a mission in which it waited
+    watched  -- s for which the page received its state
+    """
 
     distance: float = 0.0
     busy: float = 0.0
@@ -41,7 +47,7 @@ class Sums:
 
 
 class Records:
-    """One SQLite file; `:memory:` for none. Used by one thread at a time."""
+    """The records in one SQLite file; `:memory:`: without a file. One thread at a time uses it."""
 
     def __init__(self, path: str) -> None:
         self._db = sqlite3.connect(path, isolation_level=None, timeout=1.0,
@@ -50,13 +56,13 @@ class Records:
         self._db.executescript(_TABLES)
 
     def close(self) -> None:
-        """Ends its use."""
+        """Closes the file."""
         self._db.close()
 
     # -- audit ------------------------------------------------------------------------------------
 
     def note(self, time: float, person: str, act: Act, outcome: Outcome) -> None:
-        """A request of a person, and its outcome."""
+        """Adds a request of a person, and its outcome, to the audit list."""
         details = {name: value for name, value in asdict(act).items() if value and name != 'kind'}
         self._db.execute('INSERT INTO audit VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)', (
             time, person, act.kind.value, json.dumps(details), outcome.ok, outcome.text,
@@ -65,18 +71,19 @@ class Records:
                          (MOST_ROWS,))
 
     def mission_became(self, mission: int, words: str) -> None:
-        """What became of a mission that was asked for, in place of what was known before."""
+        """Replaces the outcome of the request for a mission."""
         self._db.execute('UPDATE audit SET outcome = ? WHERE id = '
                          '(SELECT MAX(id) FROM audit WHERE mission = ?)', (words, mission))
 
     def was_not_done(self, act: str, mission: int, words: str) -> None:
-        """The fleet manager did not carry out the last such act for a mission."""
+        """Notes that the fleet manager did not carry out the last act of this kind for a mission.
+        """
         self._db.execute(
             'UPDATE audit SET ok = 0, outcome = ? WHERE id = (SELECT MAX(id) FROM audit WHERE '
             "act = ? AND json_extract(details, '$.mission') = ?)", (words, act, mission))
 
     def audit(self, most: int) -> List[Dict[str, Any]]:
-        """The newest rows first."""
+        """At most this number of rows of the audit list, the newest first."""
         rows = self._db.execute('SELECT time, person, act, details, ok, outcome FROM audit '
                                 'ORDER BY id DESC LIMIT ?', (most,))
         return [{'time': time, 'person': person, 'act': act, 'details': json.loads(details),
@@ -86,18 +93,18 @@ class Records:
     # -- favourites -------------------------------------------------------------------------------
 
     def keep_favourite(self, name: str, content: Mapping[str, Any]) -> None:
-        """In place of one with that name. Raises TooManyFavourites."""
+        """Stores a favourite; one with the same name is replaced. Raises TooManyFavourites."""
         if len(self.favourites()) >= MOST_FAVOURITES and name not in self.favourites():
             raise TooManyFavourites
         self._db.execute('INSERT OR REPLACE INTO favourite VALUES (?, ?)',
                          (name, json.dumps(content)))
 
     def remove_favourite(self, name: str) -> bool:
-        """Was there one?"""
+        """Removes a favourite. Returns whether there was one."""
         return self._db.execute('DELETE FROM favourite WHERE name = ?', (name,)).rowcount > 0
 
     def favourites(self) -> Dict[str, Any]:
-        """All of them by name."""
+        """All favourites, by name."""
         return {name: json.loads(content) for name, content in
                 self._db.execute('SELECT name, content FROM favourite ORDER BY name')}
 
@@ -123,14 +130,14 @@ class Records:
         self._db.execute('COMMIT')
 
     def robot_sums(self, since: float) -> Dict[str, Sums]:
-        """Of every robot, from the hour of a time on."""
+        """The sums of each robot, from the hour of the time `since` (s since 1970) on."""
         rows = self._db.execute(
             'SELECT robot, SUM(distance), SUM(busy), SUM(waiting), SUM(watched) FROM robot_hour '
             'WHERE hour >= ? GROUP BY robot ORDER BY robot', (int(since // HOUR),))
         return {name: Sums(*numbers) for name, *numbers in rows}
 
     def edge_waiting(self, since: float) -> List[Tuple[int, float]]:
-        """Seconds that robots waited on each edge, the most first."""
+        """The seconds that robots waited on each edge, from that hour on, the most first."""
         return list(self._db.execute(
             'SELECT edge, SUM(waiting) FROM edge_hour WHERE hour >= ? GROUP BY edge '
             'ORDER BY 2 DESC', (int(since // HOUR),)))

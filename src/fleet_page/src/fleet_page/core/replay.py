@@ -1,7 +1,7 @@
-"""Where every robot was in the last hours: a ring of files, the oldest of which goes first.
+"""The recorded poses and states of all robots, in a ring of files: the oldest is deleted first.
 
-A line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for]}}`. A
-moment holds the robots that changed; with `k` it holds all, and reading may begin there.
+A line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for]}}`. It
+has only the robots that changed. A key moment, with `k`, has all robots; reading can begin there.
 """
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from typing import Any, Dict, List, Optional, Tuple
 
 SIZE = 50_000_000      # bytes of all files
 SEGMENTS = 20
-KEY_PERIOD = 30.0      # s between two moments that hold all robots
+KEY_PERIOD = 30.0      # s between two key moments
 _NAME = re.compile(r'replay_(\d{10})\.jsonl')
 
 Moment = Dict[str, List[Any]]
 
 
 class ReplayRing:
-    """The ring in a folder of its own."""
+    """The ring of files in its own folder; `size`: bytes of all files."""
 
     def __init__(self, folder: str, size: int = SIZE) -> None:
         self._folder, self._segment_size = folder, size // SEGMENTS
@@ -37,16 +37,16 @@ class ReplayRing:
 
     @property
     def span(self) -> Optional[Tuple[float, float]]:
-        """Times of the first and the last moment; None: there is none."""
+        """The times of the first and the last moment; None: there is no moment."""
         if not self._index:
             return None
         begin = self._index[0][0]
         return begin, max(begin, self._index[-1][0] if self._end is None else self._end)
 
     def add(self, time: float, robots: Moment) -> None:
-        """One more moment. Raises OSError where the disk does not take it."""
+        """Adds a moment. Raises OSError if the disk cannot be written."""
         if self._end is not None and time <= self._end:
-            return  # the clock was set back: what is kept stays in order
+            return  # the clock was set back: the recorded moments must stay in order
         begins = self._size >= self._segment_size
         is_key = begins or not self._index or time - self._key_at >= KEY_PERIOD
         changed = robots if is_key else {
@@ -67,7 +67,7 @@ class ReplayRing:
         self._last, self._end, self._size = dict(robots), time, offset + len(line)
 
     def at(self, time: float) -> Optional[Dict[str, Any]]:
-        """Where all robots were: `{"t": moment, "r": ...}`; None before the first moment."""
+        """All robots at a time: `{"t": moment, "r": ...}`; None before the first moment."""
         place = bisect_right([entry[0] for entry in self._index], time + 0.005)
         if not place:
             return None
@@ -102,7 +102,7 @@ class ReplayRing:
                 offset += len(line)
 
     def _lines(self, number: int, offset: int) -> List[Dict[str, Any]]:
-        """From a key moment up to the next one."""
+        """The moments from a key moment up to the next one."""
         found: List[Dict[str, Any]] = []
         with open(self._path(number), 'rb') as stream:
             stream.seek(offset)
@@ -115,7 +115,7 @@ class ReplayRing:
 
 
 def _moment(line: bytes) -> Optional[Dict[str, Any]]:
-    """A line as values; None for one that was not written to its end."""
+    """The values of a line; None if the line is incomplete."""
     try:
         values = json.loads(line)
         return values if isinstance(values['t'], float) and isinstance(values['r'], dict) else None

@@ -1,4 +1,4 @@
-"""Permissions: tokens in a file give roles, a token opens a session, a session is a cookie."""
+"""Permissions: a file gives each token a role; a login with a token opens a session (a cookie)."""
 from __future__ import annotations
 
 import hashlib
@@ -18,7 +18,7 @@ _NAME = re.compile(r'[A-Za-z0-9_.-]{1,40}')
 
 
 class Role(IntEnum):
-    """A higher one may do all that a lower one may."""
+    """A role. A higher role permits all that a lower one permits."""
 
     SEE = 1
     OPERATE = 2
@@ -27,28 +27,28 @@ class Role(IntEnum):
 
 @dataclass(frozen=True)
 class Person:
-    """The asker; the name goes into the records and into `requested_by`."""
+    """A user of the page. The name is written to the records and to `requested_by`."""
 
     name: str
     role: Role
 
 
 LOCAL = Person('local', Role.ADMIN)
-"""On loopback without a token file, each user of the page works on this computer."""
+"""The person for all requests if there is no token file: only this computer reaches the page."""
 
 
 class TokenFileError(Exception):
-    """The token file cannot be used; the text says why and what to do, never a token."""
+    """The token file cannot be used. The text says why and what to do, without any token."""
 
 
 class Tokens:
-    """Persons by the digests of their tokens."""
+    """The persons, by the digests of their tokens."""
 
     def __init__(self, persons: Dict[bytes, Person]) -> None:
         self._persons = persons
 
     def person(self, token: str) -> Optional[Person]:
-        """Whose token it is; all are compared, in constant time."""
+        """The owner of a token, or None. It is compared with all tokens in constant time."""
         digest, found = _digest(token), None
         for known, person in self._persons.items():
             if hmac.compare_digest(known, digest):
@@ -71,7 +71,7 @@ def load_tokens(path: str) -> Tokens:
         if line.strip() and not line.lstrip().startswith('#'):
             digest, person = _person(line.split(), f'{path}, line {number}')
             if digest in persons:
-                raise TokenFileError(f'{path}, line {number}: the token stands there twice.')
+                raise TokenFileError(f'{path}, line {number}: the token occurs twice.')
             persons[digest] = person
     if not persons:
         raise TokenFileError(f'The token file {path} has no token: write lines ROLE NAME TOKEN.')
@@ -80,7 +80,7 @@ def load_tokens(path: str) -> Tokens:
 
 def _person(words: List[str], where: str) -> Tuple[bytes, Person]:
     if len(words) != 3:
-        raise TokenFileError(f'{where}: must be ROLE NAME TOKEN.')
+        raise TokenFileError(f'{where}: the line must be ROLE NAME TOKEN.')
     role, name, token = words
     if role.upper() not in Role.__members__:
         raise TokenFileError(f'{where}: the role must be see, operate or admin.')
@@ -99,7 +99,7 @@ class Sessions:
         self._sessions: Dict[bytes, Tuple[Person, float]] = {}
 
     def open(self, person: Person, now: float) -> str:
-        """A new session; its id is the cookie."""
+        """Opens a session and returns its id, which is the cookie."""
         if len(self._sessions) >= MOST_SESSIONS:
             oldest = min(self._sessions, key=lambda key: self._sessions[key][1])
             del self._sessions[oldest]

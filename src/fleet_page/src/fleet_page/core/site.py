@@ -1,4 +1,4 @@
-"""The site as pages get it: vertices, edges as points of their curves, walls as a picture."""
+"""The site as data for browsers: vertices, edges as points of their curves, walls as a picture."""
 from __future__ import annotations
 
 import struct
@@ -10,19 +10,19 @@ import numpy as np
 
 from trajectory_graph import CurveType, Graph
 
-STEP = 0.25        # m between two points of a curve that is drawn
-MOST_STEPS = 40.0  # of a curve
+STEP = 0.25        # m between two points of a drawn curve, if that is less than MOST_STEPS
+MOST_STEPS = 40.0  # most steps of a curve
 MOST_CELLS = 4_000_000
 _OCCUPIED = 50
 
 
 class WrongMap(Exception):
-    """The grid is none; the text says why."""
+    """A message is not a valid grid. The text says why."""
 
 
 @dataclass(frozen=True)
 class WallMap:
-    """An occupancy grid as a PNG; x, y (m) is its lower left corner."""
+    """An occupancy grid as a PNG. x, y: its lower left corner; lengths in m."""
 
     png: bytes
     x: float
@@ -33,7 +33,7 @@ class WallMap:
 
 def wall_map(cells: bytes, columns: int, rows: int, resolution: float, x: float,
              y: float) -> WallMap:
-    """The walls of an occupancy grid, all else transparent; raises WrongMap."""
+    """The walls of an occupancy grid; all other cells are transparent. Raises WrongMap."""
     if not (columns > 0 and rows > 0 and columns * rows <= MOST_CELLS
             and len(cells) == columns * rows and 0.0 < resolution < 100.0):
         raise WrongMap(f'it has {len(cells)} cells in {columns} x {rows} of {resolution:g} m')
@@ -42,7 +42,7 @@ def wall_map(cells: bytes, columns: int, rows: int, resolution: float, x: float,
 
 
 def _png(walls: np.ndarray) -> bytes:
-    """One bit a pixel: 0 transparent, 1 grey, which is seen on light and dark."""
+    """A PNG with one bit per pixel: 0 transparent, 1 a grey that is visible on light and dark."""
     packed = np.packbits(walls, axis=1)
     rows = np.hstack([np.zeros((packed.shape[0], 1), np.uint8), packed])
 
@@ -57,7 +57,7 @@ def _png(walls: np.ndarray) -> bytes:
 
 def site_values(graph: Optional[Graph], parking: Collection[int], docks: Collection[int],
                 walls: Optional[WallMap], radii: Dict[str, float]) -> Dict[str, Any]:
-    """Everything that seldom changes, as JSON values; metres to the centimetre."""
+    """The data that seldom change, as JSON values; positions in m, rounded to 1 cm."""
     vertices, edges = [], []
     if graph is not None:
         for vertex in graph.vertices.values():

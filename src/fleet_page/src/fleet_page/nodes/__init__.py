@@ -1,1 +1,1 @@
-"""The node, and its messages."""
+"""The ROS node of the page, and the conversion of its messages."""

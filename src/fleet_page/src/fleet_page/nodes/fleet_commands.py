@@ -1,4 +1,4 @@
-"""Does what people ask for: the topics and services that RViz's menus and the commands use."""
+"""Carries out people's acts, with the same topics and services as RViz's menus and the commands."""
 from __future__ import annotations
 
 import random
@@ -15,7 +15,7 @@ from graph_fleet_manager.commands.stop import stop
 from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
-WAIT = 1.0  # s for a service that may not be there
+WAIT = 1.0  # s to wait for a service that may not exist
 COMMANDS: Dict[ActKind, int] = {
     ActKind.CANCEL: MissionCommand.CANCEL, ActKind.PAUSE: MissionCommand.PAUSE,
     ActKind.CONTINUE: MissionCommand.RESUME, ActKind.RELEASE: MissionCommand.RELEASE,
@@ -27,9 +27,10 @@ _SERVICES: Dict[ActKind, Tuple[str, Type[Any]]] = {
 
 
 class FleetCommands:
-    """Publishers and clients; `do` is called by several threads, and waits for what it does.
+    """The publishers and service clients. Several threads call `do`, which waits for the result.
 
-    is_robot -- is there such a robot? A name from the network becomes the name of no service else
+    is_robot -- returns whether a robot has this name; else a name from the network could become
+                part of any service name
     """
 
     def __init__(self, is_robot: Callable[[str], bool]) -> None:
@@ -40,7 +41,7 @@ class FleetCommands:
         self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=100)
 
     def do(self, act: Act, person: Person) -> Outcome:
-        """What became of an act."""
+        """Carries out an act for a person, and returns its outcome."""
         by = f'{person.name} (page)'
         if act.kind is ActKind.STOP:
             return self._stop()
@@ -53,7 +54,10 @@ class FleetCommands:
         return self._call(act, by)
 
     def _stop(self) -> Outcome:
-        """Past a fleet manager that hangs, too; one at a time, as it uses the robots' topics."""
+        """Stops all robots, even if the fleet manager hangs.
+
+        One stop runs at a time, because a direct stop uses the topics of the robots.
+        """
         with self._stopping:
             try:
                 return Outcome(True, stop())

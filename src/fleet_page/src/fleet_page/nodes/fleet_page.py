@@ -1,25 +1,25 @@
-"""The fleet in a browser: shows it live, and asks the fleet manager for what people want done.
+"""fleet_page: shows the fleet in a browser, and passes people's requests to the fleet manager.
 
 See docs/reference/fleet_page.md. It decides nothing about robots.
 
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
-    /mission_request, /mission_command, /edge_command: what was asked for, with its sender
-    /plan_answer: how long the planner takes
+    /mission_request, /mission_command, /edge_command: requests and their senders, for the audit
+    /plan_answer: the planning time
     ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
 Publishes
     /mission_request, /mission_command, /edge_command
-    /<robot>/target_route: a stop past a fleet manager that does not answer
+    /<robot>/target_route: a direct stop if the fleet manager does not answer
 Client of
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
-    ~listen      string  127.0.0.1   address to listen at; another one needs ~token_file
+    ~listen      string  127.0.0.1   address to listen at; any other address needs ~token_file
     ~port        int     8080
-    ~names       string  (empty)     further names of this computer in browsers, with commas
-    ~token_file  string  (empty)     lines ROLE NAME TOKEN, mode 600
+    ~names       string  (empty)     further host names of the page, separated by commas
+    ~token_file  string  (empty)     file with lines ROLE NAME TOKEN, mode 600
     ~certificate, ~key  string  (empty)  PEM files: the page is served by TLS
-    ~fleet_file  string  (empty)     how large the robots are; empty: 0.4 m in radius
+    ~fleet_file  string  (empty)     fleet file with the radii of the robots; empty: 0.4 m for all
     ~journal     string  graph_fleet_manager/fleet.sqlite in ROS_HOME
     ~folder      string  fleet_page in ROS_HOME: audit list, favourites, sums, replay
     ~map_topic   string  /fleet/map
@@ -71,13 +71,13 @@ from itrci_nav_msgs.msg import (
 from node_lifecycle import ConfigurationError, parameter, run
 from trajectory_graph import Graph
 
-TICK = 0.2          # s between two looks at what has to be done without a message
-LOOK_UP = 3.0       # s between two readings of the journal, where missions are not known
-START_WITHIN = 5.0  # s until the page must listen
+TICK = 0.2          # s between two runs of the work that no message triggers
+LOOK_UP = 3.0       # s between two readings of the journal while requests of missions are unknown
+START_WITHIN = 5.0  # s within which the page must listen
 
 
 class FleetPageNode:
-    """Callbacks leave what came to the one thread of the event loop, which owns the page."""
+    """The node. Callbacks pass messages to the thread of the event loop, which owns the page."""
 
     def __init__(self) -> None:
         host, port = parameter('~listen', '127.0.0.1'), parameter('~port', 8080, int)
@@ -108,7 +108,8 @@ class FleetPageNode:
                 serve(server, host, port, certificates), self._loop).result(START_WITHIN)
         except OSError as error:
             raise ConfigurationError(f'The page cannot listen at {host}, port {port} ({error}): '
-                                     'end what has it, or choose another with ~port.') from None
+                                     'end the program that uses the port, or choose another with '
+                                     '~port.') from None
         asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
         self._subscribers = self._subscribe(parameter('~map_topic', '/fleet/map'))
         shown = 'localhost' if is_loopback(host) else host
@@ -134,11 +135,12 @@ class FleetPageNode:
             await asyncio.sleep(TICK)
 
     async def _look_up(self) -> None:
-        """Missions of before the page's start, and changed ones, stand in the journal."""
+        """Reads in the journal the missions from before the page's start, and changed ones."""
         try:
             lines = await self._loop.run_in_executor(None, self._page.missions, math.inf)
         except JournalError as error:
-            rospy.logwarn_throttle(600.0, f'What missions are to do is not shown: {error}')
+            rospy.logwarn_throttle(600.0, 'The destinations of missions from before the start are '
+                                          f'not shown: {error}')
         else:
             self._page.model.take_history(lines)
 
@@ -166,7 +168,7 @@ class FleetPageNode:
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._loop.call_soon_threadsafe(self._use_graph, graph)
 
-    # -- what the fleet manager tells, in the thread of the event loop ----------------------------
+    # -- messages, in the thread of the event loop ------------------------------------------------
 
     def _use_graph(self, graph: Graph) -> None:
         self._page.model.graph = graph
@@ -213,7 +215,7 @@ class FleetPageNode:
         self._notice(message, messages.edges_of(message))
 
     def _notice(self, message: Any, act: Optional[Act]) -> None:
-        """What others ask for stands in the audit list, too."""
+        """Adds a request of another sender to the audit list."""
         sender = messages.sender_of(message, rospy.get_name())
         if sender and act is not None:
             self._page.noticed(sender, act, time.time())
@@ -231,8 +233,8 @@ def _access(host: str) -> Any:
     token_file = parameter('~token_file', '')
     if not token_file and not is_loopback(host):
         raise ConfigurationError(
-            f'Parameter ~listen is {host}, so others can reach the page: name a ~token_file, with '
-            'lines ROLE NAME TOKEN.')
+            f'Parameter ~listen is {host}, so other computers can reach the page: set ~token_file '
+            'to a file with lines ROLE NAME TOKEN.')
     try:
         tokens = load_tokens(token_file) if token_file else None
     except TokenFileError as error:
@@ -245,8 +247,8 @@ def _access(host: str) -> Any:
         except WrongCertificate as wrong:
             raise ConfigurationError(str(wrong)) from None
     elif not is_loopback(host):
-        rospy.logwarn('The page is served without TLS: every listener on the network can read its '
-                      'tokens. Name ~certificate and ~key.')
+        rospy.logwarn('The page is served without TLS: other computers on the network can read its '
+                      'tokens. Set ~certificate and ~key.')
     names = [name.strip() for name in parameter('~names', '').split(',') if name.strip()]
     secure = certificates is not None
     return Access(Addresses.of(host, names, secure), tokens, secure), certificates

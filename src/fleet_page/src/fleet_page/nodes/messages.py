@@ -1,4 +1,4 @@
-"""What the fleet manager's messages say, as the page's own values."""
+"""The conversion of the fleet manager's messages to the page's values."""
 from __future__ import annotations
 
 import math
@@ -29,7 +29,7 @@ _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
 def robot_of(message: msg.FleetRobot) -> Robot:
-    """One robot of /fleet_state."""
+    """A robot in /fleet_state."""
     return Robot(
         message.name, message.type, _word(ROBOT_STATES, message.state),
         _OUTAGES.get(message.outage_code, 'UNKNOWN'), message.pose.edge_id,
@@ -40,14 +40,14 @@ def robot_of(message: msg.FleetRobot) -> Robot:
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, Place]:
-    """Robots whose place is known."""
+    """The poses of all robots whose position is known, by name."""
     return {pose.robot: Place(pose.x, pose.y,
                               pose.theta if math.isfinite(pose.theta) else None)
             for pose in message.poses if math.isfinite(pose.x) and math.isfinite(pose.y)}
 
 
 def plans_of(message: msg.FleetPlan) -> Dict[str, Plan]:
-    """Every robot's plan; what is released stands first."""
+    """The plan of each robot, by name. Released edges come first."""
     return {plan.robot: Plan(tuple(drive.edge_id for drive in plan.drives),
                              sum(drive.released for drive in plan.drives),
                              tuple(drive.end.to_sec() for drive in plan.drives))
@@ -55,7 +55,7 @@ def plans_of(message: msg.FleetPlan) -> Dict[str, Plan]:
 
 
 def status_of(message: msg.MissionStatus) -> MissionStatus:
-    """What is told of a mission."""
+    """The status of a mission."""
     return MissionStatus(message.request_id, message.request_stamp.to_nsec(),
                          _word(MISSION_STATES, message.state), message.robot,
                          message.destinations_reached, message.reason,
@@ -69,7 +69,7 @@ def _not_done(message: msg.MissionStatus) -> str:
 
 
 def command_of(message: msg.MissionCommand) -> Optional[Act]:
-    """What is asked for an open mission; None: there is no such command."""
+    """The act of a command for an open mission; None: there is no such command."""
     kind = _COMMANDS.get(message.command)
     return None if kind is None else Act(
         kind, mission=message.request_id, priority=message.priority,
@@ -77,20 +77,22 @@ def command_of(message: msg.MissionCommand) -> Optional[Act]:
 
 
 def edges_of(message: msg.EdgeCommand) -> Optional[Act]:
-    """What is asked for edges; None: there is no such command."""
+    """The act of a command for edges; None: there is no such command."""
     kind = _EDGES.get(message.command)
     return None if kind is None else Act(kind, edges=tuple(message.edges))
 
 
 def sender_of(message: Any, own: str) -> str:
-    """The sender beside this page, which has the name `own`; empty: the page itself, or not
-    said."""
+    """The requester of a message; empty if this page sent it, or if the message names none.
+
+    own -- node name of this page
+    """
     sender = (message._connection_header or {}).get('callerid', '')
     return '' if sender == own else person_of(message.requested_by)
 
 
 def request_of(message: msg.MissionRequest) -> MissionRequest:
-    """What a mission is to do."""
+    """The request of a mission."""
     return MissionRequest(message.request_id, message.header.stamp.to_nsec(),
                           tuple(message.destination_vertices_id), message.robot,
                           message.robot_type, message.priority, person_of(message.requested_by))
@@ -113,5 +115,5 @@ def _finite(value: float, otherwise: float) -> float:
 
 
 def radii_of(fleet: Optional[Any]) -> Dict[str, float]:
-    """How large the robots of each type are."""
+    """The radius of the robots of each type, in m."""
     return {} if fleet is None else {kind.name: kind.radius for kind in fleet.types}

@@ -1,1 +1,1 @@
-"""The page over HTTP: thin, above the core."""
+"""The HTTP server of the page, a thin layer above the core."""

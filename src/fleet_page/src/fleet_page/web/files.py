@@ -1,4 +1,4 @@
-"""The page's own files, read once; no path of a request ever reaches the disk."""
+"""The static files of the page, read once at the start. No path in a request reaches the disk."""
 from __future__ import annotations
 
 import gzip
@@ -10,8 +10,8 @@ from typing import Dict, Optional
 from aiohttp import web
 
 CHART = '/usr/share/javascript/chart.js/chart.min.js'
-_CHART_MARK = b'Chart.js v3'  # older ones have another interface
-_LOOKED_AT = 300              # bytes of its beginning, where its version stands
+_CHART_MARK = b'Chart.js v3'  # older versions have another interface
+_LOOKED_AT = 300              # bytes at the beginning of the file, which contain its version
 _KINDS = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
           '.json': 'application/json', '.svg': 'image/svg+xml'}
 
@@ -25,7 +25,8 @@ class _File:
 
 
 class PageFiles:
-    """All files of a folder, and Chart.js where the distribution has one that is new enough."""
+    """All files of a folder, and Chart.js if the operating system has a version that is new enough.
+    """
 
     def __init__(self, folder: str, chart: str = CHART) -> None:
         self._files: Dict[str, _File] = {}
@@ -41,7 +42,7 @@ class PageFiles:
             self._files['chart.js'] = _file(content, _KINDS['.js'])
 
     def answer(self, request: web.Request, name: str) -> web.StreamResponse:
-        """The file with a name, or 404."""
+        """Answers a request with the file of this name, or with 404."""
         file = self._files.get(name)
         if file is None:
             raise web.HTTPNotFound(reason='There is no such file.')

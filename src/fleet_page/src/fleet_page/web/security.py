@@ -1,4 +1,4 @@
-"""Headers of every answer, and where requests may come from."""
+"""The security headers of each answer, and the checks of a request's host and origin."""
 from __future__ import annotations
 
 import ssl
@@ -21,13 +21,13 @@ LOOPBACK = ('127.0.0.1', 'localhost', '::1')
 
 
 class WrongCertificate(Exception):
-    """The page cannot be served with it; the text is one sentence."""
+    """The certificate cannot be used. The text is one sentence."""
 
 
 def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
-    """What the page is served with by TLS, from PEM files; no key: the certificate's file has it.
+    """The TLS context of the page, from PEM files. Without `key`, the certificate's file has it.
 
-    Raises WrongCertificate, also for a key with a password: no person is there to type it.
+    Raises WrongCertificate, also for a key with a password, because no person can enter it.
     """
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
@@ -40,16 +40,16 @@ def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
 
 
 def is_loopback(host: str) -> bool:
-    """Is it an address that only this computer reaches?"""
+    """Returns whether only this computer can reach the address."""
     return host in LOOPBACK
 
 
 @dataclass(frozen=True)
 class Addresses:
-    """By which names the page is reached; a request under another name is refused.
+    """The host names of the page. A request with another host name is refused.
 
-    So no other site can make a browser speak with the page under a name of its own. Without
-    names, every one is taken: then only sessions protect the page.
+    So no other web site can make a browser send requests to the page under that site's name. If
+    `names` is empty, each host name is accepted; then only sessions protect the page.
     """
 
     names: FrozenSet[str]
@@ -57,14 +57,14 @@ class Addresses:
 
     @classmethod
     def of(cls, listen: str, names: Iterable[str], secure: bool) -> Addresses:
-        """Of a page that listens there."""
+        """The addresses of a page that listens at `listen` and has these further names."""
         own = set(LOOPBACK) | set(names) | {listen}
         if listen in ('0.0.0.0', '::') and not names:
             own = set()
         return cls(frozenset(name.lower() for name in own), 'https' if secure else 'http')
 
     def allow_host(self, host: Optional[str]) -> bool:
-        """Is this Host header one of the page?"""
+        """Returns whether a Host header names this page."""
         if not host:
             return False
         try:
@@ -74,5 +74,5 @@ class Addresses:
         return name is not None and (not self.names or name.lower() in self.names)
 
     def allow_origin(self, origin: Optional[str], host: Optional[str]) -> bool:
-        """Does a POST come from a page of this very address? One that says nothing does not."""
+        """Returns whether the Origin of a POST is this page. A missing Origin is not allowed."""
         return bool(host) and origin == f'{self.scheme}://{host}'

@@ -1,4 +1,4 @@
-"""The page over HTTP: server-sent events down, POST up. No decision is made here."""
+"""The HTTP server: server-sent events to clients, POST requests from them. It decides nothing."""
 from __future__ import annotations
 
 import asyncio
@@ -25,12 +25,12 @@ from fleet_page.web.security import HEADERS, Addresses
 from graph_fleet_manager.supervision.journal_database import JournalError
 
 Do = Callable[[Act, Person], Outcome]
-"""Does an act of the fleet; called by threads of its own, and may take seconds."""
+"""Carries out an act of the fleet. It is called in separate threads and may take seconds."""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
-PERIOD = 0.1          # s between two updates to a client at most
-SILENCE = 5.0         # s after which a client is told that nothing changed
-STALLED = 30.0        # s after which a client that reads nothing is let go
+PERIOD = 0.1          # s, the shortest time between two updates to a client
+SILENCE = 5.0         # s without a change after which an empty update is sent
+STALLED = 30.0        # s after which a client that reads nothing is disconnected
 MOST_CLIENTS = 100
 MOST_CLIENTS_OF_ONE = 20
 LARGEST_REQUEST = 20_000
@@ -41,7 +41,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Access:
-    """How the page is reached; without tokens each user of it may do everything."""
+    """The access to the page. Without tokens each user may do everything."""
 
     addresses: Addresses
     tokens: Optional[Tokens] = None
@@ -49,7 +49,7 @@ class Access:
 
 
 class WebServer:
-    """Routes, sessions and streams of one page; used by one event loop."""
+    """The HTTP routes, sessions and streams of one page. One event loop uses it."""
 
     def __init__(self, page: Page, do: Do, files: PageFiles, access: Access) -> None:
         self._page, self._do, self._files, self._access = page, do, files, access
@@ -61,7 +61,7 @@ class WebServer:
         self._logins = RateLimit(5.0, 0.1)
         self._all_logins = RateLimit(30.0, 1.0)
         self._clients: Dict[str, int] = {}
-        # Stops have threads of their own: no other act that takes its time delays them.
+        # Stops have their own threads, so that a slow act cannot delay them.
         self._threads = concurrent.futures.ThreadPoolExecutor(8, 'acts')
         self._stop_threads = concurrent.futures.ThreadPoolExecutor(4, 'stops')
         self.app = web.Application(middlewares=[self._guard], client_max_size=LARGEST_REQUEST)
@@ -79,7 +79,7 @@ class WebServer:
 
     @property
     def clients(self) -> int:
-        """Browsers that follow the fleet."""
+        """The number of browsers that follow the fleet."""
         return sum(self._clients.values())
 
     async def _close(self, _: web.Application) -> None:
@@ -87,7 +87,7 @@ class WebServer:
         self._threads.shutdown(wait=False)
         self._stop_threads.shutdown(wait=False)
 
-    # -- the asker ---------------------------------------------------------------------------------
+    # -- permission --------------------------------------------------------------------------------
 
     @property
     def _guard(self) -> Any:
@@ -104,7 +104,7 @@ class WebServer:
     async def _guarded(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         hosts = request.headers.getall('Host', [])
         if len(hosts) != 1 or not self._access.addresses.allow_host(hosts[0]):
-            return _refused(421, 'The page is not reached under this name.')
+            return _refused(421, 'This host name is not one of the page: add it to ~names.')
         if request.method == 'POST':
             origins = request.headers.getall('Origin', [])
             if len(origins) != 1 or not self._access.addresses.allow_origin(origins[0], hosts[0]):
@@ -128,7 +128,7 @@ class WebServer:
         return self._sessions.person(session, time.time()) if session else None
 
     def _may(self, request: web.Request, role: Role) -> Person:
-        """The asker; raises for a person without that role."""
+        """The person of the request. Raises an HTTP error for a person without that role."""
         person = self._person(request)
         if person is None:
             raise web.HTTPUnauthorized(reason='Log in first.')
@@ -147,7 +147,7 @@ class WebServer:
             person = self._access.tokens.person(token)
         if person is None:
             _LOG.warning('A login from %s was refused.', request.remote)
-            return _refused(401, 'This token opens nothing.')
+            return _refused(401, 'This token is not valid.')
         _LOG.info('%s logged in from %s.', person.name, request.remote)
         answer = web.json_response(_me_values(person, True))
         answer.set_cookie(COOKIE, self._sessions.open(person, time.time()), httponly=True,
@@ -176,14 +176,14 @@ class WebServer:
     async def _chart(self, request: web.Request) -> web.StreamResponse:
         return self._files.answer(request, 'chart.js')
 
-    # -- what is shown ----------------------------------------------------------------------------
+    # -- views ------------------------------------------------------------------------------------
 
     async def _events(self, request: web.Request) -> web.StreamResponse:
         self._may(request, Role.SEE)
         address = request.remote or ''
         if self.clients >= MOST_CLIENTS or (
                 self._clients.get(address, 0) >= MOST_CLIENTS_OF_ONE):
-            return _refused(503, 'Too many pages follow the fleet.')
+            return _refused(503, 'Too many pages follow the fleet: close some.')
         answer = web.StreamResponse(headers={
             **HEADERS, 'Content-Type': 'text/event-stream', 'X-Accel-Buffering': 'no'})
         seen = self._seen(request.headers.get('Last-Event-ID', ''))
@@ -193,7 +193,7 @@ class WebServer:
             await self._stream(request, answer, seen)
         except (ConnectionError, asyncio.TimeoutError):
             if request.transport is not None:
-                request.transport.abort()  # what is waiting for it would be kept otherwise
+                request.transport.abort()  # else the data that it did not read would be kept
         finally:
             self._clients[address] -= 1
             if not self._clients[address]:
@@ -202,7 +202,7 @@ class WebServer:
 
     async def _stream(self, request: web.Request, answer: web.StreamResponse,
                       seen: int) -> None:
-        """Tells what is newest, for as long as the client reads and may see it."""
+        """Sends the newest state, as long as the client reads and its session is valid."""
         live, told = self._page.model.live, time.monotonic()
         while not self._closing and self._person(request) is not None:
             now = time.monotonic()
@@ -214,7 +214,7 @@ class WebServer:
             await asyncio.sleep(PERIOD)
 
     def _seen(self, event: str) -> int:
-        """The revision that a client has which comes again; 0: none of this server."""
+        """The revision that a reconnecting client has; 0: it has none of this server."""
         instance, _, number = event.partition('-')
         if instance != self._instance or not number.isdecimal() or len(number) > 15:
             return 0
@@ -280,13 +280,13 @@ class WebServer:
                             headers={'Content-Type': CONTENT_TYPE})
 
     def _is_monitor(self, request: web.Request) -> bool:
-        """Does a program ask, with a token in its Authorization header? Prometheus has one."""
+        """Whether the request has a valid token in its Authorization header, as of Prometheus."""
         kind, _, token = request.headers.get('Authorization', '').partition(' ')
         return (kind == 'Bearer' and self._access.tokens is not None
                 and self._all_logins.allows('metrics', time.monotonic())
                 and self._access.tokens.person(token) is not None)
 
-    # -- what is asked for ------------------------------------------------------------------------
+    # -- acts -------------------------------------------------------------------------------------
 
     async def _act(self, request: web.Request) -> web.StreamResponse:
         person = self._person(request)
@@ -307,7 +307,7 @@ class WebServer:
                                   'mission': outcome.mission})
 
     async def _done(self, person: Person, act: Act, is_stop: bool) -> Outcome:
-        """What became of an act. It is recorded even where the client does not wait for it."""
+        """Carries out an act and records its outcome, even if the client does not wait for it."""
         if act.kind in (ActKind.ADD_FAVOURITE, ActKind.REMOVE_FAVOURITE):
             outcome = self._page.change_favourites(act)
         else:
@@ -319,7 +319,7 @@ class WebServer:
 
 async def serve(server: WebServer, host: str, port: int,
                 certificates: Optional[ssl.SSLContext]) -> web.AppRunner:
-    """Begins to listen; raises OSError where the port is taken."""
+    """Begins to listen. Raises OSError if the port is in use."""
     runner = web.AppRunner(server.app, access_log=None, handle_signals=False)
     await runner.setup()
     site = web.TCPSite(runner, host, port, ssl_context=certificates, shutdown_timeout=1.0)

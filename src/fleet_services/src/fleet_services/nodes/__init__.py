@@ -1,1 +1,1 @@
-"""The node that tells systemd how the others do."""
+"""The node that reports the state of the other nodes to systemd."""

@@ -1,13 +1,13 @@
-"""service_watch: tells systemd that the nodes of a unit are up, and that their threads move on.
+"""service_watch: notifies systemd that the nodes of a unit have started, and that none hangs.
 
-The watchdog of each node publishes in /diagnostics. As soon as all nodes of the unit have been well
-once, systemd gets READY=1; from then on it gets WATCHDOG=1 each second, as long as each of them was
-well within the last 15 s. Without that, systemd restarts the unit after its WatchdogSec.
+The watchdog of each node publishes in /diagnostics. As soon as each node of the unit has had a good
+report, systemd gets READY=1. From then on systemd gets WATCHDOG=1 each second, as long as each node
+had a good report within the last 15 s. Without it, systemd restarts the unit after its WatchdogSec.
 
 Subscribes
     /diagnostics (diagnostic_msgs/DiagnosticArray)
 Parameters
-    ~nodes  string  required  names of the nodes, with blanks between
+    ~nodes  string  required  names of the nodes, separated by blanks
 
 Outside of a service (no NOTIFY_SOCKET) it only logs.
 """
@@ -25,7 +25,7 @@ from fleet_services.health import Health
 from node_lifecycle import parameter, run
 
 PERIOD = 1.0  # s
-_ENDING = ': threads'  # of the names under which watchdogs publish
+_ENDING = ': threads'  # end of the status names that watchdogs publish
 
 
 class ServiceWatch:
@@ -47,8 +47,8 @@ class ServiceWatch:
     def _look(self, _: object) -> None:
         hung = self._health.hung(time.monotonic())
         if hung - self._hung:
-            rospy.logerr('%s: no sign of life for 15 s; systemd restarts this unit unless it '
-                         'comes.', ', '.join(sorted(hung)))
+            rospy.logerr('No good report of the watchdog for 15 s: %s. systemd restarts this unit '
+                         'unless one comes.', ', '.join(sorted(hung)))
         self._hung = hung
         if not self._is_ready and self._health.is_ready:
             self._is_ready = True
@@ -59,7 +59,7 @@ class ServiceWatch:
 
 
 def notify(state: str) -> None:
-    """One datagram to systemd, where this process belongs to a service."""
+    """Sends one datagram to systemd, if this process belongs to a service."""
     address = os.environ.get('NOTIFY_SOCKET', '')
     if address:
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as systemd:

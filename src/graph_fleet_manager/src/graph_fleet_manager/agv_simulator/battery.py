@@ -1,22 +1,22 @@
-"""An AGV's battery."""
+"""The battery of a simulated AGV."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-STANDING = 3.0 / 3600.0    # per cent of its charge a second
+STANDING = 3.0 / 3600.0    # per cent of a full battery per second; so are the next two
 DRIVING = 12.0 / 3600.0
 CHARGING = 60.0 / 3600.0
 
 
 @dataclass
 class SimulatedBattery:
-    """State of charge in per cent."""
+    """A battery; `charge` is in per cent."""
 
     charge: float = 100.0
     charging: bool = False
 
     def advance(self, seconds: float, driving: bool, at_charger: bool) -> None:
-        """Lets time pass."""
+        """Simulates this time."""
         self.charging = at_charger and not driving
         rate = CHARGING if self.charging else -(DRIVING if driving else STANDING)
         self.charge = min(max(self.charge + rate * seconds, 0.0), 100.0)

@@ -1,4 +1,4 @@
-"""A line protocol on loopback: `where` is answered with JSON, any other line is a fault."""
+"""A line protocol on loopback: `where` is answered with JSON; each other line is a fault."""
 from __future__ import annotations
 
 import json
@@ -8,13 +8,13 @@ import threading
 from typing import Callable, Mapping
 
 LONGEST_LINE = 1000  # bytes
-QUIET = 60.0         # s without a line, then the connection ends
+QUIET = 60.0         # s without a line after which the connection is closed
 
 
 class ControlServer(socketserver.ThreadingTCPServer):
     """Answers each line with `ok`, `error: <sentence>`, or one line of JSON.
 
-    `inject` and `where` are called from threads of the server.
+    Threads of the server call `inject` and `where`.
     """
 
     allow_reuse_address = True
@@ -22,7 +22,7 @@ class ControlServer(socketserver.ThreadingTCPServer):
 
     def __init__(self, port: int, inject: Callable[[str], None],
                  where: Callable[[], Mapping[str, object]]) -> None:
-        """Listens on this port of 127.0.0.1, 0 for a free one; raises OSError."""
+        """Listens on this port of 127.0.0.1; 0: a free port. Raises OSError."""
         super().__init__(('127.0.0.1', port), _Conversation)
         self.inject, self.where = inject, where
         self.port: int = self.server_address[1]
@@ -41,11 +41,11 @@ class ControlServer(socketserver.ThreadingTCPServer):
 
 class _Conversation(socketserver.StreamRequestHandler):
     timeout = QUIET
-    rbufsize = 0  # a line that was received is not hidden in a buffer
+    rbufsize = 0  # without a buffer, so that `select` sees each line that was received
 
     def handle(self) -> None:
         assert isinstance(self.server, ControlServer)
-        waiting = selectors.DefaultSelector()  # the node's watchdog knows it as no standstill
+        waiting = selectors.DefaultSelector()  # the watchdog does not take this wait for a hang
         waiting.register(self.connection, selectors.EVENT_READ)
         try:
             while waiting.select(QUIET):
@@ -55,6 +55,6 @@ class _Conversation(socketserver.StreamRequestHandler):
                 words = line.decode('utf-8', 'replace').strip()
                 self.wfile.write(self.server.answer(words).encode() + b'\n')
         except OSError:
-            return  # the other end went away
+            return  # the other end closed the connection
         finally:
             waiting.close()

@@ -1,9 +1,9 @@
-"""A vehicle that follows edges exactly: its place, speed and heading from one moment to the next.
+"""The motion of a vehicle that follows edges exactly: its position, speed and heading over time.
 
-On a new edge it turns on the spot. A vehicle that drives both ways alike turns by the smaller
-angle, at most 90 degrees, and drives on with the end that is ahead then. It does not stop between
-edges that run on smoothly.
-Metres, seconds, radians.
+If the next edge has another direction, the vehicle stops and turns on the spot. A vehicle that can
+drive backwards turns by the smaller angle, at most 90 degrees, and then drives with that end ahead.
+It does not stop between edges that continue smoothly.
+Units are m, s and rad.
 """
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from typing import Iterator, Optional, Sequence, Tuple
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits, angle_between
 from trajectory_graph import Graph
 
-STEP = 0.05        # s, of simulated time between two looks at what lies ahead
-AT_REST = 1e-9     # m/s
-ON_PLACE = 1e-4    # m and rad: nearer than that is there
-_EXACT = 1e-6      # of a squared speed, for rounding
+STEP = 0.05        # s of simulated time between two decisions about the speed
+AT_REST = 1e-9     # m/s and rad/s: a lower speed is standing
+ON_PLACE = 1e-4    # m and rad: a smaller distance is none
+_EXACT = 1e-6      # m2/s2, tolerance of a squared speed for rounding
 
 
 class Drive:
     """The motion of one vehicle along a path of signed edges.
 
-    path, index  -- edges in driving order, and which of them it is on; len(path) at the end of all
-    arc          -- m from the start of that edge
-    vertex       -- on which it stands, None between vertices and while it moves
+    path, index  -- edges in driving order, and the index of its edge; len(path) at the end
+    arc          -- m from the start of its edge
+    vertex       -- vertex on which it stands; None between vertices and while it moves
     """
 
     def __init__(self, graph: Graph, limits: DriveLimits, speeds: SpeedLimits,
@@ -37,19 +37,19 @@ class Drive:
         self.speed = 0.0
         self.heading = graph.vertex(vertex).theta
         self.pace = 1.0
-        """Factor (0..1] on all speeds."""
+        """Factor on all speeds, above 0 and at most 1."""
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
         self._backwards = False                # whether its rear is ahead
 
     @property
     def edge(self) -> Optional[int]:
-        """The signed edge that it is on, the last one at the end of the path; None without."""
+        """The signed id of its edge, at the end of the path the last one; None without a path."""
         return self.path[min(self.index, len(self.path) - 1)] if self.path else None
 
     @property
     def at_end(self) -> bool:
-        """Whether nothing of the path is ahead."""
+        """Whether it is at the end of the path, or has none."""
         return self.index >= len(self.path)
 
     @property
@@ -68,19 +68,19 @@ class Drive:
         return x, y, self.heading
 
     def can_follow(self, path: Sequence[int], index: int, arc: float) -> bool:
-        """Can it go on along this path as fast as it is, that is, brake in time for all ahead?"""
+        """Whether it can continue on this path at its speed: it can brake for each limit ahead."""
         return all(self.speed ** 2 <= limit ** 2 + 2.0 * self.limits.braking * distance + _EXACT
                    for distance, limit in self._ahead(path, index, arc, self._braking_distance()))
 
     def follow(self, path: Sequence[int], index: int, arc: float) -> None:
-        """Takes another path, on which it is at `arc` of edge `index`, or at its end."""
+        """Replaces the path. On the new one it is `arc` m along the edge `index`, or at the end."""
         goes_on = not self.at_end and index < len(path) and path[index] == self.edge
         self.path, self.index, self.arc = tuple(path), index, arc
         if index < len(path) and not goes_on:
             self._face_ahead()
 
     def advance(self, seconds: float, hold: bool = False, emergency: bool = False) -> None:
-        """Lets time pass; with `hold` it brakes and stands, with `emergency` harder."""
+        """Simulates this time. With `hold` it brakes until it stands, with `emergency` harder."""
         if self.at_rest and (hold or (self.at_end and self._turn_to is None)):
             return
         steps = max(1, math.ceil(seconds / STEP - 1e-9))
@@ -117,7 +117,7 @@ class Drive:
         self._turn_rate = rate
 
     def _allowed(self, dt: float) -> float:
-        """The highest speed (m/s) after this step from which it can brake for all that is ahead."""
+        """The highest speed (m/s) after this step from which it can brake for each limit ahead."""
         assert self.edge is not None
         highest = self.pace * [limit for arc, limit in self.speeds.along(self.edge)
                                if arc <= self.arc + 1e-9][-1]
@@ -130,7 +130,8 @@ class Drive:
 
     def _ahead(self, path: Sequence[int], index: int, arc: float,
                horizon: float) -> Iterator[Tuple[float, float]]:
-        """Distances (m) to where the limits (m/s) ahead begin, the path's end being one of 0."""
+        """Yields the distances (m) at which speed limits (m/s) begin; the path's end is a limit of
+        0."""
         base = -arc
         for number in range(index, len(path)):
             for begin, limit in self.speeds.along(path[number]):
@@ -181,7 +182,7 @@ class Drive:
                            else self.graph.start_vertex(edge)).id
 
     def _face_ahead(self) -> None:
-        """Chooses which end goes ahead on the edge that begins, and what to turn for that."""
+        """Chooses the end that is ahead on the edge that begins, and the heading to turn to."""
         ahead = self.graph.curve(self.path[self.index]).heading_at(self.arc)
         self._backwards = self.limits.reverses and abs(
             angle_between(self.heading, ahead)) > math.pi / 2.0
@@ -193,9 +194,10 @@ class Drive:
 
 
 def speed_towards(distance: float, limit: float, speed: float, braking: float, dt: float) -> float:
-    """The highest speed after `dt` from which braking still leads to `limit` at `distance`.
+    """The highest speed after `dt` from which braking still reaches `limit` at `distance`.
 
-    v' with (v + v') / 2 dt + (v'^2 - limit^2) / (2 braking) = distance, but no less than `limit`.
+    It is the v' that solves (v + v') / 2 dt + (v'^2 - limit^2) / (2 braking) = distance, and at
+    least `limit`.
     """
     half = braking * dt / 2.0
     root = half * half - 2.0 * half * speed + limit * limit + 2.0 * braking * distance

@@ -1,4 +1,4 @@
-"""Faults of AGVs on demand, one line of words each; the table is also the help."""
+"""Faults of AGVs on demand, each one line of text. The table is also the help text."""
 from __future__ import annotations
 
 import math
@@ -12,7 +12,7 @@ ON_DEMAND = Reason(ReasonCode.OTHER, 'fault on demand')
 
 
 class UnknownFault(ValueError):
-    """A line that is no fault; the sentence says why."""
+    """A line is not a valid fault. The text is a sentence that says why."""
 
 
 class Argument(NamedTuple):
@@ -25,7 +25,7 @@ class Argument(NamedTuple):
 
 
 class Fault(NamedTuple):
-    """What a word brings about, with its arguments as numbers."""
+    """The effect of a word; `act` gets the vehicle and the arguments as numbers."""
 
     meaning: str
     arguments: Sequence[Argument]
@@ -35,14 +35,14 @@ class Fault(NamedTuple):
 _SECONDS = Argument('SECONDS', 0.0, 1e6, math.inf)
 
 FAULTS: Dict[str, Fault] = {
-    'stall': Fault('brakes and stands for so long (10), its route waiting',
+    'stall': Fault('brakes and stands still for SECONDS (10); its route stays active',
                    [_SECONDS._replace(default=10.0)], Vehicle.stall),
-    'slow': Fault('drives with FACTOR of its speed for so long (for ever)',
+    'slow': Fault('drives with FACTOR of its speed for SECONDS (for ever)',
                   [Argument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], Vehicle.slow_down),
-    'silence': Fault('neither hears nor reports for so long (for ever); 0 ends it',
+    'silence': Fault('neither receives nor reports for SECONDS (for ever); 0 ends it',
                      [_SECONDS], Vehicle.fall_silent),
     'leave': Fault('is switched off', [], Vehicle.leave),
-    'join': Fault('is switched on, and knows nothing of its route', [], Vehicle.join),
+    'join': Fault('is switched on, without memory of its route', [], Vehicle.join),
     'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
     'takeover': Fault('another program drives it: its route fails with "taken over"', [],
                       lambda vehicle: vehicle.fail(TAKEN_OVER)),
@@ -59,7 +59,7 @@ FAULTS: Dict[str, Fault] = {
 
 
 def inject(vehicle: Vehicle, line: str) -> None:
-    """Brings about the fault that a line describes, e.g. `stall 20`; raises UnknownFault."""
+    """Injects the fault that a line describes, e.g. `stall 20`. Raises UnknownFault."""
     word, *given = line.split() or ['']
     fault = FAULTS.get(word.lower())
     if fault is None:
@@ -73,7 +73,7 @@ def inject(vehicle: Vehicle, line: str) -> None:
 
 
 def help_text() -> str:
-    """All faults, one a line."""
+    """The help text: all faults, one per line."""
     lines = []
     for word, fault in FAULTS.items():
         usage = ' '.join([word, *(argument.name if math.isnan(argument.default)

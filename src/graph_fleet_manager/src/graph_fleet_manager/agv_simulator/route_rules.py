@@ -1,4 +1,4 @@
-"""Which orders a vehicle takes up: the rules of docs/reference/route_protocol.md as questions."""
+"""The rules of docs/reference/route_protocol.md that decide which orders a vehicle accepts."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ from trajectory_graph.route_protocol import (
 
 
 class NotYet(Exception):
-    """The order can be judged once the vehicle stands."""
+    """The order cannot be judged before the vehicle stands still."""
 
 
 @dataclass
 class Route:
-    """An order that was taken up, and what became of it."""
+    """An accepted order and its progress."""
 
     order: RouteOrder
     phase: Phase = Phase.RUNNING
@@ -46,12 +46,12 @@ class Route:
         return edge_states(self.edges, self.completed, self.phase)
 
     def is_changed_by(self, order: RouteOrder) -> bool:
-        """Does the order have the id of this route, which was not stopped?"""
+        """Returns whether the order changes this route: same id, and the route was not stopped."""
         return self.order.route_id == order.route_id and self.phase is not Phase.STOPPED
 
 
 def check_order(order: RouteOrder, drive: Drive) -> None:
-    """Raises RouteRefused for an order that is wrong wherever the vehicle is."""
+    """Raises RouteRefused for an order that is wrong regardless of the vehicle's place."""
     order_rules.check_order(order, 'the vehicle')
     check_edges(drive.graph, order.edges)
     for edge in order.edges:
@@ -60,7 +60,7 @@ def check_order(order: RouteOrder, drive: Drive) -> None:
 
 
 def check_change(route: Route, order: RouteOrder, drive: Drive) -> None:
-    """Raises RouteRefused where the route cannot become what the order of the same id says."""
+    """Raises RouteRefused if the order, which has the route's id, cannot change the route so."""
     if route.phase is Phase.FAILED:
         raise RouteRefused(Reason(
             ReasonCode.WRONG_CHANGE,
@@ -74,11 +74,12 @@ def check_change(route: Route, order: RouteOrder, drive: Drive) -> None:
 
 
 def find_start(order: RouteOrder, before: Optional[Route], drive: Drive) -> Tuple[int, float]:
-    """Index of the edge and m on it where a vehicle begins a new route.
+    """The index of the edge, and the m on it, at which a vehicle begins a new route.
 
-    It does at the first vertex of the first edge, or on that edge. The edge that it has only just
-    left for the second one will do, too: the order may have crossed with a report. Raises
-    RouteRefused, and NotYet while the vehicle brakes and cannot just go on.
+    A route may begin at the first vertex of the first edge, or on that edge. If the vehicle has
+    just left this edge for the second one, the route is accepted too, because the order may have
+    crossed with a report. Raises RouteRefused, and NotYet while the vehicle brakes and the route
+    does not continue its motion.
     """
     going = _going_on(order, before, drive)
     if going is not None and (drive.at_rest or before is None or before.running
@@ -104,7 +105,8 @@ def find_start(order: RouteOrder, before: Optional[Route], drive: Drive) -> Tupl
 
 def _going_on(order: RouteOrder, before: Optional[Route],
               drive: Drive) -> Optional[Tuple[int, float]]:
-    """Where the route has the edge that the vehicle is on; None where it has not."""
+    """The index in the route of the vehicle's edge, and the m on it; None if it does not begin
+    there."""
     if drive.edge is None or drive.at_end:
         return None
     if order.edges[0] == drive.edge:

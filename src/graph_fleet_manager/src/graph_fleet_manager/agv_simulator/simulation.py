@@ -10,11 +10,11 @@ from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import Robot
 from trajectory_graph import Graph
 
-LONGEST_STEP = 1.0  # s of wall time that one step may make up for; what a pause took is lost
+LONGEST_STEP = 1.0  # s of wall time that one step simulates at most; the rest of a pause is lost
 
 
 class Simulation:
-    """AGVs on one graph. They do not see each other: to keep them apart is the fleet manager's."""
+    """AGVs on one graph. They do not detect each other; the fleet manager must keep them apart."""
 
     def __init__(self, graph: Graph, robots: Iterable[Robot], speed: float = 1.0) -> None:
         """`speed` is a factor on the clock."""
@@ -27,19 +27,19 @@ class Simulation:
             for robot in robots}
 
     def advance(self, wall_seconds: float, stamp: int) -> None:
-        """Lets wall time pass; `stamp` is that of the places in which all then are."""
+        """Simulates this wall time; `stamp` is the stamp of all poses after it."""
         seconds = min(wall_seconds, LONGEST_STEP) * self.speed
         self.time += seconds
         for vehicle in self.vehicles.values():
             vehicle.advance(seconds, stamp)
 
     def use_graph(self, graph: Graph) -> None:
-        """All go on with another graph."""
+        """Lets all AGVs use another graph from now on."""
         for vehicle in self.vehicles.values():
             vehicle.use_graph(graph)
 
     def where(self) -> Dict[str, object]:
-        """The simulated time (s), and by name where every AGV truly is (m, m, degrees)."""
+        """The simulated time (s), and the true pose of each AGV by its name (m, m, degrees)."""
         robots = {}
         for name, vehicle in self.vehicles.items():
             x, y, heading = vehicle.pose
@@ -47,7 +47,7 @@ class Simulation:
         return {'time': self.time, 'robots': robots}
 
     def inject(self, line: str) -> None:
-        """Brings about a fault, `@NAME fault`, or `fault` for the first AGV; UnknownFault."""
+        """Injects a fault: `@NAME fault`, or `fault` for the first AGV. Raises UnknownFault."""
         name, _, fault = line[1:].partition(' ') if line.startswith('@') else ('', '', line)
         vehicle = self.vehicles.get(name) if name else next(iter(self.vehicles.values()), None)
         if vehicle is None:

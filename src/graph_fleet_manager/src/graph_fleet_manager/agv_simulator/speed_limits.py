@@ -1,4 +1,4 @@
-"""How fast an AGV may be where, on every edge of a graph, and where it must stand still to turn."""
+"""Speed limits along the edges of a graph, and the vertices at which an AGV must stop to turn."""
 from __future__ import annotations
 
 import math
@@ -9,22 +9,22 @@ import numpy as np
 
 from trajectory_graph import Graph
 
-SAMPLE = 0.05   # m between the places at which a curve's bend is looked at
-CORNER = 0.05   # rad that two edges may differ in direction where they are driven without a stop
-CREEP = 0.05    # m/s, in the sharpest bend
-_STEPS = 20     # speeds within a bend are rounded down to so many parts of the highest one
+SAMPLE = 0.05   # m between the points at which the bend of a curve is computed
+CORNER = 0.05   # rad by which two edges may differ in direction and be driven without a stop
+CREEP = 0.05    # m/s in the sharpest bend
+_STEPS = 20     # number of levels to which speeds in bends are rounded down
 
 Stretch = Tuple[float, float]
-"""Where (m from the edge's start) a speed limit begins, and the limit (m/s)."""
+"""The begin of a speed limit (m from the edge's start), and the limit (m/s)."""
 
 
 @dataclass(frozen=True)
 class DriveLimits:
-    """What a vehicle's drive can do; m/s, m/s2, rad/s, rad/s2.
+    """The limits of a vehicle's drive; m/s, m/s2, rad/s, rad/s2.
 
-    turn_rate, turn_acceleration -- of turns on the spot
-    bend_rate -- of turns while it drives, which limits its speed in bends
-    reverses  -- whether it drives backwards as well as forwards, and so turns by 90 degrees at most
+    turn_rate, turn_acceleration -- for turns on the spot
+    bend_rate -- for turns while it drives; it limits the speed in bends
+    reverses  -- whether it can drive backwards, so that it turns by 90 degrees at most
     """
 
     speed: float = 1.0
@@ -46,7 +46,7 @@ class SpeedLimits:
         self._corners: Dict[Tuple[int, int], bool] = {}
 
     def may_drive(self, edge: int) -> bool:
-        """May the edge be driven in this direction at all? Not where its speed is 0."""
+        """Whether the edge may be driven in this direction: its speed is not 0."""
         return self._edge_speed(edge) > 0.0
 
     def along(self, edge: int) -> List[Stretch]:
@@ -56,7 +56,7 @@ class SpeedLimits:
         return self._stretches[edge]
 
     def stops_between(self, edge: int, following: int) -> bool:
-        """Must a vehicle stand still at the vertex between two edges, to turn or to reverse?"""
+        """Whether a vehicle must stop at the vertex between two edges, to turn or to reverse."""
         key = edge, following
         if key not in self._corners:
             self._corners[key] = abs(angle_between(

@@ -1,4 +1,4 @@
-"""One simulated AGV: takes orders, drives, reports; and what can go wrong with it."""
+"""One simulated AGV: it takes orders, drives and reports, and can have faults."""
 from __future__ import annotations
 
 import math
@@ -31,7 +31,7 @@ from trajectory_graph.route_protocol import (
     SymbolicPose,
 )
 
-MOST = 99.9  # per cent, of an edge that is not complete
+MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
@@ -39,9 +39,10 @@ _GRAPH_CHANGED = Reason(
 
 
 class Vehicle:
-    """One AGV on a graph. Orders come by `handle`, time by `advance`; `take_messages` has the rest.
+    """One AGV on a graph.
 
-    Times in s of the simulation; stamps are the caller's.
+    `handle` takes orders, `advance` simulates time, and `take_messages` returns the AGV's messages.
+    Times are in s of the simulation; stamps are those of the caller.
     """
 
     def __init__(self, name: str, graph: Graph, vertex: int,
@@ -64,7 +65,7 @@ class Vehicle:
         self._messages: List[Union[RouteReport, RouteRefusal]] = []
         self.drive = self._placed(graph, vertex)
 
-    # --- what the fleet manager sees --------------------------------------------------------------
+    # --- the interface to the fleet manager -------------------------------------------------------
 
     @property
     def running(self) -> bool:
@@ -73,7 +74,7 @@ class Vehicle:
 
     @property
     def silent(self) -> bool:
-        """Whether it neither hears nor reports."""
+        """Whether it neither receives nor reports."""
         return self._time < self._silent_until
 
     def handle(self, order: RouteOrder) -> None:
@@ -85,7 +86,7 @@ class Vehicle:
             self._waiting = None
             self.route = Route(order, Phase.STOPPED)
         elif route and (is_late(order, route.order) or order.is_repeat_of(route.order)):
-            return  # late, or what it drives already
+            return  # late, or a repetition of the route that it drives
         elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)
         elif not (self._waiting and order.is_repeat_of(self._waiting[0])):
@@ -94,7 +95,7 @@ class Vehicle:
         self._report_change()
 
     def report(self) -> RouteReport:
-        """What the fleet manager is to know now."""
+        """The present report to the fleet manager."""
         route = self.route
         if route is None:
             return RouteReport(self.stamp, 0, (), (), self._symbolic_pose(),
@@ -103,17 +104,17 @@ class Vehicle:
                            self._symbolic_pose(), route.reason, Location(*self.pose))
 
     def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
-        """What there is to be told since the last call: refusals, and reports of changes."""
+        """Returns the refusals, and the reports of changes, since the last call."""
         messages, self._messages = self._messages, []
         return [] if self.silent else messages
 
     @property
     def pose(self) -> Tuple[float, float, float]:
-        """Where it truly is: x, y (m) and heading (rad)."""
+        """The true pose: x, y (m) and heading (rad)."""
         return self._off_graph or self.drive.pose
 
     def advance(self, seconds: float, stamp: int) -> None:
-        """Lets time pass; `stamp` is that of the place where the vehicle then is."""
+        """Simulates this time; `stamp` is the stamp of the pose after it."""
         self._time += seconds
         self.stamp = stamp
         route = self.route
@@ -131,47 +132,47 @@ class Vehicle:
         self._consider()
         self._report_change()
 
-    # --- what can go wrong ------------------------------------------------------------------------
+    # --- faults -----------------------------------------------------------------------------------
 
     def stall(self, seconds: float) -> None:
-        """It brakes and stands for so long, its route waiting."""
+        """Brakes and stands still for this time; its route stays active."""
         self._stalled_until = self._time + seconds
 
     def slow_down(self, factor: float, seconds: float) -> None:
-        """It drives with this part of its speed for so long."""
+        """Drives with this factor on its speed for this time."""
         self.drive.pace, self._slow_until = factor, self._time + seconds
 
     def fall_silent(self, seconds: float = FOREVER) -> None:
-        """It neither hears nor reports for so long, and drives on with what it was told."""
+        """Neither receives nor reports for this time, but drives on along its route."""
         self._silent_until = self._time + seconds
 
     def leave(self) -> None:
-        """It is switched off: it stands, and neither hears nor reports."""
+        """Is switched off: it stands still, and neither receives nor reports."""
         self.route = self._waiting = self._refused = None
         self._silent_until = FOREVER
 
     def join(self) -> None:
-        """It is switched on, without any memory of a route."""
+        """Is switched on, without any memory of a route."""
         self._silent_until = self._stalled_until = 0.0
         self._report_change()
 
     def fail(self, reason: Reason) -> None:
-        """Its route fails."""
+        """Lets the running route fail."""
         self._fail(reason)
         self._report_change()
 
     def press_emergency_stop(self) -> None:
-        """It brakes hard, its route fails, and no order is taken up until the release."""
+        """Brakes hard; the route fails, and orders are refused until the release."""
         self.emergency = True
         self.fail(EMERGENCY_STOP)
         self._consider()
 
     def release_emergency_stop(self) -> None:
-        """Orders are taken up again."""
+        """Ends the emergency stop: orders are accepted again."""
         self.emergency = False
 
     def push_off_graph(self, metres: float) -> None:
-        """A person pushes it aside, to its left: its route fails, and it is on no edge."""
+        """A person pushes it to its left, off the graph: its route fails."""
         x, y, heading = self.pose
         self.drive.speed = 0.0
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
@@ -185,8 +186,11 @@ class Vehicle:
         self._report_change()
 
     def use_graph(self, graph: Graph) -> None:
-        """Goes on with another graph, from where it is; with its route where nothing of what is
-        left of it has changed but speeds, else without."""
+        """Uses another graph from now on, at the present place.
+
+        The route continues if nothing except speeds has changed on its remaining edges; else it
+        fails.
+        """
         before, drive = self.drive.graph, self.drive
         ahead = drive.path[drive.index:]
         if any(change_of(before, graph, edge) or speed_of(graph, edge) <= 0.0 for edge in ahead):
@@ -200,10 +204,10 @@ class Vehicle:
             self._place_again(graph)
         self._report_change()
 
-    # --- within -----------------------------------------------------------------------------------
+    # --- internal ---------------------------------------------------------------------------------
 
     def _place_again(self, graph: Graph) -> None:
-        """Onto the vertex of another graph on which it stands, else off that graph."""
+        """Places it on the vertex of another graph at its position, or off the graph."""
         x, y, heading = self.pose
         nearest = min(graph.vertices.values(), key=lambda one: math.dist(one.position, (x, y)))
         self.drive = self._placed(graph, nearest.id)
@@ -218,7 +222,7 @@ class Vehicle:
         return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
 
     def _consider(self) -> None:
-        """Takes up the order that waits, or refuses it, once it can be judged or is too old."""
+        """Accepts or refuses the waiting order as soon as it can be judged or is too old."""
         if self._waiting is None:
             return
         order, give_up = self._waiting
@@ -253,7 +257,7 @@ class Vehicle:
             self.route = Route(order, completed=index)
 
     def _refuse(self, order: RouteOrder, reason: Reason) -> None:
-        """Says so; where the id is not that of the route in the reports, by a report, too."""
+        """Sends a refusal, and also a report if the id is not that of the route in the reports."""
         self._refused = order, reason
         self._messages.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
@@ -266,7 +270,7 @@ class Vehicle:
             self.route.phase, self.route.reason = Phase.FAILED, reason
 
     def _report_change(self) -> None:
-        """Appends a report where more than a percentage has changed."""
+        """Appends a report if the route, its states or its reason have changed."""
         route = self.route
         now = route and (route.order.route_id, route.edges, route.states, route.reason)
         if now != self._reported:
@@ -274,7 +278,7 @@ class Vehicle:
             self._messages.append(self.report())
 
     def _symbolic_pose(self) -> SymbolicPose:
-        """On the route its edge, as ordered; without one the edge driven forwards."""
+        """The edge and percentage: with a route the ordered direction, else the edge forwards."""
         if self._off_graph is not None:
             return SymbolicPose()
         drive, graph = self.drive, self.drive.graph

@@ -1,9 +1,9 @@
-"""The command `check_network`: can this computer's ROS master be joined with that of another?
+"""The command `check_network`: checks whether the ROS masters of two computers can be joined.
 
     check_network HOST [--master-port N] [--discovery-port N]
 
-To be run in the shell from which this side is launched, best while both sides run. Prints a line
-for each check, with what to do. Exit status 0: all is well; 2: something is wrong; 1: wrong input.
+Run it in the shell from which this side is launched, best while both sides run. It prints one line
+for each check, with advice. Exit status 0: no fault was found; 2: a check failed; 1: wrong input.
 """
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _check(arguments: List[str]) -> int:
-    parser = Parser('check_network', description='Looks whether this computer and another one can '
-                    'be joined by multimaster:=true, and says what to do where not.')
+    parser = Parser('check_network', description='Checks whether this computer and another one can '
+                    'be joined by multimaster:=true, and says what to do if not.')
     parser.add_argument('host', help='address or name of the other computer')
     parser.add_argument('--master-port', type=int, default=MASTER_PORT,
-                        help='of the ROS master there (%(default)s)')
+                        help='port of the ROS master there (%(default)s)')
     parser.add_argument('--discovery-port', type=int, default=DISCOVERY_PORT,
-                        help='of master_discovery there (%(default)s)')
+                        help='port of master_discovery there (%(default)s)')
     options = parser.parse_args(arguments)
     if not is_address(options.host):
         raise CommandError(f'{options.host!r} is neither an IPv4 address nor the name of a '

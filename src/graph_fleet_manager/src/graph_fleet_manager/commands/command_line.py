@@ -1,4 +1,4 @@
-"""What all commands share, those without ROS too: exit statuses, and errors of one line."""
+"""The parts that all commands share, also those without ROS: exit statuses and errors."""
 from __future__ import annotations
 
 import argparse
@@ -9,7 +9,7 @@ OK, WRONG, NOT_DONE = 0, 1, 2
 
 
 class CommandError(Exception):
-    """What keeps a command from doing its work: one sentence that says what to do."""
+    """A command cannot do its work. The text is one sentence that says what to do."""
 
     def __init__(self, text: str, status: int = WRONG) -> None:
         super().__init__(text)
@@ -17,8 +17,8 @@ class CommandError(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, with exit status 1."""
+    """A parser that reports an error in one line and ends with exit status 1."""
 
     def error(self, message: str) -> NoReturn:
-        """Ends the command."""
+        """Prints the error and ends the command."""
         self.exit(WRONG, f'{self.prog}: {message}; see {self.prog} --help.\n')

@@ -1,7 +1,8 @@
-"""The stop that `fleet stop` gives to the robots itself, where the fleet manager does not answer.
+"""The stop that `fleet stop` sends to the robots directly if the fleet manager does not answer.
 
-Every robot gets an empty route under an id that no fleet manager gives; one that goes on later
-finds the stop in what robots report, and stops the fleet (see route_ids.is_past).
+Each robot gets an empty route under an id that no fleet manager gives. A fleet manager that hung
+and continues later finds this id in the reports of robots, and stops the fleet
+(route_ids.is_past).
 """
 from __future__ import annotations
 
@@ -18,22 +19,22 @@ from graph_fleet_manager.supervision.route_ids import past_id
 from itrci_nav_msgs.msg import FleetState, TargetRoute
 from node_lifecycle.log_file import init_node
 
-PATIENCE = 8.0    # s for all of it: rospy waits without end for a master that hangs
+PATIENCE = 8.0    # s for the whole stop: rospy waits without end for a master that hangs
 NAMES_IN = 0.5    # s for the names in /fleet_state, which a fleet manager that hangs may not send
 REACHED_IN = 3.0  # s for the connections to the robots
-FLUSHED_IN = 0.3  # s that a message may need over a connection
+FLUSHED_IN = 0.3  # s for the messages to reach the robots over their connections
 _ROUTE = '/target_route'
 
 
 class Stopped(NamedTuple):
-    """Names of the robots that were told to stop, and of those that no connection reached."""
+    """Names of the robots that were told to stop, and of the robots without a connection."""
 
     told: Tuple[str, ...]
     missed: Tuple[str, ...]
 
 
 def stop_robots(master_uri: str) -> Stopped:
-    """Tells every robot to stop; raises NoAnswer where the ROS master does not answer."""
+    """Tells every robot to stop. Raises NoAnswer if the ROS master does not answer."""
     topics = Master(master_uri).topic_types()
     done: queue.Queue[Stopped] = queue.Queue(1)
     troubles: List[str] = []
@@ -71,12 +72,12 @@ def _stop(topics: Mapping[str, str]) -> Stopped:
     time.sleep(FLUSHED_IN)
     left = missed()
     for route in routes.values():
-        route.unregister()  # else a robot that connects later would be stopped, too
+        route.unregister()  # else a robot that connects later would be stopped too
     return Stopped(tuple(name for name in routes if name not in left), tuple(left))
 
 
 def _fleet() -> List[str]:
-    """The robots of the fleet, if the fleet manager still tells them."""
+    """The robots in /fleet_state; empty if the fleet manager does not publish it any more."""
     found: List[FleetState] = []
     subscriber = rospy.Subscriber('/fleet_state', FleetState, found.append)
     _wait(lambda: bool(found), NAMES_IN)
@@ -85,7 +86,7 @@ def _fleet() -> List[str]:
 
 
 def robots_of(topics: Mapping[str, str]) -> List[str]:
-    """Robots that take routes, by the types of all topics."""
+    """The robots that have a topic for routes; `topics` has the type of each topic."""
     return sorted(topic[1:-len(_ROUTE)] for topic, kind in topics.items()
                   if kind == TargetRoute._type and topic.endswith(_ROUTE) and topic != _ROUTE)
 

@@ -32,7 +32,8 @@ def _edge(arguments: List[str]) -> int:
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
     commands.add_parser('list', help='the edges that are closed')
-    for name, what in (('close', 'robots already let onto these edges drive them to their end'),
+    for name, what in (('close', 'closes these edges; a robot to which one was granted drives to '
+                                 'its end'),
                        ('open', 'lets robots use these edges again')):
         commands.add_parser(name, help=what).add_argument('edges', type=int, nargs='+',
                                                           metavar='ID')
@@ -55,9 +56,9 @@ def _edge(arguments: List[str]) -> int:
 
 
 def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
-    """Sends a command; returns what graph_server tells of all edges once it has done so."""
+    """Sends a command. Returns the closed edges that graph_server publishes after it."""
     publisher = connected_publisher('/edge_command', EdgeCommand)
-    in_force.take()  # what was told before the command is no answer to it
+    in_force.take()  # messages from before the command are no answer to it
     publisher.publish(command)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
@@ -66,4 +67,4 @@ def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
             closed = set(command.edges) & set(told.edges)
             if closed == (set(command.edges) if command.command == EdgeCommand.CLOSE else set()):
                 return told
-    raise CommandError('graph_server did not take it up; its log says why.')
+    raise CommandError('graph_server did not carry out the command; its log says why.')

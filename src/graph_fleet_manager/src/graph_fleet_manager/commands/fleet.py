@@ -1,7 +1,7 @@
-"""The command `fleet`: all robots at a glance; stop, resume, take one out of service, bring it in,
-declare it absent.
+"""The command `fleet`: lists all robots; stops and resumes them; takes a robot out of service, puts
+it back, and declares it absent.
 
-Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, the reason is said.
+Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
 """
 from __future__ import annotations
 
@@ -33,21 +33,20 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _fleet(arguments: List[str]) -> int:
-    parser = Parser('fleet', description='Looks at the robots of the fleet, and stops them.')
+    parser = Parser('fleet', description='Lists the robots of the fleet, and stops them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
-    commands.add_parser('list', help='every robot: state, place, battery, mission, what it '
-                                     'waits for')
+    commands.add_parser('list', help='every robot: state, place, battery, mission, reason to wait')
     commands.add_parser('stop', help='stops every robot at once')
-    commands.add_parser('resume', help='lets every robot go on')
+    commands.add_parser('resume', help='releases the stop: every robot may drive again')
     for name, what in (('out', 'stops a robot and takes it out of service'),
                        ('in', 'puts a robot back into service, from where it is')):
         commands.add_parser(name, help=what).add_argument('robot', metavar='ROBOT')
-    absent = commands.add_parser('absent', help='says that robots are nowhere on the site, so that '
+    absent = commands.add_parser('absent', help='declares that robots are not at the site, so that '
                                                 'they block nothing until they report')
     absent.add_argument('robots', metavar='ROBOT', nargs='*')
     absent.add_argument('--unseen', action='store_true',
-                        help='all robots that were never heard of')
+                        help='all robots that have never reported')
     options = parser.parse_args(arguments)
     if options.command == 'absent' and bool(options.robots) == options.unseen:
         absent.error('name the robots, or give --unseen')
@@ -80,12 +79,12 @@ def _check(robot: str) -> None:
 def _unseen() -> List[str]:
     names = [one.name for one in _robots() if one.state == FleetRobot.UNKNOWN]
     if not names:
-        print('Every robot was heard of, or declared absent.')
+        print('Every robot has reported, or was declared absent.')
     return names
 
 
 def _absent(robots: Sequence[str]) -> int:
-    """Each of them, regardless of the others."""
+    """Declares each robot absent, even if another one fails. Returns the exit status."""
     status = OK
     for robot in robots:
         try:

@@ -1,4 +1,4 @@
-"""What the commands share: a ROS master that is there, messages waited for, plain errors."""
+"""The ROS side that commands share: the connection to the master, topics, services and errors."""
 from __future__ import annotations
 
 import socket
@@ -31,7 +31,7 @@ def run(name: str, command: Callable[[List[str]], int],
 
 
 def connect(name: str) -> None:
-    """Becomes a node; raises CommandError where there is no master."""
+    """Makes this process a ROS node. Raises CommandError if there is no ROS master."""
     if not rosgraph.is_master_online():
         raise CommandError(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
                            'fleet manager, or set ROS_MASTER_URI.')
@@ -39,7 +39,7 @@ def connect(name: str) -> None:
 
 
 class Listener:
-    """Keeps what comes on a topic, and waits for more."""
+    """Keeps the messages of a topic, and waits for more."""
 
     def __init__(self, topic: str, kind: Type[Any]) -> None:
         self.topic = topic
@@ -53,13 +53,13 @@ class Listener:
             self._changed.notify_all()
 
     def take(self) -> List[Any]:
-        """Everything that came since this was last asked."""
+        """Returns the messages that came since the last call."""
         with self._changed:
             messages, self.messages = self.messages, []
             return messages
 
     def wait(self, seconds: float) -> None:
-        """Until something is there, or the time is over."""
+        """Waits until there is a message, at most this time (s)."""
         with self._changed:
             if not self.messages:
                 self._changed.wait(seconds)
@@ -69,18 +69,18 @@ class Listener:
         return frozenset(id for id, *_ in self._subscriber.impl.get_stats_info())
 
     def last(self) -> Any:
-        """The last message; raises CommandError where none comes."""
+        """Waits for a message and returns the last one. Raises CommandError if none comes."""
         deadline = time.monotonic() + PATIENCE
         while not self.messages:
             if time.monotonic() > deadline:
-                raise CommandError(f'Nothing comes on {self.topic}: is the fleet manager running? '
-                                   'Start it with fleet_manager.launch.')
+                raise CommandError(f'No message comes on {self.topic}: is the fleet manager '
+                                   'running? Start it with fleet_manager.launch.')
             self.wait(0.2)
         return self.messages[-1]
 
 
 def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
-    """A publisher that has a subscriber; raises CommandError where it has none."""
+    """A publisher that has a subscriber. Raises CommandError if there is no subscriber."""
     publisher = rospy.Publisher(topic, kind, queue_size=10)
     deadline = time.monotonic() + PATIENCE
     while publisher.get_num_connections() == 0:
@@ -93,7 +93,7 @@ def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
 
 
 def name_problem(host: str) -> str:
-    """Why nodes cannot reach a program that gives `host` as its address; empty: they may."""
+    """The reason why nodes cannot reach a program that gives `host` as its address; else empty."""
     try:
         socket.getaddrinfo(host, None)
     except OSError:
@@ -103,9 +103,9 @@ def name_problem(host: str) -> str:
 
 
 def call(service: str, kind: Type[Any] = Trigger) -> str:
-    """Calls a service whose answer is like Trigger's; returns what it says.
+    """Calls a service whose answer has the fields of Trigger. Returns the message of the answer.
 
-    Raises CommandError where it did not work.
+    Raises CommandError if the service does not answer or does not succeed.
     """
     try:
         rospy.wait_for_service(service, PATIENCE)
@@ -119,7 +119,7 @@ def call(service: str, kind: Type[Any] = Trigger) -> str:
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:
-    """Rows as text, columns below each other."""
+    """Rows as text with aligned columns."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     return '\n'.join('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
                      for row in rows)

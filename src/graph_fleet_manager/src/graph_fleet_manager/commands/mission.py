@@ -1,4 +1,4 @@
-"""The command `mission`: sends a mission and shows its progress; lists, changes, tells the history.
+"""The command `mission`: sends a mission and shows its progress; lists, changes, shows the history.
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
     mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
@@ -78,10 +78,11 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
         parser.add_argument('id', type=int, help='id of the mission')
     if name == 'modify':
         parser.add_argument('destinations', nargs='*', metavar='VERTEX',
-                            help='where it is to go from now on, in order, without stays: id of a '
-                                 'vertex, or a label that only one vertex has; none: as before')
+                            help='the new destinations, in order, without dwells: id of a vertex, '
+                                 'or a label that only one vertex has; none: as before')
         parser.add_argument('--priority', type=int, required=True,
-                            help='the higher goes first; give the present one to keep it')
+                            help='a mission with a higher priority is served first; give the '
+                                 'present priority to keep it')
     return parser.parse_args(arguments[1:])
 
 
@@ -96,11 +97,12 @@ def _send(arguments: List[str]) -> int:
                         help='id of a vertex, or a label that only one vertex has')
     parser.add_argument('--type', default='', help='robot type that must do it')
     parser.add_argument('--robot', default='', help='the robot that must do it')
-    parser.add_argument('--priority', type=int, default=0, help='the higher goes first')
+    parser.add_argument('--priority', type=int, default=0,
+                        help='a mission with a higher priority is served first (0)')
     parser.add_argument('--dwell', type=float, nargs='+', default=[], metavar='S',
                         help='s to stay at each destination: one for all, or one for each; '
                              'negative: until mission release')
-    parser.add_argument('--id', type=int, help='request id; drawn at random where not given')
+    parser.add_argument('--id', type=int, help='request id; random if not given')
     parser.add_argument('--wait', action='store_true', help='show the progress until the end')
     options = parser.parse_args(arguments)
     connect('mission_command')
@@ -121,7 +123,7 @@ def _send(arguments: List[str]) -> int:
 
 
 def _requested_by() -> str:
-    """The asker, for the records: the user and the computer."""
+    """The user and the computer that request, for the records."""
     try:
         user = getpass.getuser()
     except (KeyError, OSError):  # a user without a name, as in containers
@@ -134,7 +136,7 @@ def _graph() -> Graph:
 
 
 def _vertices(words: List[str]) -> List[int]:
-    """Ids need no graph."""
+    """The ids of vertices; the graph is needed only for labels."""
     graph = None if all(word.isdecimal() for word in words) else _graph()
     return [int(word) if graph is None else _vertex(word, graph) for word in words]
 
@@ -153,7 +155,7 @@ def _vertex(word: str, graph: Graph) -> int:
 
 
 def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
-    """Sends until the fleet manager says what it makes of the request."""
+    """Sends the request until the fleet manager acknowledges or refuses it. Returns the status."""
     publisher = connected_publisher('/mission_request', MissionRequest)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
@@ -169,7 +171,7 @@ def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
 
 def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
             graph: Graph) -> int:
-    """Shows how a mission goes on until it ends."""
+    """Shows the progress of a mission until it ends. Returns the exit status."""
     destinations = list(request.destination_vertices_id)
     states = Listener('/fleet_state', FleetState)
     plans = Listener('/fleet_plan', FleetPlan)
@@ -197,14 +199,14 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
     return OK
 
 
-# -- what there is --------------------------------------------------------------------------------
+# -- listing and changing -------------------------------------------------------------------------
 
 
 def _list() -> int:
     listener = Listener('/mission_status', MissionStatus)
     deadline = time.monotonic() + PATIENCE
     state = Listener('/fleet_state', FleetState)
-    state.last()  # the fleet manager is there, and tells open missions to every newcomer
+    state.last()  # the fleet manager runs, so it sends the open missions to this new subscriber
     quiet = time.monotonic() + 1.0
     while time.monotonic() < min(quiet, deadline):
         listener.wait(quiet - time.monotonic())
@@ -231,7 +233,7 @@ def _change(word: str, arguments: List[str]) -> int:
     message.header.stamp = rospy.Time.now()
     deadline = time.monotonic() + 2.0
     known: Optional[MissionStatus] = None
-    while time.monotonic() < deadline and not known:  # open missions are told to new subscribers
+    while time.monotonic() < deadline and not known:  # a new subscriber gets the open missions
         listener.wait(0.2)
         known = next((s for s in listener.take()
                       if s.request_id == options.id and MissionState(s.state).is_open), None)
@@ -257,14 +259,16 @@ def _change(word: str, arguments: List[str]) -> int:
 
 
 def _is_so(status: MissionStatus, command: Command) -> bool:
-    """Is a mission paused, or not, as a command wants it? Of what changes nothing nothing is told.
+    """Returns whether a mission is already paused, or not paused, as a command demands.
+
+    No status is published for a command that changes nothing.
     """
     return command in (Command.PAUSE, Command.RESUME) and (
         (status.state == MissionState.PAUSED) is (command is Command.PAUSE))
 
 
 def _shows(status: MissionStatus, command: Command) -> bool:
-    """Does the status of a mission tell what became of a command?"""
+    """Returns whether the status of a mission shows the result of a command."""
     state = MissionState(status.state)
     is_answer = status.command_code != MissionStatus.COMMAND_NONE and status.command == command
     if not state.is_open or is_answer:
@@ -277,8 +281,9 @@ def _shows(status: MissionStatus, command: Command) -> bool:
 def _history(arguments: List[str]) -> int:
     parser = Parser('mission history', description='All missions, with their times.')
     parser.add_argument('--csv', action='store_true', help='as CSV with all columns')
-    parser.add_argument('--journal', default='', help='file of path_supervisor; by default that of '
-                        'the one that runs, and without one that of ROS_HOME on this computer')
+    parser.add_argument('--journal', default='', help='journal of path_supervisor; default: '
+                        'that of the running path_supervisor; if none runs, that in ROS_HOME on '
+                        'this computer')
     options = parser.parse_args(arguments[1:])
     path = options.journal or os.path.join(
         rospkg.get_ros_home(), _journal_in_use() or 'graph_fleet_manager/fleet.sqlite')
@@ -298,9 +303,9 @@ def _history(arguments: List[str]) -> int:
 
 
 def _journal_in_use() -> str:
-    """What the fleet manager of this ROS master was given; empty where none runs, or nothing was.
+    """The ~journal of the fleet manager of this ROS master; empty if none runs or none is set.
 
-    A relative one lies in ROS_HOME, as roslaunch starts nodes there.
+    A relative path is relative to ROS_HOME, because roslaunch starts nodes there.
     """
     if not rosgraph.is_master_online():
         return ''

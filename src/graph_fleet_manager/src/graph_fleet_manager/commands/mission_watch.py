@@ -1,8 +1,8 @@
-"""How a mission goes on until its end, though statuses are lost on the way to a program.
+"""Follows a mission until its end, even if statuses are lost on the way to the program.
 
-A status is lost where the fleet manager dies before it has sent it, or where a queue overflows. So
-the watch asks for it: at first, when the fleet manager has been restarted, and when it has heard
-nothing for a while.
+A status is lost if the fleet manager ends before it has sent it, or if a queue overflows. So the
+watch asks the fleet manager for the stored status: at the beginning, after a restart of the fleet
+manager, and after some time without a status.
 """
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from itrci_nav_msgs.srv import GetMissionStatus
 SILENCE = 10.0  # s without news after which the watch asks again
 
 Ask = Callable[[], Optional[MissionStatus]]
-"""What is stored of the mission; None: the fleet manager does not answer, or knows nothing."""
+"""Returns the stored status; None: the fleet manager does not answer, or has no such mission."""
 
 
 class Statuses(Protocol):
-    """The messages of /mission_status as they come."""
+    """A source of the messages of /mission_status."""
 
     def take(self) -> List[MissionStatus]:
-        """What came since the last time."""
+        """Returns the messages that came since the last call."""
 
     def wait(self, seconds: float) -> None:
-        """Until something is there, or the time is over."""
+        """Waits until there is a message, at most this time (s)."""
 
     def publishers(self) -> FrozenSet[int]:
         """One number for each connection to a publisher; a new connection has a new one."""
 
 
 class MissionWatch:
-    """The newest status of one mission.
+    """Keeps the newest status of one mission.
 
-    ask -- asks the fleet manager
+    ask -- asks the fleet manager for the stored status
     """
 
     def __init__(self, request: MissionRequest, status: MissionStatus, statuses: Statuses,
@@ -48,7 +48,7 @@ class MissionWatch:
         self._heard = clock()
 
     def wait(self, seconds: float) -> MissionStatus:
-        """The newest status, after a change or after this time."""
+        """Waits for a message, at most this time (s), and returns the newest status."""
         self._statuses.wait(seconds)
         told = [s for s in self._statuses.take() if is_about(s, self._request)]
         publishers = self._statuses.publishers()
@@ -56,19 +56,19 @@ class MissionWatch:
             self.status, self._heard = told[-1], self._clock()
         if publishers != self._publishers or self._clock() - self._heard > SILENCE:
             stored = self._ask() if publishers else None
-            if stored is not None:  # what comes on the topic from now on is newer
+            if stored is not None:  # messages that come from now on are newer
                 self.status, self._heard, self._publishers = stored, self._clock(), publishers
         return self.status
 
 
 def ask_for(request: MissionRequest) -> Ask:
-    """Asks the service of the fleet manager for this mission."""
+    """Returns a function that asks the fleet manager's service for this mission."""
     service = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
 
     def ask() -> Optional[MissionStatus]:
         try:
             answer = service(request.request_id, request.header.stamp)
-        except rospy.ServiceException:  # it is being restarted: the watch asks again
+        except rospy.ServiceException:  # the fleet manager restarts: the watch asks again
             return None
         return answer.status if answer.found else None
     return ask

@@ -1,9 +1,10 @@
-"""The command `peers`: the addresses of the computers whose ROS masters are joined with this one.
+"""The command `peers`: lists the computers whose ROS masters are joined with this one.
 
     peers ADDRESS[,ADDRESS...] FLEET_FILE
 
-Either may be empty. Prints a YAML list: those given, and the `computer`s of the fleet file's
-robots. Exit status 0; 1 with one sentence where there is none, or an address is none.
+Either argument may be empty. Prints a YAML list: the given addresses, and each `computer` of the
+robots in the fleet file. Exit status 0: done; 1: the list is empty or an address is wrong, with one
+sentence.
 """
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def peers(addresses: str, fleet_file: str) -> List[str]:
-    """The addresses, each once; raises ValueError with a sentence, or FileError."""
+    """The addresses without repetition. Raises FileError, or ValueError with a sentence."""
     found = [address.strip() for address in addresses.split(',') if address.strip()]
     wrong = next((address for address in found if not is_address(address)), None)
     if wrong is not None:

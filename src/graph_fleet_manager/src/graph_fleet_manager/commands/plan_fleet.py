@@ -1,6 +1,6 @@
 """The command `plan_fleet`: plans once, without a ROS master.
 
-Exit status 0: solved; 2: not solved, the reason stands in the output; 1: wrong input, one sentence
+Exit status 0: solved; 2: not solved, the output gives the reason; 1: wrong input, with one sentence
 on stderr.
 """
 from __future__ import annotations
@@ -27,7 +27,7 @@ from trajectory_graph import GraphError, load_graph
 
 
 class WrongInput(Exception):
-    """What cannot be planned, and what to do: one sentence."""
+    """The input cannot be planned. The text is one sentence that says why and what to do."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -60,21 +60,21 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog='plan_fleet',
-                     description='Plans the routes of a fleet once, free of conflict however '
-                                 'runs late, and writes them as JSON.')
+                     description='Plans the paths of a fleet once, without conflicts even if '
+                                 'robots are late, and writes them as JSON.')
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
     parser.add_argument('--fleet', required=True, help='robot types and robots (YAML)')
     parser.add_argument('--missions', required=True, help='vertices for each robot (YAML)')
     parser.add_argument('--time-limit', required=True, type=_seconds, metavar='S',
-                        help='s from the files read to the plan found; all of it is used to make '
-                             'the plan better, unless it cannot be better')
+                        help='s for planning, after the files are read; all of it is used to '
+                             'improve the plan, unless it cannot be improved')
     parser.add_argument('--output', required=True, help='plan (JSON)')
-    parser.add_argument('--seed', type=int, default=0, help='of all that is random (0)')
+    parser.add_argument('--seed', type=int, default=0, help='seed of all random numbers (0)')
     parser.add_argument('--rounds', type=int, metavar='N',
-                        help='so many attempts to make the plan better, for plans that are the '
-                             'same on every machine; without it, till the time is up')
+                        help='number of attempts to improve the plan, so that it is the same on '
+                             'every machine; without it: until the time limit')
     parser.add_argument('--search', choices=('safe_intervals', 'layers'), default='safe_intervals',
-                        help='how one robot finds its way through time (safe_intervals)')
+                        help='the search for the path of one robot (safe_intervals)')
     parser.add_argument('--layer-length', type=_seconds, default=1.0, metavar='S',
                         help='s between two layers (1)')
     return parser
@@ -145,7 +145,10 @@ def _plan(network: RoadNetwork, fleet: Fleet, missions: Mapping[str, Tuple[int, 
 
 def _check_reachable(network: RoadNetwork, fleet: Fleet,
                      missions: Mapping[str, Tuple[int, ...]]) -> float:
-    """The sum over the robots of the s that each needs alone; raises WrongInput for infinity."""
+    """The sum of the times (s) that the robots need, each alone on the graph.
+
+    Raises WrongInput if a vertex cannot be reached.
+    """
     total = 0.0
     for robot in fleet.robots:
         at = robot.vertex
@@ -163,8 +166,7 @@ def _check_reachable(network: RoadNetwork, fleet: Fleet,
 
 def _check_ends(planner: FleetPlanner, fleet: Fleet,
                 missions: Mapping[str, Tuple[int, ...]]) -> None:
-    """Raises WrongInput where robots cannot be at once where they begin, or where they are to end.
-    """
+    """Raises WrongInput if the start vertices, or the last vertices, are too near each other."""
     starts = [(robot.name, robot.type, robot.vertex) for robot in fleet.robots]
     ends = [(robot.name, robot.type, missions[robot.name][-1]) for robot in fleet.robots
             if missions.get(robot.name)]

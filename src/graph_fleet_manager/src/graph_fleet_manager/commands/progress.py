@@ -1,5 +1,4 @@
-"""How a mission goes on, for people: destination, place, when it will be there, what it waits for.
-"""
+"""The progress of a mission as a line of text: destination, position, time left, reason to wait."""
 from __future__ import annotations
 
 import sys
@@ -9,12 +8,12 @@ from typing import Any, List, Optional, TextIO, Tuple
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionStatus
 from trajectory_graph import Graph
 
-EVERY = 5.0  # s between two lines where the output is no terminal and nothing new happens
+EVERY = 5.0  # s between two lines if the output is no terminal and nothing changes
 
 
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
             plan: Optional[FleetPlan], graph: Graph) -> str:
-    """One line that says how a mission is going."""
+    """One line about the progress of a mission."""
     if status.state == MissionStatus.PENDING:
         return f'waiting: {status.reason}' if status.reason else 'accepted'
     if status.state == MissionStatus.PAUSED:
@@ -43,7 +42,7 @@ def _robot(state: Optional[FleetState], status: MissionStatus) -> Optional[Fleet
 
 def _time_to_go(robot: FleetRobot, destination: int, plan: Optional[FleetPlan],
                 graph: Graph) -> Optional[float]:
-    """Seconds to a destination by the plan, counted from where the robot is in it."""
+    """The planned seconds from the robot's position to a destination; None if not planned."""
     plans = [] if plan is None else plan.plans
     drives: List[Any] = next((p.drives for p in plans if p.robot == robot.name), [])
     if not drives:
@@ -59,7 +58,8 @@ def _time_to_go(robot: FleetRobot, destination: int, plan: Optional[FleetPlan],
 
 
 class ProgressLine:
-    """Shows lines: on a terminal over each other, elsewhere below each other and fewer."""
+    """Shows progress lines. On a terminal each line replaces the last one; else fewer are printed.
+    """
 
     def __init__(self, stream: Optional[TextIO] = None) -> None:
         self._stream = sys.stdout if stream is None else stream
@@ -68,7 +68,8 @@ class ProgressLine:
         self._width = 0
 
     def show(self, text: str, about: object) -> None:
-        """Shows a line; `about` is what must have changed for a new one off a terminal."""
+        """Shows a line. Without a terminal a line is printed only if `about` has changed, or after
+        EVERY."""
         seconds = int(time.monotonic() - self._begun)
         line = f'{seconds // 60}:{seconds % 60:02d}  {text}'
         if self._stream.isatty():
@@ -79,6 +80,6 @@ class ProgressLine:
             print(line, file=self._stream, flush=True)
 
     def end(self) -> None:
-        """Goes to a new line where that is needed."""
+        """Ends the line of a terminal, if one was shown."""
         if self._stream.isatty() and self._width:
             print(file=self._stream)

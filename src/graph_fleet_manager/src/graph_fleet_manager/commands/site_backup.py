@@ -1,14 +1,14 @@
 """`scripts/backup.sh`: saves a site in one archive, and restores it.
 
-    backup.sh save BACKUP.tar.gz FILE...      the files named (graph, fleet file, maps), and of ROS_HOME the journal, closed edges,
-                                              graph in force, and the page's records; the fleet may run meanwhile
-    backup.sh restore BACKUP.tar.gz FOLDER    the files to FOLDER, the rest to ROS_HOME; the fleet manager must not run
+    backup.sh save BACKUP.tar.gz FILE...      saves the given files (graph, fleet file, maps), and from ROS_HOME the journal, the closed
+                                              edges, the graph in force and the page's records; the fleet may run meanwhile
+    backup.sh restore BACKUP.tar.gz FOLDER    restores the given files to FOLDER, the rest to ROS_HOME; the fleet manager must not run
 
-A named file that only its owner may read is a secret: it goes to BACKUP.secrets.tar.gz, which only its owner may read, and is restored
-from there. The replay of the page is not saved. What a restore replaces stays as NAME.before_restore. After a restore the fleet manager
-begins as with a lost journal: missions that were open are CANCELLED, and robots are stopped where they drive, until all stand.
+A given file that only its owner may read is a secret. It is saved in BACKUP.secrets.tar.gz, which only its owner may read, and is
+restored from there. The replay of the page is not saved. A file that a restore replaces is kept as NAME.before_restore. After a restore
+the fleet manager begins as with a lost journal: open missions are CANCELLED, and driving robots are stopped until all stand still.
 
-Exit status 0: done; 1: not done, with one sentence.
+Exit status 0: done; 1: not done, with one sentence that says why.
 """  # noqa: E501 - it is shown by --help
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _SITE, _HOME = 'site', 'ros_home'
 
 
 class NotDone(Exception):
-    """The text is one sentence that says what to do."""
+    """The command cannot do its work. The text is one sentence that says what to do."""
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -47,24 +47,26 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         elif words[0] == 'restore' and len(words) == 3:
             said = restore(Path(words[1]), Path(words[2]), ros_home())
         else:
-            raise NotDone('Say save BACKUP.tar.gz FILE..., or restore BACKUP.tar.gz FOLDER.')
+            raise NotDone('Wrong arguments: give save BACKUP.tar.gz FILE..., or restore '
+                          'BACKUP.tar.gz FOLDER.')
     except (NotDone, JournalError) as error:
         print(error, file=sys.stderr)
         return 1
     except (OSError, sqlite3.Error, tarfile.TarError) as error:
-        print(f'This is not done: {error}.', file=sys.stderr)
+        print(f'The backup command failed: {error}.', file=sys.stderr)
         return 1
     print('\n'.join(said))
     return 0
 
 
 def ros_home() -> Path:
-    """Where nodes keep what outlives them."""
+    """The folder in which nodes keep their persistent files."""
     return Path(os.environ.get('ROS_HOME') or Path.home() / '.ros')
 
 
 def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
-    """Writes the archive, and one of secrets where there are any; tells what is in them."""
+    """Writes the archive, and one of secrets if there are any. Returns lines about their contents.
+    """
     by_name = {path.name: path for path in files}
     if len(by_name) < len(files):
         raise NotDone('Two of the files have the same name: rename one.')
@@ -91,7 +93,7 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
 
 
 def _write(archive: Path, files: Dict[str, Path], mode: int) -> None:
-    """A complete archive, or the one before."""
+    """Writes an archive completely, or leaves the old one."""
     unfinished = archive.with_name(f'{archive.name}.unfinished')
     with _new_file(unfinished, mode) as stream, tarfile.open(fileobj=stream, mode='w:gz') as target:
         for name, path in files.items():
@@ -100,13 +102,13 @@ def _write(archive: Path, files: Dict[str, Path], mode: int) -> None:
 
 
 def _new_file(path: Path, mode: int) -> IO[bytes]:
-    """At no moment others may read what is to be read by its owner only."""
+    """Creates a file with this mode from the start, so that others can never read a secret."""
     path.unlink(missing_ok=True)
     return os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), 'wb')
 
 
 def restore(archive: Path, folder: Path, home: Path) -> List[str]:
-    """Puts everything in its place, or nothing; tells what it did."""
+    """Restores all files, or none if the archive is wrong. Returns lines about the result."""
     with tempfile.TemporaryDirectory() as unpacked, tarfile.open(archive, 'r:gz') as source:
         places: Dict[Path, Path] = {}
         for member in source.getmembers():
@@ -126,13 +128,13 @@ def restore(archive: Path, folder: Path, home: Path) -> List[str]:
             _put(copy, place)
     said = [f'Restored: {", ".join(map(str, places))}.']
     if journal in places:
-        said.append(f'The journal is an old one: {ended} missions that were open are CANCELLED, '
+        said.append(f'The journal is an old one: {ended} open missions are CANCELLED, '
                     'and the fleet manager begins as with a lost journal.')
     return said
 
 
 def _place_of(member: tarfile.TarInfo, folder: Path, home: Path) -> Path:
-    """Where a file of an archive belongs; an archive of others has no such files."""
+    """The path to which a file of an archive is restored. Raises NotDone for an unknown file."""
     path = PurePosixPath(member.name)
     if member.isfile() and len(path.parts) == 2 and path.parts[0] == _SITE and (
             path.name not in ('.', '..')):
@@ -140,17 +142,18 @@ def _place_of(member: tarfile.TarInfo, folder: Path, home: Path) -> Path:
     within = '/'.join(path.parts[1:])
     if member.isfile() and path.parts[:1] == (_HOME,) and within in (*DATABASES, *TEXTS):
         return home / within
-    raise NotDone(f'The archive holds {member.name!r}, which no backup has: choose another.')
+    raise NotDone(f'The archive contains {member.name!r}, which is not part of a backup: choose '
+                  'another archive.')
 
 
 def _check_unused(journal: Path) -> None:
-    """Raises JournalUnavailable where a fleet manager uses the journal."""
+    """Raises JournalUnavailable if a fleet manager uses the journal."""
     if journal.is_file():
         JournalDatabase(str(journal)).close()
 
 
 def _put(copy: Path, place: Path) -> None:
-    """In place of what was there, which is kept; so is the log of an SQLite file."""
+    """Puts a file in its place. The old file is kept, with the log of an SQLite file."""
     place.parent.mkdir(parents=True, exist_ok=True)
     kept = place.with_name(place.name + KEPT)
     for ending in ('', '-wal', '-shm'):

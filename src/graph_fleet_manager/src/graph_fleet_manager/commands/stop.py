@@ -1,7 +1,8 @@
-"""`fleet stop`: it never waits for a ROS master, and does without one on the computer of the fleet
-manager. Where the fleet manager does not answer, it tells the robots itself.
+"""The command `fleet stop`.
 
-The command becomes no node before that: rospy would wait without end for a master that has gone.
+It never waits for a ROS master, and on the computer of the fleet manager it needs none. If the
+fleet manager does not answer, the command sends the stop to the robots itself. It does not become a
+ROS node before that, because rospy would wait without end for a master that has ended.
 """
 from __future__ import annotations
 
@@ -22,16 +23,17 @@ from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
 
 SERVICE = '/stop_fleet'
-PATIENCE = 1.0    # s for the answer of the fleet manager, which hangs if it takes longer
-_LONGEST = 10000  # bytes of an answer
+PATIENCE = 1.0    # s for the answer of the fleet manager; one that takes longer hangs
+_LONGEST = 10000  # most bytes of an answer
 
 
 class NoStop(Exception):
-    """The fleet manager did not take the stop; the text says why, without a full stop."""
+    """The fleet manager did not take the stop. The text says why, without a full stop at the end.
+    """
 
 
 def stop() -> str:
-    """Stops every robot; returns what is to be said, raises CommandError where it did not work."""
+    """Stops every robot. Returns a text for the person; raises CommandError if it did not work."""
     master_uri = rosgraph.get_master_uri()
     sources: Tuple[Tuple[str, Callable[[str], str]], ...] = (
         ('', _told_by_master), ('The fleet manager was asked directly. ', _noted_here))
@@ -59,15 +61,16 @@ def _told_to_robots(master_uri: str, trouble: str) -> str:
         told, missed = stop_robots(master_uri)
     except NoAnswer as failure:
         told, missed = (), ()
-        trouble += f'. Nor does the ROS master tell where the robots are ({failure})'
+        trouble += f'. The ROS master does not give the topics of the robots either ({failure})'
     if not told:
         raise CommandError(f'NO ROBOT WAS TOLD TO STOP: {trouble}. Is the fleet manager running? '
                            'Set ROS_MASTER_URI, or press the emergency stops.')
-    text = (f'{trouble}. So this command told the robots to stop: {", ".join(told)}. A fleet '
-            'manager that hangs stops the fleet when it goes on; end it if it does not')
+    text = (f'{trouble}. So this command told the robots to stop: {", ".join(told)}. If the fleet '
+            'manager hangs, it stops the fleet as soon as it continues; end it if it does not '
+            'continue')
     if missed:
-        raise CommandError(f'{text}. NOT TOLD, as they are not connected: {", ".join(missed)}: '
-                           'press their emergency stops.', NOT_DONE)
+        raise CommandError(f'{text}. NOT TOLD, because they are not connected: '
+                           f'{", ".join(missed)}: press their emergency stops.', NOT_DONE)
     return f'{text}.'
 
 
@@ -75,8 +78,8 @@ def _told_by_master(master_uri: str) -> str:
     try:
         return Master(master_uri).service_uri(SERVICE)
     except NoAnswer as failure:
-        raise NoStop(f'The ROS master at {master_uri} does not tell where the fleet manager is '
-                     f'({failure})') from None
+        raise NoStop(f'The ROS master at {master_uri} does not give the address of the fleet '
+                     f'manager ({failure})') from None
 
 
 def _noted_here(master_uri: str) -> str:
@@ -87,9 +90,9 @@ def _noted_here(master_uri: str) -> str:
 
 
 def call(address: str) -> TriggerResponse:
-    """Calls the service at an address (rosrpc://host:port), with an end in any case.
+    """Calls the service at an address (rosrpc://host:port), with a timeout.
 
-    Raises NoStop where no answer comes.
+    Raises NoStop if no answer comes.
     """
     try:
         host, port = parse_rosrpc_uri(address)
@@ -111,11 +114,11 @@ def call(address: str) -> TriggerResponse:
     try:
         return TriggerResponse().deserialize(content)
     except genpy.DeserializationError as error:
-        raise NoStop(f'The answer of the fleet manager makes no sense ({error})') from None
+        raise NoStop(f'The answer of the fleet manager cannot be read ({error})') from None
 
 
 def _received(connection: socket.socket, count: int) -> bytes:
-    """So many bytes; raises OSError where they do not come."""
+    """Receives `count` bytes. Raises OSError if they do not come."""
     found = b''
     while len(found) < count:
         more = connection.recv(count - len(found))

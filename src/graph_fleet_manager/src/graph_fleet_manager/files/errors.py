@@ -1,4 +1,4 @@
-"""What is wrong with a file, for people."""
+"""The error for a file that cannot be used, with a message for people."""
 from __future__ import annotations
 
 import os
@@ -11,8 +11,8 @@ class FileError(Exception):
     """A file that cannot be used.
 
     file    -- its path
-    line    -- counted from 1, None where it is about the whole file
-    problem -- what is wrong and what to do, as a clause
+    line    -- number of the line, from 1; None if the problem concerns the whole file
+    problem -- a clause that says what is wrong and what to do
     """
 
     def __init__(self, file: Union[str, os.PathLike], problem: str,
@@ -24,7 +24,7 @@ class FileError(Exception):
 
     @classmethod
     def of(cls, file: Union[str, os.PathLike], wrong: WrongYaml) -> FileError:
-        """The same, from what a strict reader found."""
+        """The error from a problem that the strict YAML reader found."""
         return cls(file, wrong.problem, wrong.line)
 
     def __str__(self) -> str:

@@ -1,15 +1,15 @@
-"""The fleet file: one YAML that lists the robots for all programs.
+"""The fleet file: one YAML file that lists the robots for all programs.
 
     clearance: 0.1                # m between any two robots
-    dock_approach: 2.0            # m before a dock that belong to a robot that docks (optional)
+    dock_approach: 2.0            # m before a dock that a docking robot blocks (optional)
     robot_types:
     - {name: agv, radius: 0.4, speed: 1.0}
     - {name: truck, radius: 0.6, speed: 1.35, play: 0.25, obeys_edge_speed: false, docks: [16]}
     robots:
-    - {name: agv_1, type: agv, vertex: 8, driver: agv}  # a driver may be left out
+    - {name: agv_1, type: agv, vertex: 8, driver: agv}  # the driver is optional
     - {name: agv_2, type: agv, vertex: 9, absent: true}  # in repair, or not delivered yet
 
-Other programs read other keys of it; one that none of them reads is an error.
+Other programs read other keys of the file. A key that no program reads is an error.
 """
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-_LARGEST = 1e4  # m and m/s: beyond this a number is a mistake
+_LARGEST = 1e4  # m and m/s: a larger number is a mistake
 
 
 def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
@@ -67,7 +67,7 @@ def _robot_type(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Rob
 
 
 def _named(field: Field, what: str, read: Callable) -> Dict:
-    """The elements of a list by their names, which are unique."""
+    """The elements of a list, by their names. Raises WrongYaml for a name that occurs twice."""
     found: Dict = {}
     lines: Dict[str, int] = {}
     elements: List[yaml.Node] = strict_yaml.items(field)
@@ -77,7 +77,7 @@ def _named(field: Field, what: str, read: Callable) -> Dict:
         if not name.strip() or not name.isprintable():
             raise WrongYaml(f'{what} {name!r} needs a name that can be read', fields['name'])
         if name in found:
-            raise WrongYaml(f'{what} {name} stands there twice, first in line {lines[name]}', node)
+            raise WrongYaml(f'{what} {name} occurs twice, first in line {lines[name]}', node)
         found[name] = read(name, node, fields)
         lines[name] = strict_yaml.line_of(node)
     return found

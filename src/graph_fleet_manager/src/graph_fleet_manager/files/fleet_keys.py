@@ -1,6 +1,6 @@
-"""All keys that a fleet file may have, whichever program reads them: others are misspelt.
+"""All keys that a fleet file may have, for all programs that read it. Any other key is an error.
 
-A misspelt `play` or `stopping` would silently be 0.
+Without this check a misspelt `play` or `stopping` would silently be 0.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The missions file of `plan_fleet`: which robot is to visit which vertices, in order.
+"""The missions file of `plan_fleet`: the vertices that each robot must visit, in order.
 
     missions:
     - {robot: agv_1, vertices: [18, 39, 52]}
@@ -14,7 +14,7 @@ from trajectory_graph.strict_yaml import WrongYaml
 
 
 def load_missions(path: Union[str, os.PathLike]) -> Dict[str, Tuple[int, ...]]:
-    """The vertices to visit by robot; raises FileError."""
+    """The vertices to visit, by the robot's name. Raises FileError."""
     found: Dict[str, Tuple[int, ...]] = {}
     try:
         root = strict_yaml.compose(path)

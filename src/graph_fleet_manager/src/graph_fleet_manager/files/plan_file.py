@@ -1,4 +1,4 @@
-"""The plan file: what `plan_fleet` found, as JSON."""
+"""The plan file: the result of `plan_fleet` as JSON."""
 from __future__ import annotations
 
 import json
@@ -10,7 +10,7 @@ from graph_fleet_manager.planning.tasks import Outcome
 
 
 def solved_plan(outcome: Outcome, planning_time: float, geometry_time: float) -> Dict[str, Any]:
-    """A plan for all robots as it stands in the file; times in s."""
+    """The content of the file for a plan of all robots; times in s."""
     ends = [drives[-1].end if drives else 0.0 for drives in outcome.drives.values()]
     return {
         'solved': True, 'reason': '',
@@ -25,7 +25,7 @@ def solved_plan(outcome: Outcome, planning_time: float, geometry_time: float) ->
 
 def unsolved_plan(reason: str, lower_bound: float, robots: Iterable[str],
                   planning_time: float, geometry_time: float) -> Dict[str, Any]:
-    """What stands in the file where no plan was found: why, and no drives."""
+    """The content of the file if no plan was found: the reason, and no drives."""
     return {
         'solved': False, 'reason': reason,
         'planning_time': planning_time, 'geometry_time': geometry_time,
@@ -35,7 +35,7 @@ def unsolved_plan(reason: str, lower_bound: float, robots: Iterable[str],
 
 
 def save_plan(plan: Mapping[str, Any], path: Union[str, os.PathLike]) -> None:
-    """Writes a plan, numbers in full; an older file stays until the new one is complete."""
+    """Writes a plan with full precision. An older file stays until the new one is complete."""
     text = json.dumps(plan, allow_nan=False)
     if os.path.exists(path) and not os.path.isfile(path):  # /dev/stdout, a pipe
         with open(path, 'w', encoding='utf-8') as stream:

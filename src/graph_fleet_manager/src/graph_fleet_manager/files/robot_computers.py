@@ -1,4 +1,4 @@
-"""Which robots of a fleet file have a computer, and so a ROS master, of their own.
+"""The robots of a fleet file that have their own computer, and so their own ROS master.
 
     robots:
     - {name: ld90_1, type: ld90, vertex: 16, driver: ld90, computer: 10.0.0.5}
@@ -43,7 +43,7 @@ def computer(one: Field) -> str:
 
 
 def is_address(text: str) -> bool:
-    """Is it an IPv4 address, or a name that a computer may have?"""
+    """Returns whether the text is an IPv4 address or a valid name of a computer."""
     if not text.replace('.', '').isdigit():
         return bool(_HOST_NAME.match(text))
     try:

@@ -1,11 +1,11 @@
-"""What the fleet file says to `path_supervisor` of its robots, per type or per robot.
+"""The settings of robots in the fleet file that `path_supervisor` reads, per type or per robot.
 
     robot_types:
     - {name: truck, ..., release_ahead: 8.0, slack: 0.3, charge_below: 0.3, leave_above: 0.8}
     robots:
     - {name: truck_1, type: truck, vertex: 8, charge_below: 0.4}
 
-What a robot says goes before what its type says; see RobotSettings for the meaning of each.
+A setting of a robot overrides that of its type. RobotSettings has the meaning of each.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import WrongYaml
 
-_SHARES = ('charge_below', 'leave_above', 'reserve')  # of a full battery
+_SHARES = ('charge_below', 'leave_above', 'reserve')  # fractions of a full battery
 _KEYS = tuple(field.name for field in fields(RobotSettings))
 
 

@@ -1,7 +1,7 @@
-"""Where the fleet manager of this computer takes a stop: a file for times without a ROS master.
+"""A file with the address of the fleet manager's stop service, for use without a ROS master.
 
-A ROS master may end while robots drive. The fleet manager still reaches them then, and a person on
-its computer must reach the fleet manager.
+A ROS master may end while robots drive. The fleet manager still reaches the robots then, and a
+person on its computer must be able to reach the fleet manager.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from file_replacement import replace_file
 
 
 def note(master_uri: str, service_uri: str) -> None:
-    """Writes down that the fleet manager under this ROS master has its service there (rosrpc://).
+    """Stores the address (rosrpc://) of the stop service of this ROS master's fleet manager.
 
     Raises OSError.
     """
@@ -26,14 +26,18 @@ def note(master_uri: str, service_uri: str) -> None:
 
 
 def noted(master_uri: str) -> Optional[str]:
-    """What was written last, true by now or not; None: nothing."""
+    """The last stored address, which may be out of date; None if none was stored."""
     with contextlib.suppress(OSError, UnicodeDecodeError):
         return _path(master_uri).read_text(encoding='ascii')
     return None
 
 
 def _path(master_uri: str) -> Path:
-    """All names of this computer are one: the person's may not be that of the launch."""
+    """The file for a ROS master.
+
+    All names of this computer give the same file, because the person may use another name for it
+    than the launch file did.
+    """
     host, port = rosgraph.network.parse_http_host_and_port(master_uri)
     computer = 'here' if rosgraph.network.is_local_address(host) else host
     return Path(rospkg.get_ros_home(), 'graph_fleet_manager', f'stop_fleet_{computer}_{port}')

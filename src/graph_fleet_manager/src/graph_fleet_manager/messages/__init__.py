@@ -1,5 +1,5 @@
-"""The one place where messages of `itrci_nav_msgs` become the fleet manager's values, and back.
+"""The conversion between messages of `itrci_nav_msgs` and the fleet manager's values.
 
-The original definitions of INESC TEC are not public; adapting to another one is this package, and
-`trajectory_graph.messages` for the graph.
+The original definitions of INESC TEC are not public. To adapt to other definitions, only this
+package and, for the graph, `trajectory_graph.messages` must change.
 """

@@ -1,4 +1,4 @@
-"""The message definitions that both sides of joined ROS masters must have alike."""
+"""The message definitions that must be the same on both sides of joined ROS masters."""
 from __future__ import annotations
 
 import inspect
@@ -11,7 +11,7 @@ import itrci_nav_msgs.msg
 
 
 def own_definitions() -> Dict[str, str]:
-    """The MD5 sum of every message type that crosses, by its name."""
+    """The MD5 sum of each message type that joined masters share, by its name."""
     kinds = [kind for _, kind in inspect.getmembers(itrci_nav_msgs.msg, inspect.isclass)
              if issubclass(kind, genpy.Message)]
     return {kind._type: kind._md5sum for kind in [*kinds, BatteryState]}

@@ -1,9 +1,9 @@
-"""Learned times of edges on their way to the planner: all of them once, then what has changed.
+"""Learned times of edges on their way to the planner: first the whole table, then its changes.
 
-The supervisor counts its tables. A request names the table that it goes by (`edge_times_version`),
-and the table to which its `edge_times` are the changes (`edge_times_since`); 0: they are all. A
-planner that lacks that table, as after a restart, answers OTHER_TIMES, and is sent all. A time of 0
-takes an entry away.
+The supervisor numbers its tables. A request names the table that it uses (`edge_times_version`),
+and the earlier table to which its `edge_times` are the changes (`edge_times_since`); 0: they are
+the whole table. A planner that lacks the earlier table, for example after a restart, answers
+OTHER_TIMES and is then sent the whole table. A time of 0 removes an entry.
 """
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ _VERSIONS = 2 ** 32
 
 
 class TimesSent:
-    """The supervisor's side: which table the planner has."""
+    """The supervisor's side: knows the table that the planner has."""
 
     def __init__(self) -> None:
-        self._version = SystemRandom().randrange(1, _VERSIONS)  # another one after each start
+        self._version = SystemRandom().randrange(1, _VERSIONS)  # differs after each start
         self._table: Times = {}
         self._asked: Tuple[int, int, Times] = (-1, 0, {})  # plan id, version and table
         self._known: Tuple[int, Times] = (0, {})
 
     def fill(self, message: msg.PlanRequest, table: Times, rate: float) -> None:
-        """Puts into a request what the planner needs to have this table."""
+        """Puts a table, or its changes, into a request. `rate` is the speed of simulated robots."""
         if table is not self._table and table != self._table:
             self._version = self._version % (_VERSIONS - 1) + 1
         self._table = table
@@ -36,25 +36,25 @@ class TimesSent:
         self._asked = message.plan_id, self._version, table
 
     def answered(self, plan_id: int) -> None:
-        """The planner has answered a request, so it has the table of that."""
+        """Notes that the planner has answered a request, so it has the table of this request."""
         asked, version, table = self._asked
         if asked == plan_id:
             self._known = version, table
 
     def is_lost(self) -> None:
-        """The planner lacks the table that it had."""
+        """Notes that the planner has lost its table."""
         self._known = 0, {}
 
 
 class TimesKept:
-    """The planner's side: the last table that it was sent."""
+    """The planner's side: keeps the last table that it was sent."""
 
     def __init__(self) -> None:
         self._version = 0
         self._table: Times = {}
 
     def take(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
-        """The table by which a request goes; None: its changes are to another one than is kept."""
+        """The table that a request uses; None: its changes are to a table that is not kept."""
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:
             self._table = told
@@ -68,7 +68,7 @@ class TimesKept:
 
 
 def changes(before: Times, after: Times) -> Dict[Tuple[str, int], float]:
-    """What makes one table of another; 0.0: the entry is gone."""
+    """The changes from one table to another; 0.0 removes an entry."""
     if before is after:
         return {}
     gone = dict.fromkeys(before.keys() - after.keys(), 0.0)
@@ -77,7 +77,7 @@ def changes(before: Times, after: Times) -> Dict[Tuple[str, int], float]:
 
 
 def changed(before: Times, told: Times) -> Times:
-    """A table with its changes."""
+    """A table after its changes."""
     after = {**before, **told}
     return {key: seconds for key, seconds in after.items() if seconds != 0.0}
 

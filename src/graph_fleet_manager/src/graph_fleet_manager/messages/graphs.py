@@ -1,4 +1,5 @@
-"""The graph, what of it is closed, what it allows; and what robots report of their routes on it."""
+"""Messages about the graph, its docks, parking and closed edges; and the routes that robots report.
+"""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -12,19 +13,19 @@ from itrci_nav_msgs import msg
 from trajectory_graph import Graph
 from trajectory_graph.messages import fill_message
 
-if TYPE_CHECKING:  # only the graph server surveys, and only it needs the memory of networkx
+if TYPE_CHECKING:  # networkx needs much memory, and only graph_server uses it, for surveys
     from graph_fleet_manager.site.survey import Survey
 
 
 def graph_message(graph: Graph, stamp: genpy.Time) -> msg.Graph:
-    """A graph; the stamp is its version."""
+    """A graph as a message; the stamp is its version."""
     message = fill_message(msg.Graph(), graph, msg.Vertex, msg.Edge)
     message.header.stamp = stamp
     return message
 
 
 def docking_points_message(graph: Graph, fleet: Fleet, stamp: genpy.Time) -> msg.DockingPoints:
-    """The docks of a graph, with the types that charge there."""
+    """The docks of a graph, with the robot types that charge there."""
     message = msg.DockingPoints(docking_points=[
         msg.DockingPoint(vertex.id, [kind.name for kind in fleet.types
                                      if vertex.id in (kind.docks or ())])
@@ -34,7 +35,7 @@ def docking_points_message(graph: Graph, fleet: Fleet, stamp: genpy.Time) -> msg
 
 
 def parking_message(found: Survey, stamp: genpy.Time) -> msg.ParkingPlaces:
-    """Where robots may stand for ever on the graph of this version."""
+    """The parking vertices and capacities of a survey; the stamp is the graph's version."""
     message = msg.ParkingPlaces(vertices=sorted(found.parking), capacities=[
         msg.ParkingCapacity(one.type, one.robots, one.docks) for one in found.capacities])
     message.header.stamp = stamp
@@ -42,7 +43,7 @@ def parking_message(found: Survey, stamp: genpy.Time) -> msg.ParkingPlaces:
 
 
 def closed_edges_message(closures: Closures) -> msg.ClosedEdges:
-    """What is closed now."""
+    """The closed edges as a message."""
     message = msg.ClosedEdges(edges=sorted(closures.edges))
     message.header.stamp = genpy.Time(0, closures.stamp)
     message.header.stamp.canon()
@@ -50,14 +51,14 @@ def closed_edges_message(closures: Closures) -> msg.ClosedEdges:
 
 
 class WrongCommand(Exception):
-    """A command that cannot be carried out, as a sentence."""
+    """A command cannot be carried out. The text is a sentence that says why."""
 
 
 def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
-    """What a command asks for; raises WrongCommand.
+    """The operation of a command; raises WrongCommand.
 
-    sender -- name of the node that it came from. With it, its number and its stamp a message is
-              known again; one without a stamp is not.
+    sender -- name of the node that sent it. Sender, sequence number and stamp identify a message
+              that comes again. A message without a stamp is not identified.
     """
     try:
         action = EdgeAction(message.command)
@@ -72,7 +73,7 @@ def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
 
 
 def reported_route(message: msg.ExecutionRouteStates) -> ReportedRoute:
-    """What is left of a robot's route; a route with a failed edge has ended."""
+    """The rest of a robot's route. A route with a failed edge has ended, so nothing is left."""
     states = message.edge_states
     ended = any(state.state == msg.EdgeState.FAILED for state in states)
     left = () if ended else tuple(state.edge_id for state in states

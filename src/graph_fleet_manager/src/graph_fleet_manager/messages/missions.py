@@ -1,4 +1,4 @@
-"""Missions, routes and the state of the fleet in messages."""
+"""Messages about missions, routes and the state of the fleet."""
 from __future__ import annotations
 
 import math
@@ -20,25 +20,25 @@ from trajectory_graph.route_messages import location_of
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal, reason_of
 
 Moment = Callable[[float], genpy.Time]
-"""The ROS time of a moment of the supervisor's clock."""
+"""Converts a time of the supervisor's clock (s) into ROS time."""
 
 _OUTAGES: Dict[Optional[Outage], int] = {
     None: msg.FleetRobot.OUTAGE_NONE,
     **{outage: getattr(msg.FleetRobot, f'OUTAGE_{outage.name}') for outage in Outage}}
-_SAME = 1e-6           # s by which stamps of one request may differ, being floats in between
-_END_OF_TIME = genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)  # the largest that a message can carry
+_SAME = 1e-6           # s by which stamps of one request may differ, because floats round them
+_END_OF_TIME = genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)  # the latest time that a message can carry
 _LONGEST_NAME = 256
-_LONGEST_REASON = 500  # letters of a robot's words that are kept
+_LONGEST_REASON = 500  # characters of a robot's reason that are kept
 
 
 def request_of(message: msg.MissionRequest) -> Request:
-    """What a message requests. Raises RequestRefused for what no status could tell again."""
+    """The request in a message. Raises RequestRefused for values that no status could repeat."""
     if message.header.stamp.to_sec() >= _END_OF_TIME.to_sec():
         raise RequestRefused('its header.stamp is later than any time that a message can carry: '
                              'give the time at which it was sent, or 0')
     for name, value in (('robot_type', message.robot_type), ('robot', message.robot)):
         if value and not value.isprintable():
-            raise RequestRefused(f'its {name} holds what cannot be printed')
+            raise RequestRefused(f'its {name} has characters that cannot be printed')
         if len(value) > _LONGEST_NAME:
             raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
     return Request(message.request_id, tuple(message.destination_vertices_id), message.robot_type,
@@ -47,24 +47,24 @@ def request_of(message: msg.MissionRequest) -> Request:
 
 
 def person_of(text: str) -> str:
-    """The asker, as it is kept: short, and what can be printed."""
+    """The name of the person who requests, shortened and with printable characters only."""
     return _words(text[:_LONGEST_NAME])
 
 
 def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
-    """A message that is no request, or that no node can take up now, is refused."""
+    """The status REFUSED for a message that is no valid request."""
     return Status(message.request_id, MissionState.REFUSED, reason=reason,
                   stamp=message.header.stamp.to_sec())
 
 
 def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
-    """Does a status tell of this very request? Ids may come again."""
+    """Returns whether a status belongs to this request; the id alone may have been used before."""
     apart = status.request_stamp.to_sec() - request.header.stamp.to_sec()
     return bool(status.request_id == request.request_id and abs(apart) < _SAME)
 
 
 def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
-    """What became of a request."""
+    """A status as a message; `now` is its stamp."""
     message = msg.MissionStatus(
         request_id=status.request_id, state=int(status.state), robot=status.robot,
         destinations_reached=status.reached, reason=status.reason,
@@ -75,7 +75,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
 
 
 def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
-    """What a robot reports. Raises WrongReport for a state that does not exist."""
+    """The report in a message of a robot. Raises WrongReport for a state that does not exist."""
     try:
         states = tuple(EdgeState(edge.state) for edge in message.edge_states)
     except ValueError:
@@ -90,16 +90,17 @@ def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
 
 
 def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
-    """The time so many seconds after `now`, or before; one that a message can carry."""
+    """The time `seconds` after `now` (negative: before), limited to times that a message can carry.
+    """
     last = int(_END_OF_TIME.to_nsec())
     nanoseconds = min(max(int(now.to_nsec()) + round(1e9 * seconds), 0), last)
-    time = genpy.Time.__new__(genpy.Time)  # its checks take ten times as long as all of this
+    time = genpy.Time.__new__(genpy.Time)  # without its checks, which take ten times as long
     time.secs, time.nsecs = divmod(nanoseconds, 10 ** 9)
     return time
 
 
 def refusal_of(message: msg.RouteRefused) -> RouteRefusal:
-    """An order that a robot did not take up."""
+    """The refusal of an order by a robot."""
     return RouteRefusal(message.route_id, tuple(message.edges),
                         reason_of(message.reason_code, _words(message.reason)))
 
@@ -110,7 +111,7 @@ def _words(text: str) -> str:
 
 def route_message(route_id: int, edges: Sequence[int], stamp: genpy.Time,
                   known_epoch: int = 0) -> msg.TargetRoute:
-    """An order to a robot, given in an epoch of its motion; 0: none is known."""
+    """An order to a robot; `known_epoch` is the epoch that the giver knows, 0: none."""
     message = msg.TargetRoute(route_id=route_id, edges=list(edges), known_epoch=known_epoch)
     message.header.stamp = stamp
     return message
@@ -118,7 +119,7 @@ def route_message(route_id: int, edges: Sequence[int], stamp: genpy.Time,
 
 def state_message(robots: Iterable[RobotView], moment: Moment,
                   now: genpy.Time) -> msg.FleetState:
-    """Every robot as it is now."""
+    """The state of all robots as a message; `now` is its stamp."""
     message = msg.FleetState(robots=[
         msg.FleetRobot(
             name=robot.name, type=robot.type, state=int(robot.state),
@@ -135,7 +136,7 @@ def state_message(robots: Iterable[RobotView], moment: Moment,
 
 def plan_message(plans: Iterable[Tuple[str, List[DriveView]]], moment: Moment,
                  now: genpy.Time) -> msg.FleetPlan:
-    """Every robot's plan."""
+    """The plans of all robots as a message; `now` is its stamp."""
     message = msg.FleetPlan(plans=[
         msg.RobotPlan(name, [msg.PlannedDrive(drive.edge, moment(drive.start), moment(drive.end),
                                               drive.released) for drive in drives])

@@ -1,7 +1,7 @@
-"""Requests to the planner and its answers.
+"""Messages of requests to the planner and of its answers.
 
-Moments in messages are ROS times; the planner counts seconds from the request's stamp, as the
-robots would need them in real life: with simulated robots `rate` of these pass in one ROS second.
+Times in messages are ROS times. The planner counts seconds of the robots' time from the request's
+stamp. With simulated robots, `rate` seconds of the robots' time pass in one ROS second.
 """
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from itrci_nav_msgs import msg
 
 _LONGEST_NAME = 256
 _NS = 1e9
-_END_OF_TIME = 2 ** 32 * 10 ** 9 - 1  # ns, the largest time that a message can carry
+_END_OF_TIME = 2 ** 32 * 10 ** 9 - 1  # ns, the latest time that a message can carry
 
 
 class Clock:
-    """From ROS time to the planner's seconds and back.
+    """Converts ROS time to the planner's seconds and back.
 
-    zero -- ROS time of the planner's zero
-    rate -- planner's seconds in one second of ROS
+    zero -- ROS time at which the planner's seconds are 0
+    rate -- planner's seconds in one second of ROS time
     """
 
     def __init__(self, zero: genpy.Time, rate: float = 1.0) -> None:
@@ -34,11 +34,11 @@ class Clock:
         self.rate = rate
 
     def seconds(self, moment: genpy.Time) -> float:
-        """The planner's seconds at a moment."""
+        """The planner's seconds at a ROS time."""
         return (moment.to_nsec() - self._zero) / _NS * self.rate
 
     def moment(self, seconds: float) -> genpy.Time:
-        """The moment of planner's seconds; one that a message can carry."""
+        """The ROS time of planner's seconds, limited to times that a message can carry."""
         nanoseconds = self._zero + round(seconds / self.rate * _NS)
         time = genpy.Time(0, min(max(nanoseconds, 0), _END_OF_TIME))
         time.canon()
@@ -50,12 +50,12 @@ class Clock:
 
 def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_times: Times,
                time_limit: float, longest: float, rate: float = 1.0) -> PlanRequest:
-    """What a message asks. Raises CannotPlan for what no planner could make sense of.
+    """The request in a message. Raises CannotPlan for invalid values.
 
     types      -- robot types of the fleet, by name
-    edge_times -- that the message means, see messages.edge_times
-    time_limit -- s for the search where the message names none
-    longest    -- s that no request may take
+    edge_times -- the table that the message uses, see messages.edge_times
+    time_limit -- s for the search if the message gives none
+    longest    -- s, the upper limit of its times for search and improvement
     """
     clock = Clock(message.header.stamp, rate)
     for name, seconds in (('time_limit', message.time_limit),
@@ -77,9 +77,9 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                     graph_stamp: genpy.Time, rate: float = 1.0) -> msg.PlanRequest:
-    """The message that asks this; `stamp`: when the robots are where the tasks say.
+    """A request as a message; `stamp` is the time at which the robots are where the tasks say.
 
-    It holds no learned times: see messages.edge_times.
+    It has no learned times; messages.edge_times adds them.
     """
     clock = Clock(stamp, rate)
     message = msg.PlanRequest(
@@ -129,7 +129,7 @@ def _area(robot: str, outline: msg.Outline) -> Area:
     elif not all(map(isfinite, (*outline.x, *outline.y))):
         problem = 'numbers that are not finite; give x and y in m'
     elif not (isfinite(outline.radius) and outline.radius >= 0.0):
-        problem = f'the radius {outline.radius}; give m from 0 on'
+        problem = f'the radius {outline.radius}; give m, 0 or more'
     if problem:
         raise CannotPlan(f'An outline of robot {_name(robot)} has {problem}.')
     return Area(tuple(zip(outline.x, outline.y)), outline.radius)
@@ -158,7 +158,7 @@ def _type(robot: str, name: str, types: Mapping[str, RobotType]) -> RobotType:
 
 def answer_message(request: msg.PlanRequest, outcome: Outcome, planning_time: float,
                    rate: float = 1.0) -> msg.PlanAnswer:
-    """The plans, as the answer to a request."""
+    """The answer to a request, with the plans of `outcome`."""
     answer = _answer(request, msg.PlanAnswer.PLANNED)
     write_outcome(answer, outcome, {task.robot: len(task.released) for task in request.tasks}, rate)
     answer.planning_time = planning_time
@@ -167,7 +167,7 @@ def answer_message(request: msg.PlanRequest, outcome: Outcome, planning_time: fl
 
 def write_outcome(answer: msg.PlanAnswer, outcome: Outcome, released: Mapping[str, int],
                   rate: float = 1.0) -> None:
-    """Puts the plans into an answer, which has the request's stamp.
+    """Puts the plans into an answer that has the request's stamp already.
 
     released -- how many drives of each robot are released already
     """
@@ -182,14 +182,14 @@ def write_outcome(answer: msg.PlanAnswer, outcome: Outcome, released: Mapping[st
 
 
 def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.PlanAnswer:
-    """The answer to a request for which nothing was planned; `result` says of what kind it is."""
+    """The answer to a request for which nothing was planned; `result` is a code of PlanAnswer."""
     answer = _answer(request, result)
     answer.reason = reason
     return answer
 
 
 def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> Outcome:
-    """What a PLANNED answer says."""
+    """The plans in an answer whose result is PLANNED."""
     clock = Clock(answer.header.stamp, rate)
     return Outcome(
         {plan.robot: tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),

@@ -1,1 +1,1 @@
-"""Joined ROS masters: what one side can find out about the other, and what is wrong with it."""
+"""Multimaster: checks of the other ROS master with which this one is joined."""

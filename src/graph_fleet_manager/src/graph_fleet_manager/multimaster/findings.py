@@ -1,16 +1,16 @@
-"""What is found out about another ROS master, judged: is it well, and what is to be done."""
+"""Findings about another ROS master: a level and advice for each check."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import List, Mapping
 
-CLOCK_NOTED = 0.2  # s of difference that age limits of reports begin to feel
-CLOCK_WRONG = 1.0  # s that a robot allows a route to come from the future, see the route protocol
+CLOCK_NOTED = 0.2  # s of difference from which the age limits of reports are affected
+CLOCK_WRONG = 1.0  # s by which a route's stamp may be in a robot's future, see the route protocol
 
 
 class Level(IntEnum):
-    """How well it is; the numbers are those of diagnostic_msgs."""
+    """The level of a finding; the numbers are those of diagnostic_msgs."""
 
     OK = 0
     WARN = 1
@@ -19,7 +19,7 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at: a clause that says what it is like, and what to do."""
+    """The result of one check: `text` is a clause about the state, `advice` says what to do."""
 
     subject: str
     level: Level
@@ -31,7 +31,8 @@ class Finding:
 
 
 def clock_finding(offset: float, uncertainty: float) -> Finding:
-    """`offset`: s that the other's clock is ahead of this one, known to `uncertainty` s."""
+    """The finding about the other clock, which is `offset` s ahead, with an error of `uncertainty`.
+    """
     off = max(abs(offset) - uncertainty, 0.0)
     level = Level.OK if off < CLOCK_NOTED else Level.WARN if off < CLOCK_WRONG else Level.WRONG
     side = 'ahead of' if offset > 0.0 else 'behind'
@@ -41,7 +42,7 @@ def clock_finding(offset: float, uncertainty: float) -> Finding:
 
 
 def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Finding:
-    """Message definitions by type, as MD5 sums; a type without a definition is told, too."""
+    """The finding about message definitions that differ or are missing; MD5 sums by type."""
     different = sorted(kind for kind in own if kind in theirs and theirs[kind] != own[kind])
     missing = sorted(set(own) - set(theirs))
     problems: List[str] = []
@@ -52,5 +53,5 @@ def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Fi
     if not problems:
         return Finding('definitions', Level.OK, f'all {len(own)} message definitions are alike')
     return Finding('definitions', Level.WRONG, f'it has {" and ".join(problems)}',
-                   'those messages do not cross; build the same version of the workspace on both '
-                   'computers')
+                   'those messages are not transferred; build the same version of the workspace '
+                   'on both computers')

@@ -1,6 +1,6 @@
-"""Can this computer and another one be joined? One check after another, each judged with advice.
+"""Checks whether the ROS masters of this computer and another one can be joined, with advice.
 
-What the checks need of ROS is the masters' XML-RPC API; no node is started.
+The checks use only the XML-RPC API of the masters; no node is started.
 """
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from graph_fleet_manager.multimaster.peer_master import (
     NoAnswer,
 )
 
-_CALL_BACK = 3.0     # s in which a master calls back
-_ASKED = 5           # nodes of the other side whose ports are tried
+_CALL_BACK = 3.0     # s in which a master must call back
+_ASKED = 5           # most nodes of the other side to which a connection is tried
 
 
 class NetworkChecks:
-    """All checks between this computer and `host`, in the order in which they make sense.
+    """All checks between this computer and `host`, ordered so that causes come before effects.
 
-    environment -- of the shell: ROS_IP, ROS_HOSTNAME, ROS_MASTER_URI
+    environment -- environment of the shell: ROS_IP, ROS_HOSTNAME, ROS_MASTER_URI
     own         -- this side's message definitions (MD5 sums by type)
     """
 
@@ -52,7 +52,7 @@ class NetworkChecks:
         self._nodes: Optional[Dict[str, str]] = None
 
     def run(self) -> Iterator[Finding]:
-        """The findings, one by one; without an address there is nothing else to look at."""
+        """Yields the findings one by one. If the host has no address, no other check is made."""
         name = self._check_name()
         yield name
         if name.level is Level.WRONG:
@@ -74,31 +74,31 @@ class NetworkChecks:
                            'give the address, or add the name to /etc/hosts')
         if self._address.startswith('127.') and self._address != self._host:
             return Finding('name', Level.WRONG, f'{self._host} is {self._address}, this computer '
-                           'itself', 'mend its line in /etc/hosts')
+                           'itself', 'correct its line in /etc/hosts')
         shown = '' if self._address == self._host else f'{self._host} is '
         return Finding('name', Level.OK, f'{shown}{self._address}')
 
     def _check_ros_ip(self) -> Finding:
         towards = address_towards(self._address)
         if not towards:
-            return Finding('ROS_IP', Level.WRONG, f'there is no way to {self._address}',
-                           'see to the network between both computers')
+            return Finding('ROS_IP', Level.WRONG, f'there is no network route to {self._address}',
+                           'connect both computers to the same network')
         advice = f'export ROS_IP={towards}'
         if self._environment.get('ROS_HOSTNAME'):
-            return Finding('ROS_IP', Level.WRONG, 'ROS_HOSTNAME is set and goes before ROS_IP',
+            return Finding('ROS_IP', Level.WRONG, 'ROS_HOSTNAME is set and overrides ROS_IP',
                            f'unset ROS_HOSTNAME, then {advice}')
         if not self._ros_ip:
-            return Finding('ROS_IP', Level.WRONG, 'it is not set, so this computer gives out a '
-                           'name that the other one may not know', advice)
+            return Finding('ROS_IP', Level.WRONG, 'it is not set, so nodes here give a name that '
+                           'the other computer may not know', advice)
         if not is_own_address(self._ros_ip):
             return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} is no address of this computer',
                            advice)
         if self._ros_ip.startswith('127.') != self._address.startswith('127.'):
-            return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} is not to be reached from '
+            return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} cannot be reached from '
                            f'{self._address}', advice)
         if self._ros_ip != towards and not towards.startswith('127.'):
-            return Finding('ROS_IP', Level.WARN, f'{self._ros_ip} is this computer\'s, but the way '
-                           f'to {self._address} begins at {towards}', advice)
+            return Finding('ROS_IP', Level.WARN, f'{self._ros_ip} is an address of this computer, '
+                           f'but the route to {self._address} begins at {towards}', advice)
         return Finding('ROS_IP', Level.OK, f'{self._ros_ip}')
 
     def _check_own_master(self) -> Finding:
@@ -106,7 +106,7 @@ class NetworkChecks:
             Master(self._own_uri).pid()
         except NoAnswer as silence:
             return Finding('own master', Level.WRONG, f'no ROS master answers at {self._own_uri} '
-                           f'({silence})', 'start this side\'s launch file, or mend '
+                           f'({silence})', 'start this side\'s launch file, or correct '
                            'ROS_MASTER_URI')
         return Finding('own master', Level.OK, f'{self._own_uri} answers')
 
@@ -123,8 +123,7 @@ class NetworkChecks:
                        'nodes')
 
     def _check_call_back(self) -> Optional[Finding]:
-        """The other master is made to call this computer, as it does with nodes of joined masters.
-        """
+        """Lets the other master call this computer, as it calls nodes of joined masters."""
         if self._nodes is None:
             return None
         address = self._ros_ip or address_towards(self._address)
@@ -132,15 +131,15 @@ class NetworkChecks:
             came = calls_back(self._master, address)
         except (NoAnswer, OSError) as error:
             return Finding('way back', Level.WRONG, f'it could not be tried ({error})',
-                           'mend what is wrong above first')
+                           'correct the faults above first')
         if not came:
             return Finding('way back', Level.WRONG, f'the master there does not reach this '
                            f'computer at {address}', 'open all TCP ports from 1024 on between the '
-                           'two computers in this one\'s firewall, and see that ROS_IP is right')
+                           'two computers in this one\'s firewall, and check ROS_IP')
         return Finding('way back', Level.OK, f'the master there reaches this computer at {address}')
 
     def _check_node_addresses(self) -> Optional[Finding]:
-        """Nodes are reached where they say they are, at ports that are not known beforehand."""
+        """Connects to nodes of the other side at the addresses that they give; ports vary."""
         local = self._local_nodes()
         for name, uri in list(local.items())[:_ASKED]:
             where = urlsplit(uri)
@@ -156,14 +155,18 @@ class NetworkChecks:
         return Finding('nodes', Level.OK, f'{min(len(local), _ASKED)} nodes there are reached')
 
     def _local_nodes(self) -> Dict[str, str]:
-        """The nodes of the other computer itself: those where its rosout is, others crossed."""
+        """The nodes that run on the other computer: those with the same host as its rosout.
+
+        All others were taken over from further masters.
+        """
         nodes = self._nodes or {}
         where = urlsplit(nodes.get('/rosout', '')).hostname
         return {name: uri for name, uri in nodes.items()
                 if where is not None and urlsplit(uri).hostname == where}
 
     def _check_node_names(self) -> Optional[Finding]:
-        """ROS ends one of two nodes of the same name when the masters are joined."""
+        """Looks for node names on both sides: ROS ends one of such nodes when masters are joined.
+        """
         try:
             own = Master(self._own_uri).nodes()
         except NoAnswer:
@@ -172,12 +175,12 @@ class NetworkChecks:
         twice = sorted(name for name, uri in own.items() if name not in _ON_EVERY_SIDE
                        and theirs.get(name, uri) != uri)
         if twice:
-            return Finding('node names', Level.WRONG, f'both sides have a {", ".join(twice)}',
+            return Finding('node names', Level.WRONG, f'both sides have a node {", ".join(twice)}',
                            'there must be one fleet manager, and each robot needs a robot_name of '
                            'its own')
         return Finding('node names', Level.OK, 'no node is on both sides')
 
-    # -- what is beside it ------------------------------------------------------------------------
+    # -- master_discovery of the other computer ---------------------------------------------------
 
     def _check_discovery(self) -> Finding:
         try:
@@ -209,7 +212,7 @@ _ON_EVERY_SIDE = ('/rosout', '/master_discovery', '/master_sync', '/peer_watch')
 
 
 def address_towards(address: str) -> str:
-    """This computer's address on the way to another; empty without a way. Sends nothing."""
+    """This computer's address on the route to another; empty without a route. Sends nothing."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect((address, MASTER_PORT))
@@ -219,7 +222,7 @@ def address_towards(address: str) -> str:
 
 
 def is_own_address(address: str) -> bool:
-    """Can this computer listen there?"""
+    """Returns whether this computer can listen at the address."""
     with socket.socket() as probe:
         try:
             probe.bind((address, 0))
@@ -229,10 +232,10 @@ def is_own_address(address: str) -> bool:
 
 
 def calls_back(master: Master, address: str) -> bool:
-    """Does a master reach a server of ours at `address`, as it must to tell of new publishers?
+    """Returns whether a master reaches a server here at `address`, as for news of publishers.
 
-    For a moment it has a publisher and a subscriber of a topic of its own. Raises
-    NoAnswer and, where nothing can listen at the address, OSError.
+    For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises
+    NoAnswer, and OSError if no server can listen at the address.
     """
     called = threading.Event()
 

@@ -1,7 +1,7 @@
-"""Questions to another ROS master, and to fkie's master_discovery beside it, over XML-RPC.
+"""XML-RPC calls to another ROS master, and to fkie's master_discovery beside it.
 
-Nothing here is a ROS node. Every question ends within its timeout; a peer's answers are checked for
-their form, as it is another computer's program that gives them.
+Nothing here is a ROS node. Each call ends within its timeout. The form of the answers is checked,
+because a program on another computer gives them.
 """
 from __future__ import annotations
 
@@ -12,38 +12,38 @@ import xml.parsers.expat
 import xmlrpc.client
 from typing import Any, Callable, Dict, List, NamedTuple, Sequence
 
-MASTER_PORT = 11311     # of a ROS master
-DISCOVERY_PORT = 11621  # of master_discovery, as join_masters.launch sets it
-TIMEOUT = 2.0           # s for one question
+MASTER_PORT = 11311     # TCP port of a ROS master
+DISCOVERY_PORT = 11621  # TCP port of master_discovery, as join_masters.launch sets it
+TIMEOUT = 2.0           # s for one call
 _CALLER = '/graph_fleet_manager'
-_MOST = 10000           # entries of an answer that are looked at
+_MOST = 10000           # most entries of an answer that are used
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error,
              xml.parsers.expat.ExpatError, ValueError, TypeError, KeyError)
 
 
 class NoAnswer(Exception):
-    """No answer came, or a wrong one; the text, a clause, says how that showed."""
+    """No answer came, or an invalid one. The text is a clause that describes the failure."""
 
 
 class ClockOffset(NamedTuple):
-    """How far (s) another clock is ahead of this one, and how well that is known."""
+    """The time (s) by which another clock is ahead of this one, and the error of this value (s)."""
 
     offset: float
     uncertainty: float
 
 
 class _Transport(xmlrpc.client.Transport):
-    """A transport whose calls end in time."""
+    """A transport with a timeout for each call."""
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
-        """Connects, with the timeout."""
+        """Makes a connection with the timeout."""
         connection = super().make_connection(host)
         connection.timeout = TIMEOUT
         return connection
 
 
 def proxy(uri: str) -> Any:
-    """Calls the XML-RPC server at `uri`, with a timeout."""
+    """A proxy for the XML-RPC server at `uri`, with a timeout."""
     return xmlrpc.client.ServerProxy(uri, transport=_Transport())
 
 
@@ -56,14 +56,14 @@ def _ask(question: Callable[[], Any]) -> Any:
 
 
 class Master:
-    """A ROS master's API."""
+    """The API of a ROS master."""
 
     def __init__(self, uri: str) -> None:
         self.uri = uri
         self.api = proxy(uri)
 
     def nodes(self) -> Dict[str, str]:
-        """Every node that it knows, with the URI of its API; raises NoAnswer."""
+        """The URI of the API of each registered node, by its name; raises NoAnswer."""
         state = self.value(lambda: self.api.getSystemState(_CALLER))
         names = _ask(lambda: sorted({str(node) for kind in state for _, nodes in kind
                                      for node in nodes})[:_MOST])
@@ -74,7 +74,7 @@ class Master:
         return str(self.value(lambda: self.api.lookupNode(_CALLER, name)))
 
     def service_uri(self, name: str) -> str:
-        """Where a service is; raises NoAnswer."""
+        """The address of a service (rosrpc://); raises NoAnswer."""
         return str(self.value(lambda: self.api.lookupService(_CALLER, name)))
 
     def topic_types(self) -> Dict[str, str]:
@@ -83,12 +83,12 @@ class Master:
         return _ask(lambda: {str(topic): str(kind) for topic, kind in pairs[:_MOST]})
 
     def pid(self) -> int:
-        """The process that it is: another one after a restart. Raises NoAnswer."""
+        """The process id of the master, which changes at a restart; raises NoAnswer."""
         return int(self.value(lambda: self.api.getPid(_CALLER)))
 
     @staticmethod
     def value(question: Callable[[], Any]) -> Any:
-        """What a call of the API gives; raises NoAnswer, also where the master refuses it."""
+        """The result of a call of the API; raises NoAnswer, also if the master refuses the call."""
         code, said, value = _ask(lambda: _triple(question()))
         if code != 1:
             raise NoAnswer(said)
@@ -107,11 +107,12 @@ class Discovery:
         moment = _ask(lambda: float(self._api.getCurrentTime()[1]))
         after = time.time()
         if not math.isfinite(moment):
-            raise NoAnswer('its time is no number')
+            raise NoAnswer('its time is not a number')
         return ClockOffset(moment - (before + after) / 2.0, (after - before) / 2.0)
 
     def definitions(self, types: Sequence[str]) -> Dict[str, str]:
-        """The MD5 sums of those of these message types that it has; raises NoAnswer."""
+        """The MD5 sums of these message types, as far as the other side has them; raises NoAnswer.
+        """
         pairs: List[Any] = _ask(lambda: list(self._api.getTopicsMd5sum(list(types)))[:_MOST])
         return _ask(lambda: {str(kind): str(md5) for kind, md5 in pairs if kind in types})
 

@@ -1,22 +1,23 @@
-"""Simulated AGVs: every robot of the fleet file with `driver: agv`, all in this one process.
+"""agv_sim: simulates all robots of the fleet file with `driver: agv`, in one process.
 
-They follow the edges of the graph exactly and speak the robot's side of the route protocol
+They follow the edges of the graph exactly and implement the robot's side of the route protocol
 (docs/reference/route_protocol.md).
 
 Subscribes
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     /<robot>/target_route (itrci_nav_msgs/TargetRoute)
 Publishes
-    /<robot>/execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on
-        change while a route runs, else 1 Hz
+    /<robot>/execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): at each change,
+        and 10 Hz while a route runs, else 1 Hz
     /<robot>/route_refused (itrci_nav_msgs/RouteRefused)
     /<robot>/battery_state (sensor_msgs/BatteryState): 1 Hz
-    /<robot>/pose (geometry_msgs/PoseStamped) and TF map -> <robot>/base_link: 20 Hz, the true pose
+    /<robot>/pose (geometry_msgs/PoseStamped) and TF map -> <robot>/base_link: the true pose, 20 Hz
 Parameters
     ~fleet_file    string  (required)
     ~graph_file    string  (empty)  trajectory graph (YAML); empty: wait for /graph
     ~sim_speed     float   1.0      factor on the AGVs' clock, 0.1 to 20
-    ~control_port  int     0        on 127.0.0.1: faults, and where all truly are; 0: none
+    ~control_port  int     0        TCP port on 127.0.0.1 that takes faults and tells the true
+                                    poses; 0: none
 """
 from __future__ import annotations
 
@@ -43,7 +44,7 @@ _NAME = re.compile(r'[A-Za-z]\w*\Z', re.ASCII)
 
 
 class AgvSim:
-    """The node: see the module's text. One lock guards the simulation."""
+    """The node; see the docstring of the module. One lock guards the simulation."""
 
     def __init__(self) -> None:
         self._robots = _read_robots()
@@ -64,7 +65,7 @@ class AgvSim:
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the simulation, before its topics close."""
+        """Ends the simulation thread before its topics close."""
         self._ending.set()
         self._thread.join(1.0)
 

@@ -17,11 +17,11 @@ from trajectory_graph.route_protocol import RouteRefusal, RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
 BATTERY_PERIOD = 1.0                   # s
-EARLY = 0.02                           # s that a period may be shorter, for the tick's sake
+EARLY = 0.02                           # s by which a period may be shorter, to fit the ticks
 
 
 class AgvTopics:
-    """Hears the orders of one vehicle, and publishes what it says. `lock` is the simulation's."""
+    """Takes the orders of one vehicle and publishes its messages. `lock` is the simulation's."""
 
     def __init__(self, vehicle: Vehicle, lock: threading.Lock) -> None:
         self._vehicle, self._lock = vehicle, lock
@@ -40,9 +40,9 @@ class AgvTopics:
                          tcp_nodelay=True)
 
     def tell(self, now: float) -> Optional[TransformStamped]:
-        """Publishes what is due; returns the frame, None while the vehicle is silent.
+        """Publishes the messages that are due. Returns the vehicle's frame; None if it is silent.
 
-        `now` in s of any steady clock. The lock is held by the caller.
+        `now` in s of any monotonic clock. The caller holds the lock.
         """
         self._pass_on(now)
         if self._vehicle.silent:
@@ -77,7 +77,8 @@ class AgvTopics:
                                                     rospy.Time.now().to_nsec()))
 
     def _log_refusal(self, refusal: RouteRefusal) -> None:
-        """In an emergency stop the first one only: the supervisor tries again and again."""
+        """Logs a refusal. Of one emergency stop only the first is logged: the supervisor repeats
+        its order."""
         if not (self._vehicle.emergency and self._emergency_told):
             rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, refusal.route_id,
                           refusal.reason)

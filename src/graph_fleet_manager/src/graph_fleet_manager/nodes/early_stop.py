@@ -1,8 +1,8 @@
-"""Stop all where there is no supervisor to do it: before it has a graph, or while it hangs.
+"""Stops all robots while no supervisor can do it: before there is a graph, or while it hangs.
 
-The robots get an empty route under an id that no journal gives; the supervisor stops them once more
-by its own rules as soon as it can. One that begins after another that hung was killed stops the
-fleet when robots report such an id.
+Each robot gets an empty route under an id that no journal gives. As soon as the supervisor can, it
+stops the robots again by its own rules. If a supervisor hung and was killed, its successor stops
+the fleet when robots report such an id.
 """
 from __future__ import annotations
 
@@ -23,19 +23,20 @@ class EarlyStop:
         self._sent = -inf
 
     def stop(self, now: float) -> List[SendRoute]:
-        """Every robot is to stop; what is to be sent for that."""
+        """Begins to stop all robots. Returns the orders to send; `now` in s, monotonic."""
         self._route_id, self._sent = past_id(), now
         return self._orders(repeated=False)
 
     def due(self, now: float) -> Sequence[SendRoute]:
-        """What is to be sent again, for robots that are not connected yet."""
+        """The orders to repeat at `now`, for robots that were not connected yet; empty if none."""
         if self._route_id is None or now - self._sent < REPEAT:
             return ()
         self._sent = now
         return self._orders(repeated=True)
 
     def hand_over(self) -> bool:
-        """The supervisor takes over; tells whether it is to stop the fleet."""
+        """Ends the repetition, because a supervisor takes over. Returns whether it must stop the
+        fleet."""
         is_stopped, self._route_id = self._route_id is not None, None
         return is_stopped
 

@@ -1,4 +1,4 @@
-"""Which edges are closed, as topics: part of graph_server."""
+"""The topics of graph_server about closed edges."""
 from __future__ import annotations
 
 import threading
@@ -12,15 +12,15 @@ from graph_fleet_manager.messages.graphs import WrongCommand, closed_edges_messa
 from graph_fleet_manager.site.closures import Closures, EdgeAction, OutOfDate, Repeated
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
 
-_COMMANDS_KEPT = 1000  # of a connection, until they are carried out: none may be lost
+_COMMANDS_KEPT = 1000  # commands queued for one connection: none may be lost
 _NAME = 100            # characters of the name of a person or program, in the log
 
 
 class EdgeClosures:
-    """Takes commands, keeps what is closed, and tells it.
+    """Takes commands, stores the closed edges, and publishes them.
 
-    lock    -- of the graph in force: commands and another graph come one after the other
-    known   -- the edges of the graph in force; None without a graph
+    lock    -- lock of the graph in force: a command and a new graph are handled one by one
+    known   -- returns the edges of the graph in force; None without a graph
     changed -- called after each command that was carried out
     """
 
@@ -38,29 +38,29 @@ class EdgeClosures:
         return self._closures.edges
 
     def listen(self) -> None:
-        """Takes commands from now on."""
+        """Subscribes to the commands."""
         self._subscribers = [
             rospy.Subscriber('/edge_command', EdgeCommand, self._on_command,
                              queue_size=_COMMANDS_KEPT),
             rospy.Subscriber('/closed_edges', ClosedEdges, self._on_list, queue_size=10)]
 
     def use_graph(self, known: Container[int]) -> None:
-        """Forgets edges that another graph does not have."""
+        """Removes closed edges that the new graph does not have."""
         try:
             gone = self._closures.forget_all_but(known)
         except OSError as error:
-            rospy.logerr('What is closed cannot be written, so closed edges that the graph does '
-                         'not have will come back: %s', error)
+            rospy.logerr('The closed edges cannot be written to the disk, so closed edges that the '
+                         'graph does not have will come back: %s', error)
             return
         if gone:
             rospy.logwarn('Closed edges %s are not in the graph and are forgotten.', _listed(gone))
 
     def publish(self) -> None:
-        """Tells what is closed."""
+        """Publishes the closed edges."""
         self._in_force.publish(closed_edges_message(self._closures))
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
-        """For /diagnostics."""
+        """Fills in the status for /diagnostics: the closed edges."""
         status.summary(DiagnosticStatus.OK, _listed(self.edges))
 
     def _on_command(self, message: EdgeCommand) -> None:
@@ -78,7 +78,7 @@ class EdgeClosures:
                                                self._known())
                 self.publish()
         except Repeated:
-            rospy.loginfo('A message of %r came once more; it was carried out before.', by)
+            rospy.loginfo('A message of %r came again; it was carried out before.', by)
             return
         except OSError as error:
             _log_full(error)
@@ -94,9 +94,10 @@ class EdgeClosures:
                 unknown = self._closures.take(message.edges, stamp.to_nsec(),
                                               rospy.Time.now().to_nsec(), self._known())
                 self.publish()
-        except OutOfDate as late:  # also a latched message of a publisher that joined anew
-            rospy.logwarn('A list of closed edges of %.3f s is not used: it is not from after the '
-                          'last change, of %.3f s. Use /edge_command, which ignores the stamp.',
+        except OutOfDate as late:  # also a latched message of a publisher that connected again
+            rospy.logwarn('A list of closed edges with stamp %.3f s is not used: it is not newer '
+                          'than the last change, at %.3f s. Use /edge_command, which ignores the '
+                          'stamp.',
                           stamp.to_sec(), late.stamp / 1e9)
             return
         except OSError as error:
@@ -113,7 +114,7 @@ class EdgeClosures:
 
 
 def _log_full(error: OSError) -> None:
-    rospy.logerr('Closed edges cannot be kept, so nothing is changed: %s', error)
+    rospy.logerr('The closed edges cannot be written to the disk, so nothing is changed: %s', error)
 
 
 def _listed(edges: FrozenSet[int]) -> str:

@@ -1,14 +1,18 @@
-"""What happens to the fleet manager, one event after the other, and the clock between them.
+"""The queue of the fleet manager: events from callbacks, and ticks of the clock between them.
 
-Stops go first. Then comes what was reported, commanded and answered, in the order of its arrival.
-A tick comes when it is due, after all of these that arrived before. Requests have what time is
-left, and at least one turn between two ticks; a tick is due at once when none is left. A command
-takes the requests with it that it is about.
+The order of events:
 
-Requests and commands come only once: they wait until there is a supervisor.
+- Stops come first.
+- Reports, commands and answers follow, in the order of their arrival.
+- A tick comes when it is due, after all reports, commands and answers that arrived before it.
+- Requests get the time that is left, and at least one turn between two ticks. When no request is
+  left, a tick is due at once.
+- A command is preceded by the waiting requests for the mission that it names.
 
-Where the whole process stood still, reports wait in its sockets: the next tick leaves callbacks
-time to take them, for it finds out which robots do not report.
+Requests and commands are not repeated by their senders, so they wait until there is a supervisor.
+
+If the whole process was halted, reports wait in its sockets. The next tick is then delayed, so that
+callbacks can take these reports first: a tick finds out which robots do not report.
 """
 from __future__ import annotations
 
@@ -25,23 +29,23 @@ from graph_fleet_manager.supervision.mission_commands import refused
 from graph_fleet_manager.supervision.missions import Change, Command, Request
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
-TICK = 0.05       # s between two looks at the clock
-STALL = 1.0       # s without a look at the clock, from which on the process may have stood still
-RECOVERY = 0.25   # s that callbacks then have for what came meanwhile
-BATCH = 100       # requests that share one commit, so that what is urgent does not wait for more
-_WAITING = 10000  # events, and as many requests, beyond which something is badly wrong
-_TOO_EARLY = f'the fleet manager has not begun yet, and {MOST_OPEN} already wait for that'
+TICK = 0.05       # s between two ticks
+STALL = 1.0       # s without a look at the clock after which the process counts as halted
+RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
+BATCH = 100       # most requests in one commit, so that urgent events do not wait for more
+_WAITING = 10000  # most events, and most requests, that wait; callbacks block beyond that
+_TOO_EARLY = f'the fleet manager has not started yet, and {MOST_OPEN} already wait for it'
 
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
-"""What happened, told to the supervisor (None: there is none yet) with the time; what follows."""
+"""An event: gets the supervisor (None: there is none yet) and the time, returns actions."""
 ReadyEvent = Callable[[Supervisor, float], Sequence[Action]]
-"""The same for events that only a supervisor understands."""
+"""An event that needs a supervisor."""
 ReportEvent = Callable[[Supervisor, float, float], Sequence[Action]]
-"""The same with the time at which it arrived, after the time that it is now."""
+"""An event that needs a supervisor; gets the present time, then the time of its arrival."""
 
 
 class _Waiting(NamedTuple):
-    """An event and when it arrived; the number tells the order of those that came together."""
+    """An event and the time of its arrival; `number` orders events with the same time."""
 
     arrived: float
     number: int
@@ -49,9 +53,9 @@ class _Waiting(NamedTuple):
 
 
 class EventLoop:
-    """Callbacks leave events, one thread takes them. Times are those of `clock` (s, monotonic).
+    """Callbacks put events, one thread takes them. Times are those of `clock` (s, monotonic).
 
-    trouble -- why requests cannot be kept until there is a supervisor, a clause; empty: they can
+    trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic,
@@ -67,16 +71,16 @@ class EventLoop:
         self._request_room = threading.Semaphore(_WAITING)
         self._is_ready = False
         self._early: List[_Waiting] = []
-        """Events of before there was a supervisor."""
+        """Events that came before there was a supervisor."""
         self._due = self._looked = clock()
         self._heard: Optional[float] = None
-        """A tick is due, after all events that arrived until then; None: none is due."""
-        self._had_turn = False  # requests, since the last tick
+        """A tick is due after all events that arrived until this time; None: no tick is due."""
+        self._had_turn = False  # whether requests had a turn since the last tick
 
     # -- callbacks --------------------------------------------------------------------------------
 
     def put(self, event: Event) -> None:
-        """Something happened; waits while too much does."""
+        """Queues an event. Blocks while too many events wait."""
         self._put(event, self._clock())
 
     def _put(self, event: Event, arrived: float) -> None:
@@ -86,22 +90,21 @@ class EventLoop:
             self._changed.notify()
 
     def put_urgent(self, event: Event) -> None:
-        """Something happened that must not wait for what happened before, however much that is."""
+        """Queues an event that is taken before all that wait, such as a stop. Never blocks."""
         with self._changed:
             self._stops.append(event)
             self._changed.notify()
 
     def put_report(self, event: ReportEvent) -> None:
-        """Something happened that means nothing where there is no supervisor yet: it comes again.
-        """
+        """Queues an event that is dropped without a supervisor, because its sender repeats it."""
         arrived = self._clock()
         self._put(lambda supervisor, now: (
             () if supervisor is None else event(supervisor, now, arrived)), arrived)
 
     def put_order(self, event: ReadyEvent, lost: str = '') -> None:
-        """Something happened that comes only once: it is kept until there is a supervisor.
+        """Queues an event that its sender does not repeat: it is kept until there is a supervisor.
 
-        lost -- what is told where too much is kept already
+        lost -- the warning if the event is lost because too many are kept already
         """
         arrived = self._clock()
 
@@ -116,7 +119,7 @@ class EventLoop:
 
     def put_command(self, request_id: int, command: Command,
                     change: Optional[Change] = None, requested_by: str = '') -> None:
-        """A command came; requests with that id that still wait go before it."""
+        """Queues a command. Requests with that id that still wait are handled before it."""
         def do(supervisor: Supervisor, now: float) -> Sequence[Action]:
             before = self._requests_with(request_id)
             return [*(supervisor.requests(before, now) if before else ()),
@@ -125,7 +128,10 @@ class EventLoop:
                            f'{_TOO_EARLY}.')
 
     def put_request(self, request: Request) -> None:
-        """A request came; waits while too many do, but not for a supervisor."""
+        """Queues a request. Blocks while too many wait.
+
+        While there is no supervisor, a request is refused if MOST_OPEN requests wait already.
+        """
         with self._changed:
             is_refused = not self._is_ready and len(self._requests) >= MOST_OPEN
         if is_refused:
@@ -141,7 +147,7 @@ class EventLoop:
     # -- the thread that takes them ---------------------------------------------------------------
 
     def begin(self) -> None:
-        """There is a supervisor: what came before it is taken as if it came now."""
+        """Queues the events that were kept until there is a supervisor, in their order."""
         with self._changed:
             self._is_ready = True
             early, self._early = self._early, []
@@ -150,12 +156,12 @@ class EventLoop:
                 self._room.acquire(blocking=False)
 
     def hurry(self, due: Optional[float]) -> None:
-        """The next tick is wanted at `due`, perhaps before its time; None: in its time."""
+        """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
         if due is not None:
             self._due = min(self._due, due)
 
     def take(self) -> Event:
-        """The next event, or a tick when it is time for that."""
+        """Waits for the next event or tick, and returns it."""
         with self._changed:
             while True:
                 before, now = self._looked, self._clock()
@@ -173,7 +179,7 @@ class EventLoop:
                     self._heard = max(self._clock(), self._due)
 
     def _next(self) -> Optional[Event]:
-        """What goes before the tick."""
+        """The next event that comes before the tick; None if there is none."""
         if self._stops:
             return self._stops.popleft()
         if self._events and (self._heard is None or self._events[0].arrived <= self._heard):
@@ -186,12 +192,12 @@ class EventLoop:
         return None
 
     def _accept(self, trouble: str) -> Event:
-        """The turn of some requests; `trouble`: why they are refused."""
+        """An event for up to BATCH requests; `trouble` is the reason if they are refused."""
         self._had_turn = True
         requests = [self._taken(number)
                     for number in list(itertools.islice(self._requests, BATCH))]
         if not self._requests:
-            self._due = self._clock()  # a robot is to drive at once
+            self._due = self._clock()  # a tick at once, so that a robot begins without delay
         return lambda supervisor, now: (
             [TellStatus(refused(request, trouble)) for request in requests]
             if supervisor is None else supervisor.requests(requests, now))

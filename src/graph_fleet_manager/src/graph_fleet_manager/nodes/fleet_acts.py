@@ -1,4 +1,4 @@
-"""What the menus of a fleet do: requests, commands and services of the fleet manager."""
+"""Carries out the menu entries of a fleet with requests, commands and services."""
 from __future__ import annotations
 
 import random
@@ -14,7 +14,7 @@ from graph_fleet_manager.nodes.rviz.menus import Act, Subject
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
-WAIT = 1.0  # s for a service that may not be there
+WAIT = 1.0  # s to wait for a service that may not exist
 _COMMANDS = {Act.CANCEL: MissionCommand.CANCEL, Act.PAUSE: MissionCommand.PAUSE,
              Act.RESUME: MissionCommand.RESUME, Act.RELEASE: MissionCommand.RELEASE}
 _SERVICES = {Act.RESUME_ALL: ('/resume_fleet', Trigger), Act.OUT: ('/{}/leave_fleet', Trigger),
@@ -23,20 +23,20 @@ _SERVICES = {Act.RESUME_ALL: ('/resume_fleet', Trigger), Act.OUT: ('/{}/leave_fl
 
 
 class FleetActs:
-    """Does what a menu asks for, and tells by `say` what became of it."""
+    """Carries out the entries of menus. `say` is called with a sentence about each result."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
         self._say = say
         self.robots: Dict[str, FleetRobot] = {}
         self.closed: FrozenSet[int] = frozenset()
         self.chosen = ''
-        """Robot that the next mission is for."""
+        """The robot for which the next mission is requested; empty if none is chosen."""
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=10)
         self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=10)
         self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=10)
 
     def act(self, act: Act, subject: Subject) -> None:
-        """One choice in a menu. Never waits: a service is called by a thread of its own."""
+        """Carries out one entry of a menu. Never blocks: a thread of its own calls a service."""
         if act is Act.STOP_ALL:
             threading.Thread(target=self._stop, daemon=True).start()
         elif act in _SERVICES:

@@ -1,4 +1,4 @@
-"""What /diagnostics says of the fleet: robots that cannot work, and open missions."""
+"""The fleet's status in /diagnostics: robots that cannot work, and open missions."""
 from __future__ import annotations
 
 import time
@@ -11,14 +11,15 @@ from graph_fleet_manager.supervision.fleet_view import RobotState, robot_views
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
-_NAMED = 20  # missions of which the reason is told
+_NAMED = 20  # most missions that are listed with their reason
 
 
 def report_fleet(supervisor: Optional[Supervisor], trouble: str,
                  status: DiagnosticStatusWrapper) -> None:
-    """Every robot's state; WARN when one cannot work or finds no way, or there is no plan.
+    """Fills in the state of every robot.
 
-    ERROR while nothing can be stored: `trouble` says why where there is no supervisor for that.
+    - ERROR while the journal cannot be written. While there is no supervisor, `trouble` says why.
+    - WARN while the fleet is stopped, there is no plan, or a robot cannot work or has no path.
     """
     if supervisor is None and trouble:
         status.summary(DiagnosticStatus.ERROR, f'no mission is accepted: {trouble}')
@@ -40,7 +41,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
     elif out:
         status.summary(DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work')
     elif stuck:
-        status.summary(DiagnosticStatus.WARN, f'no way for now for {", ".join(stuck)}')
+        status.summary(DiagnosticStatus.WARN, f'no path at present for {", ".join(stuck)}')
     else:
         status.summary(DiagnosticStatus.OK, f'{len(views)} robots')
     for view in views:
@@ -49,7 +50,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
 
 
 def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:
-    """How many missions are open, in which state, and what the oldest ones wait for."""
+    """Fills in the number of open missions by state, and the reasons why the oldest ones wait."""
     missions = [] if supervisor is None else supervisor.book.stored_open
     states = [mission.state for mission in missions]
     status.summary(DiagnosticStatus.OK, f'{len(states)} open missions')

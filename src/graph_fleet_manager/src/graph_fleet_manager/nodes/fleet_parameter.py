@@ -1,4 +1,4 @@
-"""The parameter ~fleet_file, which most nodes of the fleet manager have."""
+"""The parameter ~fleet_file of most nodes of the fleet manager."""
 from __future__ import annotations
 
 from rosgraph.names import is_legal_base_name
@@ -10,9 +10,10 @@ from node_lifecycle import ConfigurationError, parameter
 
 
 def fleet_of(name: str = '~fleet_file') -> Fleet:
-    """The fleet in the file that a parameter names; raises ConfigurationError.
+    """The fleet in the file that a parameter names.
 
-    Names of robots are those of their topics, too.
+    Raises ConfigurationError if the file is wrong, or if the name of a robot cannot be part of
+    topics.
     """
     file = parameter(name)
     try:

@@ -1,4 +1,4 @@
-"""/fleet_plan: what every robot is to drive, for displays and other programs."""
+"""The topic /fleet_plan: the planned drives of all robots, for displays and other programs."""
 from __future__ import annotations
 
 import queue
@@ -14,7 +14,7 @@ from graph_fleet_manager.supervision.fleet_view import PlanProgress, plan_views
 from itrci_nav_msgs.msg import FleetPlan
 from node_lifecycle.worker import start_worker
 
-_SHARE = 0.1  # of the time may go into messages; large plans are told less often
+_SHARE = 0.1  # most of the CPU time to spend on messages; large plans are published less often
 
 
 class _Told(NamedTuple):
@@ -26,9 +26,9 @@ class _Told(NamedTuple):
 
 
 class FleetPlanTopic:
-    """Tells the newest plan in a thread of its own: the one that decides does not wait for it.
+    """Publishes the newest plan in a thread of its own, so that the deciding thread never waits.
 
-    rate -- simulated robots are so many times faster
+    rate -- factor by which simulated robots are faster
     """
 
     def __init__(self, rate: float) -> None:
@@ -38,7 +38,7 @@ class FleetPlanTopic:
         start_worker('fleet_plan', self._work)
 
     def tell(self, progress: Optional[PlanProgress], now: float, stamp: rospy.Time) -> None:
-        """This is the plan now; one that was not told yet is left out."""
+        """Sets the plan to publish. It replaces a plan that was not published yet."""
         with suppress(queue.Empty):
             self._newest.get_nowait()
         self._newest.put(_Told(progress, now, stamp))

@@ -1,4 +1,4 @@
-"""/fleet_poses: where all robots are, for displays that subscribe to no robot."""
+"""The topic /fleet_poses: the poses of all robots, for displays that subscribe to no robot."""
 from __future__ import annotations
 
 import math
@@ -14,9 +14,9 @@ FRAME = 'map'
 
 
 class FleetPosesTopic:
-    """Keeps the last location of every robot, and tells them all while a program listens.
+    """Keeps the last pose of each robot, and publishes them all while there is a subscriber.
 
-    It has nothing to do with the thread that decides: a display costs the fleet nothing.
+    It does not use the deciding thread, so a display does not slow the fleet manager down.
     """
 
     def __init__(self, robots: Iterable[str]) -> None:
@@ -27,13 +27,13 @@ class FleetPosesTopic:
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
 
     def note(self, robot: str, report: ExecutionRouteStates) -> None:
-        """A report of a robot; one without a location changes nothing."""
+        """Takes the pose in a report of a robot. A report without a pose changes nothing."""
         if math.isfinite(report.x) and math.isfinite(report.y):
             self._poses[robot] = FleetPose(robot, report.x, report.y, report.theta,
                                            report.header.stamp)
 
     def message(self, now: genpy.Time) -> FleetPoses:
-        """What is told now."""
+        """The message with the last poses; `now` is its stamp."""
         message = FleetPoses(poses=list(self._poses.values()))
         message.header.stamp, message.header.frame_id = now, FRAME
         return message
@@ -44,5 +44,5 @@ class FleetPosesTopic:
         try:
             self._publisher.publish(self.message(rospy.Time.now()))
         except rospy.ROSException:
-            if not rospy.is_shutdown():  # then all topics are closed
+            if not rospy.is_shutdown():  # at shutdown all topics are closed
                 raise

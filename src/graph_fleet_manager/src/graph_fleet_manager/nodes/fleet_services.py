@@ -1,5 +1,5 @@
-"""The services of the fleet: stop all, resume, one robot out of service and back, and what became
-of a mission.
+"""The services of the fleet: stop and resume all robots, take one robot out of service and back,
+declare a robot absent, and get the status of a mission.
 """
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from itrci_nav_msgs.srv import (
     GetMissionStatusResponse,
 )
 
-PATIENCE = 5.0       # s that a call waits for its turn
-STOP_PATIENCE = 0.5  # s that a stop waits before it bypasses a supervisor that hangs
+PATIENCE = 5.0       # s that a call waits for the supervisor
+STOP_PATIENCE = 0.5  # s after which a stop bypasses a supervisor that does not react
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
-"""What a service does: why it is not done (empty: it is), and what is to be done."""
+"""The work of a service. Returns the reason why it is not done (empty if done), and actions."""
 
 
 class FleetServices:
-    """Offers the services; each leaves an event, and answers with what became of it.
+    """Offers the services. Each call queues an event and answers with its result.
 
-    gate       -- in front of every route: a stop closes it before anything else
-    stop_early -- stops all robots where there is no supervisor to do it, with what is to be said
-    past       -- sends a stop past a supervisor that hangs, from any thread
+    gate       -- the stop gate, through which each route passes: a stop closes it first of all
+    stop_early -- stops all robots while there is no supervisor; returns a warning and actions
+    past       -- sends a stop from any thread, bypassing a supervisor that hangs
     """
 
     def __init__(self, robots: Iterable[str], gate: StopGate, events: EventLoop,
@@ -72,7 +72,7 @@ class FleetServices:
         return rospy.Service(name, DeclareAbsent, answer)
 
     def _called(self, name: str, act: Act, done: str, lasts: bool = False) -> TriggerResponse:
-        late = 'but it will be' if lasts else 'nor will it be'
+        late = 'but it will be done' if lasts else 'and it will not be done'
         return _logged(name, self._answer(act, done, lasts=lasts) or TriggerResponse(
             False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
                    'manager, and at its log'))
@@ -90,11 +90,11 @@ class FleetServices:
         if done is not None:
             return done
         self._past(time.monotonic())
-        return TriggerResponse(True, 'Every robot was told to stop, past the fleet manager, which '
-                                     'hangs: look at its disk and its log.')
+        return TriggerResponse(True, 'Every robot was told to stop directly, because the fleet '
+                                     'manager hangs: look at its disk and its log.')
 
     def _resume(self, request: TriggerRequest) -> TriggerResponse:
-        """Lets all robots go on, unless the fleet is stopped again by then."""
+        """Releases the fleet stop, unless the fleet is stopped again by then."""
         ticket = self._gate.ticket
 
         def resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
@@ -103,7 +103,7 @@ class FleetServices:
         return self._called('/resume_fleet', resume, 'The fleet goes on.')
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
-        """What is stored of a mission. Raises ServiceException where that is not known now."""
+        """The stored status of a mission. Raises ServiceException if it cannot be read now."""
         found: List[GetMissionStatusResponse] = []
 
         def look(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
@@ -122,8 +122,7 @@ class FleetServices:
         return found[0]
 
     def offer_removed(self, robots: Iterable[str]) -> None:
-        """Robots that are not in the fleet file, but may be on the site: they can be absent only.
-        """
+        """Offers the declaration as ABSENT for robots that are not in the fleet file any more."""
         for robot in sorted(set(robots) - self._robots):
             self._robots |= {robot}
             self._services.append(self._offer_absence(robot, f'{robot} is forgotten.'))
@@ -131,13 +130,14 @@ class FleetServices:
     def _answer(self, act: Act, done: str, patience: Optional[float] = None,
                 early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
                 lasts: bool = False) -> Optional[TriggerResponse]:
-        """What became of it; None where nothing did within `patience`.
+        """Returns the answer of the call; None if it was not begun within `patience` (s).
 
-        Nor will it then, unless it `lasts`: a person who was told that robots do not go on relies
-        on it. What lasts stops robots, and is urgent.
+        A call that was not begun within that time is given up: a person who was told that robots
+        do not go on relies on it. A call that `lasts` stops robots: it is urgent, and it is still
+        carried out after that time.
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
-        turn = threading.Lock()  # is taken once: to do it, or to give it up
+        turn = threading.Lock()  # acquired once: to carry out the call, or to give it up
 
         def event(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if not turn.acquire(blocking=False):
@@ -163,7 +163,7 @@ class FleetServices:
 
 
 def _logged(service: str, answer: TriggerResponse) -> TriggerResponse:
-    """An answer; what a person did to the fleet is found in the log when it has been given."""
+    """Logs an answer and returns it, so that the log has each call before its caller knows."""
     rospy.loginfo('%s: %s%s', service, '' if answer.success else 'not done: ', answer.message)
     return answer
 
@@ -173,8 +173,8 @@ def _warning(supervisor: Supervisor) -> str:
 
 
 def not_stored(trouble: str) -> str:
-    """What becomes of something that was done, but is on no disk."""
-    return ('If the fleet manager ends before that is stored, it is forgotten: '
+    """A warning for a change that is not on the disk; `trouble` is the reason, a clause."""
+    return ('If the fleet manager ends before this is stored, it is forgotten: '
             f'{trouble}.')
 
 

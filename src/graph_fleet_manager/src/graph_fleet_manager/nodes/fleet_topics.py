@@ -1,4 +1,4 @@
-"""What the supervisor tells: routes, statuses, questions to the planner, and views of the fleet."""
+"""The publishers of the supervisor: routes, statuses, plan requests, and the fleet's state."""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
@@ -27,16 +27,16 @@ from itrci_nav_msgs.msg import FleetState, MissionStatus, PlanAnswer, TargetRout
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 
 TellStatuses = Callable[[MissionStatus], None]
-"""Publishes to one subscriber only."""
+"""Publishes a status to one subscriber only."""
 
 
 class FleetTopics:
     """The publishers of path_supervisor.
 
-    rate        -- simulated robots are so many times faster
-    improvement -- s in which the planner makes a plan better
-    newcomer    -- is called for every new subscriber of /mission_status
-    gate        -- in front of every route
+    rate        -- factor by which simulated robots are faster than the clock
+    improvement -- s in which the planner improves a plan
+    newcomer    -- is called for each new subscriber of /mission_status
+    gate        -- the stop gate, through which each route passes
     """
 
     def __init__(self, robots: Iterable[str], rate: float, improvement: float,
@@ -56,7 +56,7 @@ class FleetTopics:
                                                queue_size=10) for robot in robots}
 
     def do(self, actions: Sequence[Action]) -> None:
-        """Does what the supervisor wants done, in the order given."""
+        """Carries out the actions of the supervisor, in the given order."""
         for action in actions:
             if isinstance(action, SendRoute):
                 self._send(action)
@@ -68,7 +68,7 @@ class FleetTopics:
                 (rospy.logwarn if action.is_warning else rospy.loginfo)('%s', action.text)
 
     def _send(self, action: SendRoute) -> None:
-        """Unless a stop came in between. A repeat carries the stamp that it had before."""
+        """Sends a route unless a stop came before it. A repetition keeps its first stamp."""
         if not action.repeated or action.robot not in self._route_stamps:
             self._route_stamps[action.robot] = rospy.Time.now()
         message = messages.route_message(action.route_id, action.edges,
@@ -88,7 +88,10 @@ class FleetTopics:
         send(self._requests.publish, message)
 
     def is_answered(self, answer: PlanAnswer) -> bool:
-        """Does this answer the last question? One that lacked learned times is asked again."""
+        """Returns whether this answers the last plan request.
+
+        A request that the planner could not use for lack of learned times is sent again.
+        """
         if self._asked is None:
             return False
         question, times = self._asked
@@ -103,7 +106,7 @@ class FleetTopics:
         return False
 
     def publish_views(self, supervisor: Supervisor, now: float) -> None:
-        """Every robot's state and plan, as they are at the monotonic time `now`."""
+        """Publishes the state and the plan of all robots at the monotonic time `now` (s)."""
         stamp = rospy.Time.now()
 
         def moment(seconds: float) -> rospy.Time:
@@ -114,7 +117,7 @@ class FleetTopics:
 
 
 def status_message(status: Status) -> MissionStatus:
-    """A status as it is told now."""
+    """A status as a message with the present time as its stamp."""
     return messages.status_message(status, rospy.Time.now())
 
 

@@ -1,21 +1,22 @@
-"""The whole fleet in RViz: robots, plans, graph, and menus that send missions and stop robots.
+"""fleet_visualisation: shows the fleet in RViz, with menus that send missions and stop robots.
 
-Draws what the fleet manager tells, and where a robot's own /<robot>/pose is heard, its true place.
+It draws the graph, the plans and the robots from the topics of the fleet manager. A robot that
+publishes /<robot>/pose is drawn at that pose.
 
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan (latched, of path_supervisor), /mission_status
-    /<robot>/pose (geometry_msgs/PoseStamped) of every robot in /fleet_state, where there is one
+    /<robot>/pose (geometry_msgs/PoseStamped) of every robot in /fleet_state, if it has that topic
 Publishes
     /fleet_markers/graph, /fleet_markers/plans (visualization_msgs/MarkerArray, latched)
     /fleet_markers/robots (10 Hz), /fleet_markers/feedback (visualization_msgs/MarkerArray)
     /fleet_menus/update (visualization_msgs/InteractiveMarkerUpdate)
-    /mission_request, /mission_command, /edge_command: what the menus ask for
-    /<robot>/target_route (itrci_nav_msgs/TargetRoute): a stop past a fleet manager that hangs
-Client of (std_srvs/Trigger, but for declare_absent)
+    /mission_request, /mission_command, /edge_command: requests and commands of the menus
+    /<robot>/target_route (itrci_nav_msgs/TargetRoute): a direct stop if the fleet manager hangs
+Client of (std_srvs/Trigger, except declare_absent)
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
-    ~fleet_file  string  (empty)  fleet file: how large the robots are; empty: 0.4 m in radius
+    ~fleet_file  string  (empty)  fleet file with the radii of the robots; empty: 0.4 m for all
 """
 from __future__ import annotations
 
@@ -53,15 +54,15 @@ from node_lifecycle import parameter, run
 from trajectory_graph import Graph
 
 PERIOD = 0.1         # s between two pictures of the robots
-SLOW = 3             # so many of these between two pictures of the plans, and moves of the handles
-RADIUS = 0.4         # m, of a robot whose type is not described
-FEEDBACK_TIME = 8.0  # s that a sentence stays
+SLOW = 3             # periods between two pictures of the plans, and two moves of the handles
+RADIUS = 0.4         # m, of a robot whose type is not known
+FEEDBACK_TIME = 8.0  # s for which a sentence is shown
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
         MissionStatus.CANCELLED: 'was cancelled'}
 
 
 class FleetVisualisation:
-    """The node: see the module's text. `_lock` guards everything that callbacks set."""
+    """The node; see the docstring of the module. `_lock` guards all that callbacks set."""
 
     def __init__(self) -> None:
         self._radii: Dict[str, float] = {}
@@ -94,7 +95,7 @@ class FleetVisualisation:
         FollowedGraph(self._on_graph).subscribe()
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
 
-    # --- what the fleet manager tells ------------------------------------------------------------
+    # --- callbacks -------------------------------------------------------------------------------
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         with self._lock:
@@ -135,7 +136,7 @@ class FleetVisualisation:
             why = f': {message.reason}' if message.reason else ''
             self._say(f'Mission {message.request_id} {_BAD[message.state]}{why}')
 
-    # --- what is drawn ---------------------------------------------------------------------------
+    # --- drawing ---------------------------------------------------------------------------------
 
     def _draw_graph(self) -> None:
         if self._graph is not None:
@@ -152,7 +153,7 @@ class FleetVisualisation:
             try:
                 self._draw(graph, state)
             except rospy.ROSException:
-                if not rospy.is_shutdown():  # then all topics are closed
+                if not rospy.is_shutdown():  # at shutdown all topics are closed
                     raise
 
     def _draw(self, graph: Graph, state: FleetState) -> None:
@@ -166,7 +167,7 @@ class FleetVisualisation:
                     plan_markers(graph, self._plan, state, self._numbers))
 
     def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, DrawnPose]:
-        """Draws all robots of which it is known where they are; tells these places."""
+        """Draws all robots whose pose is known. Returns these poses."""
         now = rospy.Time.now().to_sec()
         places: Dict[str, DrawnPose] = {}
         labels: Dict[str, Label] = {}

@@ -1,16 +1,17 @@
-"""graph_server: keeps the fleet's graph, publishes it, and says what it allows.
+"""graph_server: keeps the fleet's graph, publishes it, and reports the limits that it sets.
 
 Publishes (all latched)
     /graph (itrci_nav_msgs/Graph): the graph in force; header.stamp is its version
     /docking_points (itrci_nav_msgs/DockingPoints)
-    /parking (itrci_nav_msgs/ParkingPlaces): where robots may stand while what is closed is closed,
-        how many the graph holds
+    /parking (itrci_nav_msgs/ParkingPlaces): vertices where robots may stand with the edges that
+        are closed now, and the number of robots that the graph has room for
     /closed_edges_in_force (itrci_nav_msgs/ClosedEdges)
     /diagnostics
 Subscribes
-    /edge_command (itrci_nav_msgs/EdgeCommand): opens or closes edges, all others stay as they are
-    /closed_edges (itrci_nav_msgs/ClosedEdges): all edges not to be used now
-    /<robot>/execution_route_states of every robot in the fleet file: what must not be broken
+    /edge_command (itrci_nav_msgs/EdgeCommand): opens or closes edges; all others stay as they are
+    /closed_edges (itrci_nav_msgs/ClosedEdges): the complete list of closed edges
+    /<robot>/execution_route_states of every robot in the fleet file: routes that a new graph must
+        not break
 Services
     /reload_graph (std_srvs/Trigger): reads the graph file again
 Parameters
@@ -52,13 +53,16 @@ from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
 
-_REPORTED_WITHIN = 3.0  # s in which every robot that is there has reported, at 1 Hz or more
-_WAITING = 'The file has changed since it was last in force: waiting for what robots report.'
+_REPORTED_WITHIN = 3.0  # s in which each connected robot has reported, at 1 Hz or more
+_WAITING = 'The file has changed since it was last in force: waiting for the reports of the robots.'
 _SURVEY_NICENESS = 10  # a survey takes seconds of work for which no program waits
 
 
 class GraphServer:
-    """See the module's text. `_lock` guards the graph in force, its version and the closures."""
+    """The node; see the docstring of the module.
+
+    `_lock` guards the graph in force, its version and the closures.
+    """
 
     def __init__(self) -> None:
         self._fleet: Fleet = fleet_of()
@@ -69,12 +73,12 @@ class GraphServer:
         self._lock = threading.RLock()
         self._stamp = rospy.Time(0)
         self._trouble = ''
-        """Why the file was not taken up when it was last read."""
+        """The reason why the file was not put in force when it was last read; else empty."""
         self._remarks: List[Remark] = []
         self._surveyed: Optional[Tuple[RoadNetwork, Survey]] = None
-        """What was found out about the graph in force, all of its edges open."""
+        """The network and the survey of the graph in force, with all edges open."""
         self._parked_with: FrozenSet[int] = frozenset()
-        """The closed edges with which /parking was worked out."""
+        """The closed edges for which the last /parking was computed."""
         self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
         self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
@@ -101,7 +105,7 @@ class GraphServer:
         self._is_waiting = False
         trouble = self._load()
         if trouble:
-            rospy.logerr('%s Mend it and call /reload_graph.', trouble)
+            rospy.logerr('%s Correct it and call /reload_graph.', trouble)
 
     def _reload(self, _: TriggerRequest) -> TriggerResponse:
         if self._is_waiting:
@@ -113,14 +117,14 @@ class GraphServer:
             return TriggerResponse(False, trouble)
         file = rospy.get_param('~graph_file')
         if self._stamp == before:
-            return TriggerResponse(True, f'{file} holds the graph that is in force.')
+            return TriggerResponse(True, f'{file} has the graph that is already in force.')
         graph = self._graph
         assert graph is not None
         return TriggerResponse(True, f'{file} is in force: {len(graph.vertices)} vertices, '
                                f'{len(graph.edges)} edges.')
 
     def _load(self) -> str:
-        """Reads the file and puts its graph in force; returns why not, in a sentence."""
+        """Reads the file and puts its graph in force. Returns a sentence if it fails, else ''."""
         with self._lock:
             try:
                 changed, self._trouble = self._in_force.load(parameter('~graph_file'))
@@ -147,14 +151,14 @@ class GraphServer:
         self._graphs.publish(graph_message(graph, self._stamp))
         self._docks.publish(docking_points_message(graph, self._fleet, self._stamp))
         self._closures.publish()
-        rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; finding out what it '
-                      'allows.', len(graph.vertices), len(graph.edges),
+        rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; it is being '
+                      'surveyed.', len(graph.vertices), len(graph.edges),
                       sum(graph.curve(id).length for id in graph.edges))
         threading.Thread(target=self._survey, args=(graph, self._stamp), name='survey',
                          daemon=True).start()
 
     def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
-        """Says what a graph allows, unless another one is in force by then."""
+        """Surveys a graph and publishes the results, unless another graph is in force by then."""
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _SURVEY_NICENESS)
         network = RoadNetwork(graph, (), self._fleet.dock_approach)
         found = survey(network, self._fleet)
@@ -173,8 +177,10 @@ class GraphServer:
         threading.Thread(target=self._park_by_closures, name='parking', daemon=True).start()
 
     def _park_by_closures(self) -> None:
-        """Tells where robots may be parked with the edges that are closed now, as soon as that has
-        been found out; until then what was told before stays."""
+        """Computes and publishes the parking vertices for the edges that are closed now.
+
+        The last /parking stays valid until then.
+        """
         with self._lock:
             known, closed = self._surveyed, self._closures.edges
         if known is None or closed == self._parked_with:
@@ -208,7 +214,7 @@ class GraphServer:
                            f'{len(graph.edges)} edges in force')
         status.add('file', rospy.get_param('~graph_file', ''))
         if graph is not None and not said:
-            status.add('what it allows', 'is being found out')
+            status.add('survey', 'is running')
         for k, remark in enumerate(said, 1):
             status.add(f'remark {k}', remark.text)
 

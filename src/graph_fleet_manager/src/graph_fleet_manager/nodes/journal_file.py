@@ -1,4 +1,4 @@
-"""The journal that ~journal names, as soon as it can be opened; it keeps ~keep_days of history."""
+"""The journal in the file that ~journal names. It keeps missions for ~keep_days after their end."""
 from __future__ import annotations
 
 import os
@@ -14,13 +14,14 @@ from graph_fleet_manager.supervision.outbox import AGAIN
 from node_lifecycle import ConfigurationError, number, parameter
 
 DAY = 86400.0          # s
-FORGET_PERIOD = 10.0   # s between two looks for missions that ended long ago
+FORGET_PERIOD = 10.0   # s between two deletions of missions that ended long ago
 
 
 class JournalFile:
-    """The journal; raises ConfigurationError where its file can never be one.
+    """The journal and its state. Raises ConfigurationError if the file can never be a journal.
 
-    trouble -- why it cannot be used, a clause; empty: it can, as far as is known
+    journal -- None until the file could be opened
+    trouble -- a clause that says why the journal cannot be used; empty if no reason is known
     """
 
     def __init__(self) -> None:
@@ -32,7 +33,7 @@ class JournalFile:
         self.open(0.0)
 
     def open(self, now: float) -> None:
-        """Opens it if it is not open, and the last try did not just fail."""
+        """Opens the journal if it is not open and the last failed attempt is long enough ago."""
         if self.journal is not None or now < self._try_at:
             return
         self._try_at = now + AGAIN
@@ -46,22 +47,22 @@ class JournalFile:
             self.trouble = ''
 
     def forget(self, now: float) -> None:
-        """Deletes what ended long ago, a little at a time; a disk that is full does not matter."""
+        """Deletes missions that ended long ago, a few at a time. Ignores a full disk."""
         if self.journal is None or now < self._forget_at:
             return
         self._forget_at = now + FORGET_PERIOD
-        with suppress(JournalUnavailable):  # the next thing to be stored tells of it
+        with suppress(JournalUnavailable):  # the next attempt to store something reports it
             self.journal.forget(self._keep)
 
     def fail(self, unavailable: JournalUnavailable) -> None:
-        """It turned out that it cannot be used now."""
+        """Notes that the journal cannot be used now, and logs it at the first time."""
         if not self.trouble:
             rospy.logerr('%s Until then no mission is accepted and no robot gets anything to '
                          'drive; stops are sent.', unavailable)
         self.trouble = unavailable.reason
 
     def mended(self) -> None:
-        """It turned out that it can be used."""
+        """Notes that the journal can be used again."""
         self.trouble = ''
 
 

@@ -1,7 +1,7 @@
-"""path_planner: plans the paths of all robots, free of conflict however late robots are.
+"""path_planner: plans the paths of all robots without conflicts, even if robots are late.
 
-It answers requests one at a time and remembers nothing between them but the graph: it can be ended
-at any time, and its client goes on. See docs/reference/path_planner.md for requests and answers.
+It answers requests one at a time and keeps nothing between them except the graph. It can be ended
+at any time, and its client continues. Requests and answers: docs/reference/path_planner.md.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched), /parking (itrci_nav_msgs/ParkingPlaces, latched)
@@ -12,11 +12,11 @@ Publishes
 Parameters
     ~fleet_file          string  (required)  fleet file (YAML)
     ~search              string  safe_intervals  or layers, the dissertation's TEA*
-    ~layer_length        float   1.0 s   between two layers
-    ~seed                int     0       of all that is random
-    ~time_limit          float   2.0 s   for requests that name none
-    ~longest_time_limit  float   10.0 s  no request may take longer
-    ~sim_speed           float   1.0     simulated robots are so many times faster
+    ~layer_length        float   1.0 s   time between two layers
+    ~seed                int     0       seed of all random numbers
+    ~time_limit          float   2.0 s   time limit of requests that give none
+    ~longest_time_limit  float   10.0 s  longest time limit of any request
+    ~sim_speed           float   1.0     factor by which simulated robots are faster
 """
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
 
-_WAITING = 20  # requests; of those that wait only the newest is worked on
+_WAITING = 20  # most requests in the queue; of those that wait, only the newest is planned
 
 
 class PathPlanner:
-    """See the module's text. One thread plans; callbacks only leave it what came."""
+    """The node; see the docstring of the module. One thread plans; callbacks only queue work."""
 
     def __init__(self) -> None:
         self._fleet = fleet_of()
@@ -99,7 +99,7 @@ class PathPlanner:
         if times is None:
             self._answers.publish(self._told(
                 message, PlanAnswer.OTHER_TIMES,
-                'Its learned times are changes to others than those known here; ask again with '
+                'Its learned times are changes to times that are not known here; ask again with '
                 'all of them.'))
             return
         with self._changed:
@@ -115,7 +115,7 @@ class PathPlanner:
     def _work(self) -> None:
         try:
             self._plan_until_the_end()
-        except Exception:  # a planner that does not answer must not look alive: it is started anew
+        except Exception:  # a planner that does not answer must not look alive: the node ends
             rospy.logfatal('The planning thread has failed; please report this:\n%s',
                            traceback.format_exc())
             rospy.signal_shutdown('the planning thread has failed')
@@ -140,7 +140,7 @@ class PathPlanner:
         service.prepare()
         self._service, self._stamp = service, stamp
         self._status = DiagnosticStatus.OK, f'ready, {len(service.graph.edges)} edges'
-        rospy.loginfo('Ready to plan on %d vertices and %d edges; what excludes what took %.3f s.',
+        rospy.loginfo('Ready to plan on %d vertices and %d edges; the exclusions took %.3f s.',
                       len(service.graph.vertices), len(service.graph.edges),
                       time.monotonic() - begun)
 
@@ -160,11 +160,11 @@ class PathPlanner:
             outcome = service.answer(asked, received)
         except CannotPlan as refusal:
             return self._told(request, PlanAnswer.REFUSED, str(refusal))
-        except Exception:  # a defect: the client must not wait for ever, the next request may do
+        except Exception:  # a defect: the client needs an answer, and the next request may work
             rospy.logerr('A request could not be planned because of a defect of the planner; '
                          'please report it with this text:\n%s', traceback.format_exc())
-            return self._told(request, PlanAnswer.REFUSED, 'The planner failed on it, its log says '
-                              'how; report that, and ask for something else.')
+            return self._told(request, PlanAnswer.REFUSED, 'The planner failed because of a '
+                              'defect; report the text in its log, and send another request.')
         took = time.monotonic() - begun
         self._figures = {
             'planning time': f'{took:.3f} s', 'robots': str(len(request.tasks)),

@@ -1,31 +1,31 @@
 """path_supervisor: takes missions, gives each to a robot, and releases its route edge by edge.
 
-It may be ended at any time: what was accepted, and what every robot may hold, is on the disk. Where
-that cannot be written it waits until it can, and sends stops meanwhile. See
-docs/reference/path_supervisor.md and docs/explanation/fleet.md for its rules.
+It may be ended at any time, because the accepted missions and the allocations of all robots are on
+the disk. While the disk cannot be written, it waits and sends only stops. Its rules are in
+docs/reference/path_supervisor.md and docs/explanation/fleet.md.
 
 Subscribes
     /mission_request (itrci_nav_msgs/MissionRequest), /mission_command (MissionCommand)
     /graph, /closed_edges_in_force (latched, of graph_server), /plan_answer (of path_planner)
     /<robot>/execution_route_states, /<robot>/route_refused, of every robot in the fleet file
-    /<robot>/battery_state (sensor_msgs/BatteryState), where there is one
+    /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
 Publishes
-    /mission_status (itrci_nav_msgs/MissionStatus); the open ones again to late subscribers
+    /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute)
     /diagnostics
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
-    also of robots that the fleet file does not have any more
-    /get_mission_status (itrci_nav_msgs/GetMissionStatus): what is stored of a mission
+    also for robots that are not in the fleet file any more
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus): the stored status of a mission
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
-    ~keep_days    float   90.0   for which the journal keeps missions that have ended
-    ~improvement  float   0.0 s  in which the planner makes a plan better before it answers
-    ~order_switching bool  false  robots that are held up by a late one may go before it
-    ~sim_speed    float   1.0    simulated robots are so many times faster
+    ~keep_days    float   90.0   days for which the journal keeps missions that have ended
+    ~improvement  float   0.0 s  time in which the planner improves a plan before it answers
+    ~order_switching bool  false  robots that wait for a late robot may drive before it
+    ~sim_speed    float   1.0    factor by which simulated robots are faster
 """
 from __future__ import annotations
 
@@ -76,11 +76,12 @@ from itrci_nav_msgs.msg import (
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
 
-VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least between two /fleet_plan
+VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two /fleet_plan
 
 
 class PathSupervisor:
-    """See the module's text. One thread does everything; callbacks only leave it what came."""
+    """The node; see the docstring of the module. One thread decides; callbacks only queue events.
+    """
 
     def __init__(self) -> None:
         self._fleet = fleet_of()
@@ -136,7 +137,7 @@ class PathSupervisor:
                 listen(f'/{robot}/battery_state', BatteryState, of(robot, self._on_battery), 1)]
         return subscribers
 
-    # -- the one thread ---------------------------------------------------------------------------
+    # -- the thread that decides ------------------------------------------------------------------
 
     def _work(self) -> None:
         while not rospy.is_shutdown():
@@ -148,16 +149,16 @@ class PathSupervisor:
                     self._events.hurry(self._supervisor.look_at)
                 self._publish_views()
                 self._file.forget(time.monotonic())
-            except Exception:  # a fleet manager that decides nothing must not look alive
+            except Exception:  # a fleet manager that cannot decide must not look alive
                 try:
-                    rospy.logfatal('A defect; the robots go on with what they were given, and '
-                                   'this node ends to be started anew.\n%s',
+                    rospy.logfatal('A defect: this node ends, to be started again. The robots '
+                                   'drive on along the edges that were released.\n%s',
                                    traceback.format_exc())
                 finally:
                     os._exit(1)
 
     def _stop_early(self, now: float) -> Tuple[str, Sequence[Action]]:
-        """Stops all robots before there is a supervisor; what is to be said with that."""
+        """Stops all robots before there is a supervisor. Returns a warning and the orders."""
         trouble = self._file.trouble
         try:
             if self._file.journal is not None:
@@ -180,7 +181,7 @@ class PathSupervisor:
         self._viewed = now
         self._topics.publish_views(supervisor, now)
 
-    # -- what comes in ----------------------------------------------------------------------------
+    # -- callbacks --------------------------------------------------------------------------------
 
     def _on_graph(self, graph: Graph, stamp: rospy.Time) -> None:
         self._events.put(lambda supervisor, now: self._use_graph(graph, stamp, now))
@@ -188,7 +189,7 @@ class PathSupervisor:
     def _use_graph(self, graph: Graph, stamp: rospy.Time, now: float) -> Sequence[Action]:
         self._topics.graph_stamp = stamp
         before, self._graph = self._graph, graph
-        if graph is before:  # told again, with another stamp
+        if graph is before:  # the same graph was published again, with another stamp
             return ()
         self._begin_at = now
         return ()
@@ -202,10 +203,11 @@ class PathSupervisor:
         self._events.put(close)
 
     def _begin(self, now: float) -> Sequence[Action]:
-        """Begins to supervise, if that is due: once it is known which edges are closed.
+        """Begins to supervise if that is due and the graph, the closed edges and the journal are
+        there.
 
-        Another graph means the same as a restart. The journal has everything that matters, and is
-        waited for. graph_server has made sure that no robot's route breaks.
+        A new graph has the same effect as a restart: the supervisor begins from the journal.
+        graph_server has made sure that the new graph has the routes of all robots.
         """
         self._file.open(now)
         journal = self._file.journal
@@ -286,13 +288,14 @@ class PathSupervisor:
 
 
 def _note_stop_address() -> None:
-    """So that `fleet stop` works here while there is no ROS master."""
+    """Writes down the address of the stop service, so that `fleet stop` works on this computer
+    without a ROS master."""
     try:
         stop_address.note(rosgraph.get_master_uri(),
                           get_service_manager().get_service('/stop_fleet').uri)
     except OSError as error:
-        rospy.logwarn('While there is no ROS master `fleet stop` will not work: its address cannot '
-                      'be written down (%s).', error)
+        rospy.logwarn('While there is no ROS master, `fleet stop` will not work: the address of '
+                      'the stop service cannot be written to the disk (%s).', error)
 
 
 def main() -> None:

@@ -1,14 +1,14 @@
-"""peer_watch: says in /diagnostics how it stands with each ROS master that this one is joined with.
+"""peer_watch: reports in /diagnostics the state of each other ROS master of a multimaster system.
 
-Is the other side there, does its clock go right, has it the same message definitions: what is wrong
-there shows else only as topics that are listed and stay silent. It runs beside master_discovery,
-see docs/how-to/multimaster.md, and moves nothing.
+It checks whether the other side answers, whether its clock agrees, and whether its message
+definitions are the same. Without this check such a fault shows only as topics that are listed but
+carry no messages. It runs beside master_discovery (docs/how-to/multimaster.md) and moves nothing.
 
 Publishes
     /diagnostics: one status for each peer, `peer_watch: <address>`
 Parameters
-    ~peers           list of strings  addresses of the other masters' computers
-    ~discovery_port  int              11621, of master_discovery on all of them
+    ~peers           list of strings  addresses of the computers of the other masters
+    ~discovery_port  int              11621, port of master_discovery on all of them
 """
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ from graph_fleet_manager.multimaster.peer_master import (
 )
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 
-PERIOD = 2.0  # s between two looks at a peer
+PERIOD = 2.0  # s between two checks of a peer
 LEVELS = {Level.OK: DiagnosticStatus.OK, Level.WARN: DiagnosticStatus.WARN,
           Level.WRONG: DiagnosticStatus.ERROR}
 
 
 class Peer:
-    """One peer, looked at by a thread of its own, as an absent one answers late."""
+    """One peer. A thread of its own checks it, because a missing peer blocks until a timeout."""
 
     def __init__(self, address: str, port: int) -> None:
         self.address = address
@@ -67,16 +67,16 @@ class Peer:
             since = '' if self._seen is None else (
                 f' for {time.monotonic() - self._seen:.0f} s')
             return [Finding('link', Level.WRONG, f'it does not answer{since} ({silence})',
-                            f'scripts/check_network.sh {self.address} finds out why')]
+                            f'run scripts/check_network.sh {self.address} to find out why')]
         self._seen = time.monotonic()
         return [definitions_finding(self._own, theirs), clock_finding(*clock)]
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
-        """For /diagnostics."""
+        """Fills in the status for /diagnostics: the last findings about this peer."""
         with self._lock:
             findings = self._findings
         if not findings:
-            status.summary(DiagnosticStatus.WARN, 'it was not asked yet')
+            status.summary(DiagnosticStatus.WARN, 'it was not checked yet')
             return
         worst = max(findings, key=lambda finding: finding.level)
         status.summary(LEVELS[worst.level], 'joined' if worst.level is Level.OK else str(worst))

@@ -1,7 +1,7 @@
 """random_missions: keeps a fleet busy, for demonstrations and endurance tests.
 
-There are always as many open missions as robots that could serve one; each leads over some places
-of the part of the graph in which one of these robots is, at random.
+It keeps as many missions open as there are robots that could serve one. Each mission has random
+destinations in the connected part of the graph in which one of these robots is.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -9,11 +9,11 @@ Subscribes
 Publishes
     /mission_request (itrci_nav_msgs/MissionRequest)
 Calls
-    /get_mission_status (itrci_nav_msgs/GetMissionStatus), where a mission has no news for long
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus), if a mission has no news for long
 Parameters
-    ~seed          int  0  of all that is random; 0: another one each time
+    ~seed          int  0  seed of all random numbers; 0: a new one each time
     ~destinations  int  2  most destinations of a mission
-    ~missions      int  0  so many in all, then no more; 0: without end
+    ~missions      int  0  number of missions to send in all; 0: without end
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionSt
 from node_lifecycle import parameter, run
 from trajectory_graph import Graph
 
-PERIOD = 1.0  # s between two looks
+PERIOD = 1.0  # s between two checks
 REPEAT = 5.0  # s after which a request without any answer is sent again, unchanged
 _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
                    MissionStatus.CANCELLED))
@@ -38,7 +38,7 @@ _WORKING = frozenset((FleetRobot.IDLE, FleetRobot.BUSY))
 
 
 class RandomMissions:
-    """The node: see the module's text."""
+    """The node; see the docstring of the module."""
 
     def __init__(self) -> None:
         seed = parameter('~seed', 0, int)
@@ -47,14 +47,14 @@ class RandomMissions:
         self._left = parameter('~missions', 0, int) or -1
         self._lock = threading.Lock()
         self._places: Dict[int, List[int]] = {}
-        """By each edge the places that edges join to it."""
+        """The possible destinations in the connected part of each edge, by the edge's id."""
         self._robots: List[int] = []
-        """The edge at which each robot is that could serve a mission."""
+        """The edges of the robots that could serve a mission."""
         self._open: Dict[int, MissionRequest] = {}
         self._sent: Dict[int, float] = {}
-        """When an open mission was sent first."""
+        """The monotonic time (s) at which each open mission was first sent."""
         self._heard: Dict[int, float] = {}
-        """When the last status of an open mission came; without an entry: no status came yet."""
+        """The time of the last status of each open mission; no entry: no status came yet."""
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
         FollowedGraph(self._on_graph).subscribe()
@@ -109,7 +109,7 @@ class RandomMissions:
             self._left -= 1
 
     def _ask(self) -> None:
-        """About acknowledged missions without news: their end may have been missed."""
+        """Asks for the status of missions without news, because their end may have been missed."""
         silent = time.monotonic() - SILENCE
         with self._lock:
             requests = [self._open[id] for id, heard in self._heard.items() if heard < silent]
@@ -127,8 +127,11 @@ class RandomMissions:
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
-    """By the id of each edge the vertices that edges join to it, but for docks and vertices where
-    no robot may be parked; only where there are two or more to drive between."""
+    """The possible destinations in the connected part of each edge, by the edge's id.
+
+    Docks and vertices where no robot may park are omitted. Parts with fewer than two destinations
+    have no entries.
+    """
     free = {vertex.id for vertex in graph.vertices.values()
             if vertex.parking is not False and not vertex.dock}
     found: Dict[int, List[int]] = {}

@@ -1,2 +1,1 @@
-"""The place where a fleet drives: what its graph allows, what of it is closed, when it may change.
-"""
+"""The site of a fleet: the limits of its graph, the closed edges, and changes of the graph."""

@@ -1,7 +1,8 @@
-"""May a graph be replaced by another one while robots drive on it?
+"""Checks whether a graph may be replaced by another one while robots drive on it.
 
-Judged by what the robots themselves reported last: that holds for every sender of their routes, and
-also without a planner. What is planned but not under way may change; it is planned anew.
+The check uses the last reports of the robots, so it holds for every sender of routes, and also
+without a planner. Edges that are planned but not yet on a running route may change, because they
+are planned again.
 """
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from trajectory_graph import Graph, change_of, speed_of
 
 @dataclass(frozen=True)
 class ReportedRoute:
-    """What a robot reported last.
+    """The route and the place in a robot's last report.
 
     left -- signed ids of the edges of its running route that it has not completed, in order
     edge -- signed id of the edge on which it is; 0: off the graph
@@ -24,9 +25,9 @@ class ReportedRoute:
 
 
 def what_breaks(old: Graph, new: Graph, routes: Mapping[str, ReportedRoute]) -> Optional[str]:
-    """Why `new` cannot replace `old` now, as a sentence; None where it can.
+    """A sentence that says why `new` cannot replace `old` now; None if it can.
 
-    routes -- by the name of the robot
+    routes -- the last report of each robot, by its name
     """
     for robot, route in routes.items():
         for edge in route.left:

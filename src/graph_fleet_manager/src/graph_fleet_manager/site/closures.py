@@ -1,8 +1,8 @@
-"""Which edges are closed: kept in a file, for a closure outlives its sender and power cuts.
+"""The closed edges, kept in a file so that closures survive power cuts and the end of their sender.
 
-An operation opens or closes edges and leaves all others as they are. Operations count in the order
-in which they arrive; no clock decides on them. A list of all closed edges replaces all that was
-closed, so one that was said before the last change is out of date.
+An operation opens or closes edges and leaves all others as they are. Operations are carried out in
+the order of their arrival, regardless of their stamps. A list of all closed edges replaces the
+closures in force, so a list that is older than the last change is out of date.
 """
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from typing import Container, FrozenSet, Iterable, Optional, Tuple, Union
 from file_replacement import replace_file
 from graph_fleet_manager.files.errors import FileError
 
-_AHEAD = 1_000_000_000  # ns that the clock of a computer that closes an edge may be ahead of ours
-_REMEMBERED = 1000      # operations that are known again when their message comes once more
+_AHEAD = 1_000_000_000  # ns by which the clock of a sender may be ahead of this computer's
+_REMEMBERED = 1000      # operations that are recognised if their message comes again
 
 
 class EdgeAction(IntEnum):
-    """What an operation does; as in itrci_nav_msgs/EdgeCommand."""
+    """The kind of an operation, with the numbers of itrci_nav_msgs/EdgeCommand."""
 
     OPEN = 0
     CLOSE = 1
@@ -30,9 +30,9 @@ class EdgeAction(IntEnum):
 class EdgeOperation:
     """Opens or closes edges.
 
-    edges    -- ids
-    identity -- of the message: one that comes again, as latched ones do after a broken connection,
-                has the same; empty: no message comes again
+    edges    -- ids of the edges
+    identity -- identifies the message, to recognise one that comes again, as a latched message does
+                after a broken connection; empty: the message is always carried out
     """
 
     action: EdgeAction
@@ -41,14 +41,16 @@ class EdgeOperation:
 
 
 class Closures:
-    """The closed edges in force and when they last changed, in a file that need not be there yet.
+    """The closed edges in force and the time of their last change. The file need not exist yet.
 
     edges -- ids of the edges
     stamp -- ns of the ROS clock; 0: no edge was ever closed or opened
 
-    Where a method takes the `known` ids of the graph's edges, others are not closed; None: there is
-    no graph, and every id may be one of its edges. Raises FileError for a file that is none of
-    ours. Methods raise OSError where the file cannot be written; then nothing has changed.
+    The argument `known` of methods has the ids of the graph's edges. Edges that are not known are
+    not closed. None: there is no graph, and every id is accepted.
+
+    Raises FileError for a file with other content. Methods raise OSError if the file cannot be
+    written; then nothing has changed.
     """
 
     def __init__(self, file: Union[str, os.PathLike]) -> None:
@@ -64,12 +66,12 @@ class Closures:
         except FileNotFoundError:
             pass
         except (OSError, ValueError, TypeError, KeyError) as error:
-            raise FileError(self._file, f'does not say which edges are closed ({error}); mend it, '
-                            'or delete it and close them again') from None
+            raise FileError(self._file, f'does not say which edges are closed ({error}); correct '
+                            'it, or delete it and close the edges again') from None
 
     def apply(self, operation: EdgeOperation, now: int,
               known: Optional[Container[int]]) -> FrozenSet[int]:
-        """Carries out an operation, on disk first; returns ids that the graph has not.
+        """Carries out an operation, on disk first. Returns the ids that the graph does not have.
 
         now -- ns of the ROS clock
         Raises Repeated for a message that was carried out before.
@@ -87,13 +89,14 @@ class Closures:
 
     def take(self, edges: Iterable[int], stamp: int, now: int,
              known: Optional[Container[int]]) -> FrozenSet[int]:
-        """Puts this list in force instead, on disk first; returns ids that the graph has not.
+        """Replaces the closed edges, on disk first. Returns the ids that the graph does not have.
 
-        stamp -- ns at which that was said; 0: now
-        Raises OutOfDate for what was said before what is in force.
+        stamp -- ns of the ROS clock at which the list was sent; 0: now
+        now   -- ns of the ROS clock
+        Raises OutOfDate for a list that is older than the last change.
         """
         said = now if stamp == 0 or stamp > now + _AHEAD else stamp
-        was_set_back = self.stamp > now + _AHEAD  # our clock, since the last change
+        was_set_back = self.stamp > now + _AHEAD  # this computer's clock, since the last change
         if stamp and said <= self.stamp and not was_set_back:
             raise OutOfDate(self.stamp)
         wanted = frozenset(map(abs, edges))
@@ -102,7 +105,7 @@ class Closures:
         return unknown
 
     def forget_all_but(self, known: Container[int]) -> FrozenSet[int]:
-        """Drops edges that a new graph does not have; returns them."""
+        """Removes edges that a new graph does not have, and returns them."""
         gone = _unknown(self.edges, known)
         if gone:
             self._save(self.edges - gone, self.stamp, self._carried_out)
@@ -116,15 +119,15 @@ class Closures:
 
 
 class OutOfDate(Exception):
-    """A list that was said before the last change; `stamp` (ns) is that one's."""
+    """A list is older than the last change. `stamp` (ns) is the time of that change."""
 
     def __init__(self, stamp: int) -> None:
-        super().__init__(f'It was said before the closure in force ({stamp / 1e9:.3f} s).')
+        super().__init__(f'It is older than the last change ({stamp / 1e9:.3f} s).')
         self.stamp = stamp
 
 
 class Repeated(Exception):
-    """An operation whose message was carried out before."""
+    """The message of an operation was carried out before."""
 
 
 def _unknown(edges: FrozenSet[int], known: Optional[Container[int]]) -> FrozenSet[int]:

@@ -1,7 +1,7 @@
-"""Which graph is in force, and when a file may replace it: never under robots that drive on it.
+"""The graph in force, and the rule when a file may replace it: never under robots that drive on it.
 
-The graph in force is kept in a copy. For a node that starts anew while robots drive, the file may
-have changed since, and the copy is what they drive on.
+A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
+changed meanwhile; the copy is the graph on which they drive.
 """
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from trajectory_graph import Graph, GraphError, load_graph, save_graph
 
 
 class Loaded(NamedTuple):
-    """What came of reading a file."""
+    """The result of reading a file."""
 
     changed: bool
-    """Is another graph in force now?"""
+    """Whether another graph is in force now."""
     trouble: str
-    """Why the file is not in force, as a sentence; empty: it is."""
+    """A sentence that says why the file is not in force; empty if it is."""
 
 
 class GraphInForce:
-    """The graph in force; None before one was loaded.
+    """The graph in force and its copy on the disk.
 
-    copy   -- file in which it is kept; its first line names the file that it came from
-    routes -- what each robot reported last, by its name: to be kept up to date
+    graph  -- None before one was loaded
+    copy   -- file with the copy; its first line names the file from which the graph came
+    routes -- the last report of each robot, by its name; the caller keeps it up to date
     """
 
     def __init__(self, copy: str) -> None:
@@ -35,8 +36,11 @@ class GraphInForce:
         self._copy = copy
 
     def must_hear_robots(self, file: str) -> bool:
-        """Is this the first file, and not as it was when it was last in force? Then robots may
-        drive on what it was, so `load` should wait until they have reported."""
+        """Returns whether `load` should wait until the robots have reported.
+
+        That is so if no graph is in force yet and the file has changed since it was last in force:
+        robots may still drive on the old graph.
+        """
         before = self._kept(file) if self.graph is None else None
         if before is None:
             return False
@@ -62,7 +66,11 @@ class GraphInForce:
         return self._put(file, new)
 
     def _load_first(self, file: str, new: Optional[Graph], trouble: str) -> Loaded:
-        """Only running routes count: where robots stand, they may have been carried meanwhile."""
+        """Loads the first file after a start.
+
+        Only running routes are checked. The place of a standing robot is not, because a person may
+        have carried it meanwhile.
+        """
         before = self._kept(file)
         running = {name: replace(route, edge=0) for name, route in self.routes.items()
                    if route.left}
@@ -80,12 +88,12 @@ class GraphInForce:
             save_graph(graph, self._copy, _origin(file))
         except OSError as error:
             return Loaded(False, f'{self._copy} cannot be written ({error.strerror}), so the graph '
-                          'could not be kept for a restart and is not put in force.')
+                          'would be lost at a restart and is not put in force.')
         self.graph = graph
         return Loaded(True, '')
 
     def _kept(self, file: str) -> Optional[Graph]:
-        """The graph that was in force, if it came from this file."""
+        """The graph of the copy, if it came from this file; else None."""
         try:
             with open(self._copy, encoding='utf-8') as stream:
                 origin = stream.readline()

@@ -1,4 +1,4 @@
-"""A survey in sentences, for people who draw the graph or run the fleet."""
+"""Sentences about a survey, for people who draw the graph or run the fleet."""
 from __future__ import annotations
 
 from collections import Counter
@@ -8,32 +8,33 @@ from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.site.survey import Survey
 from trajectory_graph import Graph
 
-_NAMED = 5  # so many of a kind are named, the others counted
+_NAMED = 5  # most objects of a kind that are named; the others are counted
 
 
 class Remark(NamedTuple):
-    """One sentence; a warning says that something should be mended."""
+    """One sentence. A warning means that the graph or the fleet file should be corrected."""
 
     warning: bool
     text: str
 
 
 def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
-    """What a survey and the fleet file say, the most important first."""
+    """The remarks about a survey and the fleet file, the most important first."""
     told = [Remark(True, text) for text in _wrong_in_fleet(graph, fleet)]
     if len(graph.parts) > 1:
         told.append(Remark(True, f'The graph has {len(graph.parts)} parts, which no edges join: '
                            f'{"; ".join(map(_part, graph.parts))}. A mission stays in one part.'))
     told += _on_parking(fleet, found)
     for part in found.stranded:
-        told.append(Remark(True, f'Robots of type {part.type} cannot come to, or not come back '
+        told.append(Remark(True, f'Robots of type {part.type} cannot reach, or cannot return '
                            f'from, {_named("vertex", "vertices", part.vertices)}: let edges lead '
                            'there both ways.'))
     for one, other in found.near_edges[:_NAMED]:
         told.append(Remark(False, f'Edges {one} and {other} run so near each other that only one '
                            'robot at a time may be on the two.'))
     if len(found.near_edges) > _NAMED:
-        told.append(Remark(False, f'So do {len(found.near_edges) - _NAMED} more pairs of edges.'))
+        told.append(Remark(False, f'The same is so for {len(found.near_edges) - _NAMED} more pairs '
+                                  'of edges.'))
     return [*told, *_on_dead_ends(graph, found), *_on_long_edges(found)]
 
 
@@ -41,12 +42,12 @@ def _wrong_in_fleet(graph: Graph, fleet: Fleet) -> Iterable[str]:
     for robot in fleet.robots:
         if robot.vertex not in graph.vertices:
             yield (f'Robot {robot.name} of the fleet file begins on vertex {robot.vertex}, which '
-                   'the graph does not have: mend the fleet file.')
+                   'the graph does not have: correct the fleet file.')
     docks = {vertex.id for vertex in graph.vertices.values() if vertex.dock}
     for kind in fleet.types:
         for dock in sorted((kind.docks or frozenset()) - docks):
             yield (f'Robot type {kind.name} lists dock {dock}, but the graph has no dock there: '
-                   'mend the fleet file, or mark the vertex (Dock: true).')
+                   'correct the fleet file, or mark the vertex (Dock: true).')
     unused = docks.difference(*(kind.docks or () for kind in fleet.types))
     if unused:
         yield (f'No robot type lists {_named("dock", "docks", sorted(unused))} under docks in the '
@@ -81,14 +82,14 @@ def _on_dead_ends(graph: Graph, found: Survey) -> Iterable[Remark]:
     if spurs:
         ids = sorted(end.vertices[0] for end in spurs)
         yield Remark(False, f'{_named("Vertex", "Vertices", ids)} '
-                     f'{"ends" if len(ids) == 1 else "end"} an edge: a robot there comes back the '
-                     'way it went in.')
+                     f'{"is" if len(ids) == 1 else "are"} at the end of a single edge: a robot '
+                     'drives back the way it came.')
     for end in found.dead_ends:
         if end.entry is None:
             where = 'The graph' if len(graph.parts) == 1 else (
                 f'The part of the graph with vertex {min(end.vertices)}')
-            yield Remark(True, f'{where} has no way round anywhere: robots that meet have to back '
-                         'out; join some of its ends.')
+            yield Remark(True, f'{where} has no loop: robots that meet must drive back; join some '
+                         'of its dead ends.')
         elif len(end.vertices) > 1:
             yield Remark(False, f'Behind vertex {end.entry} lies a dead end of {end.length:.1f} m '
                          f'with {_named("vertex", "vertices", end.vertices)}: robots that are to '
@@ -98,16 +99,16 @@ def _on_dead_ends(graph: Graph, found: Survey) -> Iterable[Remark]:
 def _on_long_edges(found: Survey) -> Iterable[Remark]:
     if not found.long_edges:
         return
-    worst = ', '.join(f'edge {edge.id} ({edge.length:.1f} m, {edge.share:.0%} of all shortest ways)'
+    worst = ', '.join(f'edge {edge.id} ({edge.length:.1f} m, on {edge.share:.0%} of all paths)'
                       for edge in found.long_edges[:_NAMED])
     longest = max(round(2.0 * found.following_distance, 1), 0.1)
-    yield Remark(False, f'Edges so long that they cost throughput, as a robot keeps others from '
-                 f'all of its edge: {len(found.long_edges)}, most of all {worst}. To cut them: '
+    yield Remark(False, f'Edges so long that they cost throughput, because a robot blocks its '
+                 f'whole edge: {len(found.long_edges)}, most of all {worst}. To divide them: '
                  f'rosrun trajectory_graph split_edges --longest {longest} GRAPH.yaml OUT.yaml')
 
 
 def _named(one: str, many: str, ids: Iterable[int]) -> str:
-    """`vertex 3`, `vertices 3, 4`, at most so many by name."""
+    """`vertex 3`, or `vertices 3, 4`; at most `_NAMED` ids, then the number of the others."""
     ids = list(ids)
     if len(ids) == 1:
         return f'{one} {ids[0]}'

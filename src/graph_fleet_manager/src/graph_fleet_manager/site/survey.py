@@ -1,4 +1,4 @@
-"""What a graph allows a fleet: how many robots it holds, where they get into each other's way."""
+"""A survey of a graph for a fleet: room for robots, and places where they block each other."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -12,14 +12,18 @@ from graph_fleet_manager.planning.parking import Parking, named_parking
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 LONG = 3.0
-"""An edge so many following distances long lets through less than half of the robots that sections
-of one following distance would: a robot that follows waits until all of it is left."""
-_SAMPLES = 100  # vertices from which paths are counted, to bound the time on large graphs
+"""Following distances. An edge of this length lets through less than half of the robots that edges
+of one following distance would, because the next robot waits until the whole edge is free."""
+_SAMPLES = 100  # most vertices from which paths are counted, to bound the time on large graphs
 
 
 @dataclass(frozen=True)
 class Capacity:
-    """How many robots a graph holds, were all of one type: docks kept free, and beside at docks."""
+    """The number of robots that a graph has room for, if all are of one type.
+
+    robots -- with all docks kept free
+    docks  -- further robots, at docks
+    """
 
     type: str
     robots: int
@@ -28,8 +32,10 @@ class Capacity:
 
 @dataclass(frozen=True)
 class DeadEnd:
-    """A part of the graph with a single way in and out, without a way round: robots that meet in it
-    cannot pass each other. `entry` is the vertex that it hangs on; None: all the graph is such."""
+    """A part of the graph with one entry and no loop: robots that meet in it cannot pass.
+
+    entry -- the vertex that joins it to the rest of the graph; None: the whole graph has no loop
+    """
 
     entry: Optional[int]
     vertices: Tuple[int, ...]
@@ -38,7 +44,10 @@ class DeadEnd:
 
 @dataclass(frozen=True)
 class LongEdge:
-    """An edge that costs throughput; `share` of all shortest paths leads over it (0..1)."""
+    """A long edge that costs throughput.
+
+    share -- fraction of all shortest paths that lead over it (0..1)
+    """
 
     id: int
     length: float  # m
@@ -47,7 +56,7 @@ class LongEdge:
 
 @dataclass(frozen=True)
 class Stranded:
-    """Vertices that robots of a type cannot come to, or cannot come back from."""
+    """Vertices that robots of a type cannot reach, or from which they cannot return."""
 
     type: str
     vertices: Tuple[int, ...]
@@ -55,10 +64,12 @@ class Stranded:
 
 @dataclass(frozen=True)
 class Survey:
-    """See the parts. `following_distance` (m) is that of two robots of the largest type.
+    """The results of a survey.
 
-    parking    -- ids of vertices: robots of any types on all of them at once cut no robot off
-    near_edges -- pairs of edges that exclude each other though they share no vertex
+    following_distance -- m between two robots of the largest type
+    parking            -- ids of vertices: even if robots of any types stand on all of them, no
+                          robot is cut off
+    near_edges         -- pairs of edges that exclude each other though they share no vertex
     """
 
     following_distance: float
@@ -83,9 +94,10 @@ def survey(network: RoadNetwork, fleet: Fleet) -> Survey:
 
 def _parking(network: RoadNetwork, fleet: Fleet,
              largest: RobotType) -> Tuple[FrozenSet[int], Tuple[Capacity, ...]]:
-    """Where robots of all types may be parked at once, and how many of each type alone.
+    """The parking vertices for robots of all types at once, and the capacity for each type alone.
 
-    Places for all are those of the largest: a smaller robot blocks less there.
+    The parking vertices for all types are those of the largest type, because a smaller robot blocks
+    less there.
     """
     anywhere = _anywhere(network, fleet)
     for_all = Parking(network, largest, fleet.clearance, anywhere).largest()
@@ -103,21 +115,22 @@ def _parking(network: RoadNetwork, fleet: Fleet,
 
 
 def parking_for_all(network: RoadNetwork, fleet: Fleet) -> FrozenSet[int]:
-    """`Survey.parking` alone, as it is with the edges of `network` that are closed now."""
+    """Only `Survey.parking`, for the closed edges of `network`."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     parking = Parking(network, largest, fleet.clearance, _anywhere(network, fleet))
     return frozenset(network.vertex_ids[vertex] for vertex in parking.largest())
 
 
 def _anywhere(network: RoadNetwork, fleet: Fleet) -> Set[int]:
-    """The vertices at which the graph allows robots of any type to be parked."""
+    """The vertices at which the graph allows a robot of at least one type to park."""
     return {vertex for kind in fleet.types for vertex in named_parking(network, kind)}
 
 
 def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
-    """The parts of the graph that hang on one vertex and have no way round, largest first.
+    """The parts of the graph that are joined to the rest by one vertex and have no loop.
 
-    Edges are nodes here, too, so that two edges between the same vertices are a way round.
+    The part with the most vertices is first. In the incidence graph edges are nodes too, so that
+    two edges between the same vertices count as a loop.
     """
     incidence = nx.Graph()
     for edge in network.graph.edges.values():
@@ -136,17 +149,19 @@ def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
 
 
 def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
-    """What lies outside of where a robot comes from everywhere to everywhere: the largest such set
-    of vertices in each part of the graph."""
+    """The vertices outside of the largest strongly connected set in each part of the graph.
+
+    Within such a set a robot can drive from each vertex to each other one.
+    """
     roads = _roads(network, kind)
     homes: Dict[FrozenSet[int], Set[int]] = {}
     for home in sorted(nx.strongly_connected_components(roads), key=len):
-        homes[network.graph.part_of(min(home))] = home  # the last one counts
+        homes[network.graph.part_of(min(home))] = home  # the last one, the largest, stays
     return Stranded(kind.name, tuple(sorted(set(network.vertex_ids).difference(*homes.values()))))
 
 
 def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:
-    """Edges longer than `LONG` following distances, those first that cost most."""
+    """Edges longer than `LONG` following distances; the edge that costs most is first."""
     graph = network.graph
     lengths = {id: graph.curve(id).length for id in graph.edges}
     long = [id for id, length in lengths.items() if length > LONG * distance]
@@ -163,7 +178,7 @@ def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[
 
 
 def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
-    """Vertices by id, and of all edges that a robot may drive the fastest from one to the next."""
+    """A directed graph of vertex ids with the fastest edge that a robot may drive between two."""
     roads = nx.DiGraph()
     roads.add_nodes_from(network.vertex_ids)
     ids = network.vertex_ids
@@ -176,8 +191,10 @@ def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
 
 
 def near_edges(network: RoadNetwork, distance: float) -> Tuple[Tuple[int, int], ...]:
-    """Pairs of edges, ids ascending, whose curves come nearer than `distance` (m) without a common
-    vertex; an edge that lies between two others that it joins is not told."""
+    """Pairs of edges, ids ascending, whose curves come nearer than `distance` (m).
+
+    Pairs with a common vertex, and pairs that a single edge joins, are omitted.
+    """
     conflicts = network.exclusions.at(distance)
     ends: List[Set[int]] = [set(network.origin[2 * edge:2 * edge + 2])
                             for edge in range(len(network.edge_ids))]
@@ -194,7 +211,7 @@ def near_edges(network: RoadNetwork, distance: float) -> Tuple[Tuple[int, int], 
 
 
 def _neighbours(network: RoadNetwork) -> Sequence[Set[int]]:
-    """For each vertex those that an edge joins it to."""
+    """For each vertex its neighbours."""
     around: List[Set[int]] = [set() for _ in range(network.vertices)]
     for drive in range(network.drives):
         around[network.origin[drive]].add(network.destination(drive))

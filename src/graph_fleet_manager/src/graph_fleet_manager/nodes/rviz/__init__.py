@@ -1,1 +1,1 @@
-"""What RViz shows of a fleet, and what its menus do."""
+"""The picture of a fleet in RViz, and its menus."""

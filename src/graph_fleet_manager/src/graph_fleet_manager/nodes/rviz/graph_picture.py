@@ -1,4 +1,4 @@
-"""The graph of a fleet as RViz draws it: edges, closed ones, vertices, parking, docks."""
+"""The graph of a fleet in RViz: edges, closed edges, vertices, parking and docks."""
 from __future__ import annotations
 
 from typing import Collection, List
@@ -18,9 +18,10 @@ _Z = 0.02
 
 def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int],
                   docks: Collection[int]) -> List[Marker]:
-    """Everything of the graph; `closed` are ids of edges, `parking` and `docks` of vertices.
+    """All markers of the graph. `closed` has ids of edges, `parking` and `docks` of vertices.
 
-    A vertex that the graph forbids as parking, like those where a long edge was cut, has no name.
+    A vertex that the graph forbids as parking is drawn without its id. Such vertices are, for
+    example, those where a long edge was divided.
     """
     shut = [id for id in graph.edges if id in closed]
     markers: List[Marker] = [
@@ -50,5 +51,5 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
 
 
 def is_place(graph: Graph, vertex: int) -> bool:
-    """Is it a place to go to, or only one where a long edge was cut?"""
+    """Returns whether the vertex is a destination, not only a point that divides a long edge."""
     return graph.vertices[vertex].parking is not False

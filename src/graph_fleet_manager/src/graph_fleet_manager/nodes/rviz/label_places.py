@@ -1,7 +1,8 @@
-"""Where the labels of robots stand, so that they can be read where robots meet.
+"""Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label stands beside its robot, above it if it can: on the side where it covers least of other
-labels and of robots. It changes sides only where that gains something, so that it does not flicker.
+A label is drawn on the side of its robot where it covers the least area of other labels and of
+robots. If sides are equal, it is drawn above the robot. A label changes its side only if that
+reduces the covered area clearly, so that it does not flicker.
 """
 from __future__ import annotations
 
@@ -10,18 +11,18 @@ from typing import Dict, Mapping, Tuple
 
 import numpy as np
 
-LETTER_WIDTH, LINE_HEIGHT = 0.52, 1.05  # of the height of the text, in RViz's font
+LETTER_WIDTH, LINE_HEIGHT = 0.52, 1.05  # factors on the height of the text, for RViz's font
 GAP = 0.12          # m between a robot and its label
-SIDE_COST = 0.005   # m2 that the next of SIDES must gain over the one before
-CHANGE_COST = 0.05  # m2 that a change of sides must gain: less than one letter
-SWEEPS = 2          # times that all labels look for a place, each knowing those of the others
-#: In order of preference; x, y: 1 and -1 beyond the robot's edges, 0 in its middle.
+SIDE_COST = 0.005   # m2 less that each of SIDES must cover to win over the one before
+CHANGE_COST = 0.05  # m2 less that a label must cover to change its side: less than one letter
+SWEEPS = 2          # rounds in which each label chooses its side, given those of the others
+#: In order of preference; x, y: 1 and -1 beyond the robot's outline, 0 in its middle.
 SIDES = np.array([(0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)], float)
 
 
 @dataclass(frozen=True)
 class Label:
-    """What is written on a robot: where that is and its radius (m), the words, their height (m)."""
+    """The label of a robot: the robot's position and radius (m), the text, its height (m)."""
 
     x: float
     y: float
@@ -31,34 +32,34 @@ class Label:
 
     @property
     def size(self) -> Tuple[float, float]:
-        """About how wide and high the words are, in m."""
+        """The approximate width and height of the text, in m."""
         lines = self.words.split('\n')
         return (LETTER_WIDTH * self.height * max(map(len, lines)),
                 LINE_HEIGHT * self.height * len(lines))
 
     def middle(self, side: int) -> Tuple[float, float]:
-        """The middle of the words where they stand on one of SIDES."""
+        """The centre of the text (m) if it is drawn on this one of SIDES."""
         x, y = self.middles()[side].tolist()
         return x, y
 
     def middles(self) -> np.ndarray:
-        """The middles for all sides (8, 2)."""
+        """The centres of the text for all SIDES, (8, 2), in m."""
         away = self.radius + GAP + np.array(self.size) / 2.0
         return np.array((self.x, self.y)) + SIDES * away
 
 
 class LabelPlaces:
-    """Remembers on which side the label of each robot stands."""
+    """Remembers the side of each robot on which its label is drawn."""
 
     def __init__(self) -> None:
         self._sides: Dict[str, int] = {}
 
     def side(self, name: str) -> int:
-        """The side of this robot's label."""
+        """The index in SIDES for this robot's label."""
         return self._sides.get(name, 0)
 
     def choose(self, labels: Mapping[str, Label]) -> None:
-        """Chooses the sides anew, for where the robots are now; labels are known by their robot."""
+        """Chooses the sides again, for the present positions. `labels` maps names of robots."""
         names = list(labels)
         if not names:
             return

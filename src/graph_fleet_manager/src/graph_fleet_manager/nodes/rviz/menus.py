@@ -25,12 +25,12 @@ EDGE_PAINT = drawing.colour(0.7, 0.7, 0.75, 0.25)
 ROBOT_PAINT = drawing.colour(1.0, 1.0, 1.0, 0.05)
 STOP_PAINT, RESUME_PAINT = drawing.colour(0.85, 0.1, 0.1), drawing.colour(0.15, 0.55, 0.25)
 BUTTON = (2.6, 0.8)  # m
-MOVED = 0.02         # m that a robot's handle lets it be away
+MOVED = 0.02         # m that a robot must move before its handle is moved
 BUTTON_ABOVE = 2.4  # m that the buttons are above the graph
 
 
 class Act(enum.Enum):
-    """What a menu asks for; the value is the menu's text."""
+    """An entry of a menu; the value is its text."""
 
     SEND_ANY = 'Send a robot here'
     SEND_CHOSEN = 'Send the chosen robot here'
@@ -56,7 +56,7 @@ ROBOT_MENU = (Act.CHOOSE, Act.CANCEL, Act.PAUSE, Act.RESUME, Act.RELEASE, Act.OU
 
 
 class Subject(NamedTuple):
-    """What a handle stands for: a vertex, an edge or a robot; neither: the fleet."""
+    """The object of a handle: a vertex, an edge or a robot; if none is set, the fleet."""
 
     vertex: int = 0
     edge: int = 0
@@ -64,7 +64,10 @@ class Subject(NamedTuple):
 
 
 class FleetMenus:
-    """The handles, on `/fleet_menus/update` and `/feedback`; `act` is told every choice."""
+    """The handles, on `/fleet_menus/update` and `/fleet_menus/feedback`.
+
+    act -- is called for each choice in a menu
+    """
 
     def __init__(self, act: Callable[[Act, Subject], None]) -> None:
         self._act = act
@@ -73,7 +76,7 @@ class FleetMenus:
         self._robots: Dict[str, DrawnPose] = {}
 
     def show_graph(self, graph: Graph) -> None:
-        """Handles on places and edges, in place of those of the graph before; and the buttons."""
+        """Shows the buttons, and handles on vertices and edges in place of those shown before."""
         for name in [name for name in self._menus if not name.startswith('robot ')]:
             self._remove(name)
         for vertex in graph.vertices.values():
@@ -93,7 +96,7 @@ class FleetMenus:
         self._server.applyChanges()
 
     def show_robots(self, places: Mapping[str, DrawnPose]) -> None:
-        """Handles on robots, where they are now; those that are gone disappear."""
+        """Shows handles at the present poses of robots, and removes those of all other robots."""
         changed = False
         for name in [name for name in self._robots if name not in places]:
             del self._robots[name]

@@ -1,4 +1,4 @@
-"""A picture in RViz that changes without flickering, and of which nothing stays behind."""
+"""A picture in RViz that changes without flicker and leaves no old markers behind."""
 from __future__ import annotations
 
 from typing import Iterable, List, Set, Tuple
@@ -8,10 +8,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 
 class Picture:
-    """One topic of markers. Every message tells all there is to see: a late viewer gets no other.
+    """One topic of markers. Each message has all markers, because a late viewer gets no other.
 
-    RViz changes in place what it has already; what is gone is deleted by its name. Everything is
-    only taken away (DELETEALL) where a node before this one may have left something.
+    RViz updates a marker that it has already. A marker that is not shown any more is deleted by
+    its name. All markers are deleted (DELETEALL) only if an earlier node may have left some.
     """
 
     def __init__(self, topic: str, latch: bool = False) -> None:
@@ -19,25 +19,26 @@ class Picture:
         self._changes = Changes()
 
     def show(self, markers: Iterable[Marker]) -> None:
-        """Shows these, and nothing else."""
+        """Shows these markers and no others."""
         message = self._changes.to(markers, afresh=not self._publisher.get_num_connections())
         if message:
             self._publisher.publish(MarkerArray(message))
 
 
 class Changes:
-    """From one picture to the next."""
+    """Works out the messages that change one picture into the next."""
 
     def __init__(self) -> None:
         self._known: Set[Tuple[str, int]] = set()
         self._is_first = True
 
     def to(self, markers: Iterable[Marker], afresh: bool = False) -> List[Marker]:
-        """All `markers` that are to be seen, after those that are to be deleted.
+        """Returns the markers to publish: first the deletions, then all visible `markers`.
 
-        A name stays among the deleted until it comes back: a viewer may have missed a message.
+        A deletion is repeated until the name is visible again, because a viewer may have missed a
+        message.
 
-        afresh -- begin with nothing, as the first picture does
+        afresh -- delete all markers first, as for the first picture
         """
         seen = [marker for marker in markers if marker.action == Marker.ADD]
         names = {(marker.ns, marker.id) for marker in seen}

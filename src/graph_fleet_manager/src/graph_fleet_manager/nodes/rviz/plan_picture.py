@@ -1,4 +1,4 @@
-"""The plans of a fleet as RViz draws them, each in its robot's colour."""
+"""The plans of a fleet in RViz, each in its robot's colour."""
 from __future__ import annotations
 
 from typing import Dict, List, Mapping, Sequence, Set
@@ -14,16 +14,18 @@ BLOCKED = drawing.colour(1.0, 0.55, 0.1, 0.8)
 LANE = 0.07     # m between the plans of two robots on one edge
 LANES = 4
 _Z = 0.05
-#: States in which a robot obeys no order: what it holds is blocked for the others.
+#: States in which a robot obeys no order: its allocation is blocked for the others.
 BLOCKING = frozenset((FleetRobot.OFFLINE, FleetRobot.STOPPED, FleetRobot.TAKEN_OVER,
                       FleetRobot.FAILED, FleetRobot.OFF_GRAPH, FleetRobot.OUT_OF_SERVICE))
 
 
 def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
                  numbers: Mapping[str, int]) -> List[Marker]:
-    """Plans thin, their released parts thick, a ring at each destination; blocked edges orange.
+    """Plans as thin lines, released edges as thick lines, a ring at each destination.
 
-    numbers -- by robot, which colour it has
+    Edges that a robot blocks because it obeys no order are orange.
+
+    numbers -- the number of each robot's colour, by its name
     """
     drives: Dict[str, Sequence] = {one.robot: one.drives for one in plan.plans}
     markers: List[Marker] = []

@@ -1,4 +1,4 @@
-"""The robots of a fleet as RViz draws them: body, name, state, mission, what they wait for."""
+"""The robots of a fleet in RViz: body, name, state, mission, and the reason why they wait."""
 from __future__ import annotations
 
 import math
@@ -16,9 +16,9 @@ from trajectory_graph import Graph
 
 GREY, RED = drawing.colour(0.62, 0.62, 0.62), drawing.colour(1.0, 0.25, 0.2)
 DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
-LIFETIME = 3.0  # s: when the node ends, no robot stays on the screen
+LIFETIME = 3.0  # s after which RViz removes the markers, so that none stay when the node ends
 TEXT_HEIGHT = 0.42
-WORDS_SATURATION = 0.4  # lighter than the body, to be read on a dark map
+WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
 _WORDS: Dict[int, str] = {
     FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
     FleetRobot.STOPPED: 'emergency stop', FleetRobot.TAKEN_OVER: 'taken over',
@@ -27,9 +27,9 @@ _WORDS: Dict[int, str] = {
     FleetRobot.UNKNOWN: 'place unknown'}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
-#: States whose word says all.
+#: States for which no reason is shown beside the word.
 _SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
-WAIT_WIDTH, WAIT_LINES = 24, 2  # characters and lines for what a robot waits for
+WAIT_WIDTH, WAIT_LINES = 24, 2  # characters per line and lines, for the reason why a robot waits
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class DrawnPose:
 
 
 def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[DrawnPose]:
-    """Where its symbolic pose is; None off the graph."""
+    """The robot's pose from its edge and percentage; None if it is off the graph."""
     edge = robot.pose.edge_id
     if abs(edge) not in graph.edges or not math.isfinite(robot.pose.percentage):
         return None
@@ -52,13 +52,13 @@ def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[DrawnPose]:
 
 
 def label_of(robot: FleetRobot, place: DrawnPose, radius: float, now: float) -> Label:
-    """What is written on a robot with a body of this radius (m); `now` in s of the ROS clock."""
+    """The label of a robot with a body of this radius (m); `now` in s of the ROS clock."""
     return Label(place.x, place.y, radius, words_of(robot, now), TEXT_HEIGHT)
 
 
 def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label, side: int,
                   chosen: bool) -> List[Marker]:
-    """The markers of one robot, its label on that side of it; see LabelPlaces."""
+    """The markers of one robot. `number` selects its colour, `side` is an index in SIDES."""
     radius = label.radius
     gone = robot.state in (FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE)
     paint = GREY if gone else drawing.own_colour(number)
@@ -82,7 +82,7 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
 
 
 def words_of(robot: FleetRobot, now: float) -> str:
-    """Name and battery; what it does; what it waits for."""
+    """The text of a robot's label: name and battery, activity, and the reason why it waits."""
     charge = '' if math.isnan(robot.battery) else f'  {100.0 * robot.battery:.0f} %'
     doing = _WORDS.get(robot.state, '')
     if robot.state == FleetRobot.BUSY:

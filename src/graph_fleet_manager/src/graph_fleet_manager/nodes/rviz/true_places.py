@@ -1,4 +1,4 @@
-"""Where robots say that they are, by their own topic /<robot>/pose."""
+"""The poses that robots publish themselves on /<robot>/pose."""
 from __future__ import annotations
 
 import math
@@ -11,18 +11,18 @@ from geometry_msgs.msg import PoseStamped
 from graph_fleet_manager.nodes.rviz.robot_picture import DrawnPose
 from node_lifecycle.headings import yaw_from_quaternion
 
-FRESH = 1.5  # s that a pose is taken for the place where a robot is
+FRESH = 1.5  # s for which a received pose is valid
 
 
 class TruePlaces:
-    """Follows the poses of robots that are named."""
+    """Subscribes to the poses of the given robots and keeps the last one of each."""
 
     def __init__(self) -> None:
         self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._heard: Dict[str, Tuple[float, DrawnPose]] = {}
 
     def follow(self, names: Iterable[str]) -> None:
-        """These robots and no others."""
+        """Subscribes to the poses of these robots and no others."""
         names = set(names)
         for name in set(self._subscribers) - names:
             self._subscribers.pop(name).unregister()
@@ -32,12 +32,12 @@ class TruePlaces:
                 f'/{name}/pose', PoseStamped, self._on_pose, name, queue_size=1)
 
     def of(self, name: str) -> Optional[DrawnPose]:
-        """Where it is, None where nothing fresh was heard."""
+        """The robot's pose; None if no pose came within FRESH."""
         at, place = self._heard.get(name, (-math.inf, None))
         return place if time.monotonic() - at <= FRESH else None
 
     def last(self, name: str) -> Optional[DrawnPose]:
-        """Where it was last, however long ago."""
+        """The robot's last pose, of any age; None if none came."""
         return self._heard[name][1] if name in self._heard else None
 
     def _on_pose(self, message: PoseStamped, name: str) -> None:
