@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Drives one robot over edges of its graph, as a fleet manager does, and tells each edge's end.
+"""Drives one robot over edges of its graph, as a fleet manager does, and prints completed edges.
 
     examples/own_fleet_manager.py omron_ld90 37 1 2
 
 A negative edge is driven from its destination to its origin. Exit status 0: the route is complete;
-1: it failed, or the robot refused it. Ctrl-C stops the robot.
+1: the route failed, the robot refused it, or Ctrl-C ended the program. Ctrl-C stops the robot.
 """
 from __future__ import annotations
 
@@ -18,11 +18,15 @@ import rospy
 
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 
-REPEAT = 1.0  # s without an acknowledgement, after which the route is sent again
+REPEAT = 1.0  # s; without an acknowledgement for this time, the route is sent again
 
 
 class OneRobot:
-    """Sends routes to a robot and follows its reports."""
+    """Sends routes to one robot and follows its reports.
+
+    done    -- set when the route is complete, has failed or was refused
+    failure -- reason of the failure or refusal; empty: none
+    """
 
     def __init__(self, name: str) -> None:
         self.done = threading.Event()
@@ -36,11 +40,15 @@ class OneRobot:
         rospy.Subscriber(f'/{name}/route_refused', RouteRefused, self._on_refusal)
 
     def drive(self, edges: List[int]) -> None:
-        """Begins a new route; `done` is set at its end."""
+        """Sends a new route until the robot acknowledges it; `done` is set when the route ends.
+
+        edges -- signed ids in driving order; a negative edge is driven from its destination to its
+                 origin
+        """
         while not self._heard.wait(0.1):
             if rospy.is_shutdown():
                 return
-        # An id that no earlier route of this robot has
+        # A new route needs an id that no earlier route of this robot had.
         route = TargetRoute(route_id=int(time.time()) % 2**31, edges=edges,
                             known_epoch=self._report.epoch)
         route.header.stamp = rospy.Time.now()
@@ -50,7 +58,7 @@ class OneRobot:
             self.done.wait(REPEAT)
 
     def stop(self) -> None:
-        """A route without edges is always obeyed."""
+        """Stops the robot: it always obeys a route without edges."""
         self._routes.publish(TargetRoute(route_id=0))
 
     def _is_acknowledged(self) -> bool:
@@ -78,10 +86,11 @@ class OneRobot:
 
 
 def main() -> int:
-    """Returns 0 when the robot has driven all edges."""
+    """Returns 0 when the robot has driven all edges, otherwise 1."""
     parser = argparse.ArgumentParser(description='Drives a robot over edges of its graph.')
     parser.add_argument('robot', help='namespace of the robot')
-    parser.add_argument('edges', type=int, nargs='+', help='signed ids, in driving order')
+    parser.add_argument('edges', type=int, nargs='+',
+                        help='signed ids of the edges, in driving order')
     arguments = parser.parse_args()
     rospy.init_node('own_fleet_manager', anonymous=True)
     robot = OneRobot(arguments.robot)

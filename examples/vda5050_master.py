@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Sends a VDA 5050 order to a vehicle, and tells each node that the vehicle reaches.
+"""Sends a VDA 5050 order to a vehicle, and prints each node that the vehicle reaches.
 
     examples/vda5050_master.py 127.0.0.1 18830 uagv/v2/OMRON/omron_ld90 order.json
 
-Exit status 0: the vehicle is at the last node; 1: it reports an error.
+Exit status 0: the vehicle stands at the last node; 1: the vehicle reports an error.
 """
 from __future__ import annotations
 
@@ -18,7 +18,13 @@ import paho.mqtt.client as mqtt
 
 
 class Master:
-    """One order, from its publication to the vehicle's last node."""
+    """Sends one order and follows it to its last node.
+
+    topic   -- topic prefix of the vehicle: interface/version/manufacturer/serial number
+    order   -- the order, as in the standard
+    outcome -- exit status; None: the order still runs
+    done    -- set when the order has ended
+    """
 
     def __init__(self, topic: str, order: Dict[str, Any]) -> None:
         self.topic = topic
@@ -29,13 +35,13 @@ class Master:
         self._is_sent = False
 
     def on_connect(self, client: mqtt.Client, *_: Any) -> None:
-        """Listens to the vehicle."""
+        """Subscribes to the vehicle's state."""
         client.subscribe(f'{self.topic}/state', qos=1)
 
     def on_message(self, client: mqtt.Client, _: Any, message: mqtt.MQTTMessage) -> None:
-        """A state of the vehicle: the first one shows that it is there."""
+        """Handles a state of the vehicle; sends the order when the first state arrives."""
         state = json.loads(message.payload)
-        if not self._is_sent:  # the vehicle is there
+        if not self._is_sent:  # the first state shows that the vehicle is connected
             client.publish(f'{self.topic}/order', json.dumps(self.order), qos=1)
             self._is_sent = True
             return
@@ -56,19 +62,20 @@ class Master:
 
 
 def main() -> int:
-    """Returns 0 when the vehicle has done the order."""
-    parser = argparse.ArgumentParser(description='Sends a VDA 5050 order and follows it.')
+    """Returns 0 when the vehicle has completed the order, 1 when it reports an error."""
+    parser = argparse.ArgumentParser(description='Sends a VDA 5050 order to a vehicle, and prints '
+                                                 'each node that the vehicle reaches.')
     parser.add_argument('broker')
     parser.add_argument('port', type=int)
-    parser.add_argument('topic', help='interface/version/manufacturer/serial number')
-    parser.add_argument('order', type=Path, help='the order, as JSON')
+    parser.add_argument('topic', help='topic prefix: interface/version/manufacturer/serial number')
+    parser.add_argument('order', type=Path, help='file with the order (JSON)')
     arguments = parser.parse_args()
     master = Master(arguments.topic, json.loads(arguments.order.read_text(encoding='utf-8')))
     client = (mqtt.Client() if not hasattr(mqtt, 'CallbackAPIVersion')
               else mqtt.Client(mqtt.CallbackAPIVersion.VERSION1))
     client.on_connect, client.on_message = master.on_connect, master.on_message
     client.connect_async(arguments.broker, arguments.port)
-    client.loop_start()  # tries again until the broker is there
+    client.loop_start()  # repeats the connection attempt until the broker answers
     master.done.wait()
     client.disconnect()
     client.loop_stop()
