@@ -1,4 +1,4 @@
-"""A robot of a simulated site: the drive of `agv_sim`, with docking, a battery and random delays."""
+"""A robot of a simulated site: the drive of `agv_sim`, with docking, battery and random delays."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -100,8 +100,7 @@ class DrivenRobot:
 
     @property
     def is_held(self) -> bool:
-        """Whether the robot stands on its route because it docks, is stalled, or a person blocks it.
-        """
+        """Whether the robot stands on its route: it docks, is stalled, or a person blocks it."""
         return self.is_driving and self._now < self._stands_until
 
     @property
@@ -127,7 +126,7 @@ class DrivenRobot:
         vehicle.advance(seconds, int(self._now * _NANO))
 
     def _begin(self, edge: int) -> None:
-        """Draws the pace on a new edge; begins the manoeuvre if the edge leads to or from a dock."""
+        """Draws the pace on a new edge; begins the manoeuvre on an edge to or from a dock."""
         self.vehicle.slow_down(1.0 / self._random.uniform(1.0, self._delays.slower), _EVER)
         if self.graph.end_vertex(edge).dock:
             self._stand(self._mechanics.docking)
