@@ -40,14 +40,14 @@ def test_a_recorded_day_is_driven_as_it_was(yard, tmp_path) -> None:
     ('flows:\n- {to: yard, per_hour: 3}\n', 2,
      "to is 'yard', which is neither a vertex nor a group; there are no groups"),
     ('flows:\n- {to: 21, per_huor: 3}\n', 2,
-     "a flow has a key 'per_huor' that is not known; did you mean per_hour?"),
-    ('flows:\n- {to: 21}\n', 2, 'a flow needs one of per_hour, timetable and saturated'),
+     "a flow has the unknown key 'per_huor'; did you mean per_hour?"),
+    ('flows:\n- {to: 21}\n', 2, 'a flow needs exactly one of per_hour, timetable and saturated'),
     ('flows:\n- {from: 21, to: 21, per_hour: 3}\n', 2, 'a flow leads from vertex 21 to itself'),
     ('flows:\n- to: 21\n  timetable:\n  - {begin: 3, end: 2, per_hour: 1}\n', 4,
-     'a shift ends at 2 h, but begins at 3 h'),
+     'a shift ends at 2 h, which is not after its begin at 3 h'),
     ('flows:\n- {to: 21, per_hour: -1}\n', 2,
      'per_hour is -1, but must be a number from 0 to 100000'),
-    ('groups: {}\n', 1, 'the demand is empty: give flows or csv'),
+    ('groups: {}\n', 1, 'the demand has no missions: give flows or csv'),
 ])
 def test_what_is_wrong_is_one_sentence_with_its_line(yard, tmp_path, text, line, problem) -> None:
     with pytest.raises(FileError) as error:

@@ -58,7 +58,7 @@ def test_the_report_is_one_page_without_a_network_and_tables(files: Files, tmp_p
     output = tmp_path / 'report'
     assert main(arguments(files(SATURATED), output, '--robots=1..2', '--hours=0.05', '--seeds=2',
                           '--proposals=1')) == 0
-    assert 'missions an hour' in capsys.readouterr().out
+    assert 'missions per hour' in capsys.readouterr().out
     page = (output / 'report.html').read_text()
     links: List[str] = []
 
@@ -78,7 +78,7 @@ def test_the_report_is_one_page_without_a_network_and_tables(files: Files, tmp_p
 
 @pytest.mark.parametrize(('more', 'sentence'), [
     (('--robots=40',), '40 robots are more than the '),
-    (('--robots=2..x',), "'2..x' is no number of robots"),
+    (('--robots=2..x',), "'2..x' is not a number of robots"),
     (('--seeds=0',), "'0' is not a whole number above 0"),
 ])
 def test_what_cannot_be_simulated_is_told_before_anything_runs(
@@ -105,7 +105,7 @@ def test_a_vertex_to_which_no_robot_can_come_is_told_with_its_line(
     with pytest.raises(FileError) as error:
         site(walled, files('flows:\n- {to: 21, per_hour: 3}\n'))
     assert error.value.line == 2
-    assert error.value.problem.startswith('vertex 21 is no destination')
+    assert error.value.problem.startswith('vertex 21 is not reachable')
 
 
 def test_a_run_in_which_no_mission_ends_has_a_report(files: Files, tmp_path: Path) -> None:

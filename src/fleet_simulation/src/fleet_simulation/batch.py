@@ -1,4 +1,7 @@
-"""Many runs on all cores: fleet sizes x seeds, with progress, and what is done when it is ended."""
+"""Executes many simulation runs on all cores, with a progress display.
+
+Ctrl-C ends the batch; the results of the completed runs are kept.
+"""
 from __future__ import annotations
 
 import multiprocessing
@@ -13,7 +16,7 @@ from fleet_simulation.site import Site
 
 
 class Job(NamedTuple):
-    """One run; `site` counts the sites of the batch."""
+    """One run: `site` is the index of its site in the batch, from 0; `hours` are virtual hours."""
 
     site: int
     robots: int
@@ -27,7 +30,7 @@ _sites: Tuple[Site, ...] = ()
 
 def _begin(sites: Tuple[Site, ...]) -> None:
     global _sites
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the batch ends its workers itself
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Ctrl-C, the batch itself ends its workers
     _sites = sites
 
 
@@ -37,9 +40,10 @@ def _work(job: Job) -> Done:
 
 def run_all(sites: Sequence[Site], jobs: Sequence[Job], processes: int,
             tell: Callable[[int, int], None]) -> Tuple[List[Done], bool]:
-    """The runs that came to their end, in the order of the jobs; and whether Ctrl-C ended it.
+    """Returns the completed runs in the order of the jobs, and whether Ctrl-C ended the batch.
 
-    tell -- is told after each run how many are done, and how many there are
+    processes -- most runs at the same time
+    tell      -- is called after each run with the number of completed runs and of all runs
     """
     done: List[Done] = []
     pool = multiprocessing.Pool(min(processes, len(jobs)), _begin, (tuple(sites),))
@@ -59,13 +63,13 @@ def run_all(sites: Sequence[Site], jobs: Sequence[Job], processes: int,
 
 
 class Progress:
-    """A bar on a terminal, else a line for each tenth."""
+    """Shows progress on stderr: a bar on a terminal, otherwise one line per tenth of the runs."""
 
     def __init__(self, what: str) -> None:
         self._what, self._begun, self._tenth = what, time.monotonic(), -1
 
     def __call__(self, done: int, whole: int) -> None:
-        """So many of all are done."""
+        """Shows that `done` of `whole` runs are completed."""
         spent = time.monotonic() - self._begun
         left = f'{spent / done * (whole - done):.0f} s to go' if done else ''
         if sys.stderr.isatty():

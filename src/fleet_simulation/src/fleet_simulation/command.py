@@ -1,7 +1,10 @@
-"""The command `simulate_fleet`: how many robots a site needs, without a ROS master.
+"""The command `simulate_fleet`: it finds how many robots a site needs, without a ROS master.
 
-Exit status 0: the report is written; 1: wrong input, one sentence on stderr; 3: Ctrl-C, the report
-is of the runs that were done; 130: Ctrl-C before any run was done.
+Exit status:
+- 0: The report is written.
+- 1: The input is wrong; stderr has one sentence.
+- 3: Ctrl-C; the report covers the completed runs.
+- 130: Ctrl-C before any run was completed.
 """
 from __future__ import annotations
 
@@ -46,7 +49,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             site.robots(count)
         runs, ended = _runs(site, counts, options)
         if not runs:
-            print('Nothing was done.', file=sys.stderr)
+            print('No run was completed: there is no report.', file=sys.stderr)
             return 130
         proposed: List[Proposed] = []
         if options.proposals and not ended and sizes(runs):
@@ -67,30 +70,32 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog='simulate_fleet',
-                     description='Simulates a fleet of each size on a site, with the supervisor, '
-                                 'interlocking and planner that will run there, and reports what '
-                                 'it gets done.')
+                     description='Simulates fleets of several sizes on a site, and reports how '
+                                 'many missions each serves. It runs the supervisor, interlocking '
+                                 'and planner of the fleet manager.')
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
     parser.add_argument('--fleet', required=True, help='robot types and robots (YAML)')
     parser.add_argument('--demand', required=True, help='missions (YAML)')
-    parser.add_argument('--output', required=True, type=Path, help='folder of the report')
+    parser.add_argument('--output', required=True, type=Path, help='folder for the report')
     parser.add_argument('--robots', type=_counts, metavar='N|N..M|N,M', default=(),
-                        help='sizes of fleets (as many robots as the fleet file has)')
-    parser.add_argument('--hours', type=_positive, default=8.0, help='of each run (8)')
+                        help='fleet sizes (default: the number of robots in the fleet file)')
+    parser.add_argument('--hours', type=_positive, default=8.0,
+                        help='virtual hours of each run (8)')
     parser.add_argument('--seeds', type=_whole, default=5, help='runs of each size (5)')
     parser.add_argument('--longest-edge', type=_positive, metavar='M',
-                        help='longer edges are cut into sections, as by fleet_launch')
+                        help='cut longer edges into sections, as fleet_launch does, in m')
     parser.add_argument('--latency', type=_positive, default=0.1, metavar='S',
                         help='virtual s until the planner answers (0.1)')
     parser.add_argument('--rounds', type=int, default=0,
-                        help='in which the planner makes a plan better (0)')
+                        help='rounds in which the planner improves each plan (0)')
     parser.add_argument('--order', type=Order, choices=list(Order), default=Order.FIXED,
                         metavar='|'.join(order.value for order in Order),
-                        help='of use, while robots run late (fixed)')
+                        help='how the order of robots on shared places changes while robots are '
+                             'late (fixed)')
     parser.add_argument('--proposals', type=int, default=0, metavar='N',
-                        help='try at most so many changes of the graph, on the same seeds (0)')
+                        help='try at most N changes of the graph, on the same seeds (0)')
     parser.add_argument('--jobs', type=_whole, default=multiprocessing.cpu_count(),
-                        help='runs at once (one for each core)')
+                        help='runs at the same time (one per core)')
     return parser
 
 
@@ -104,7 +109,8 @@ def _counts(text: str) -> Tuple[int, ...]:
     except ValueError:
         found = ()
     if not found or found[0] < 1 or found[-1] > 1000:
-        raise argparse.ArgumentTypeError(f'{text!r} is no number of robots, as 6, 2..20 or 2,4,8')
+        raise argparse.ArgumentTypeError(f'{text!r} is not a number of robots from 1 to 1000: give '
+                                         'for example 6, 2..20 or 2,4,8')
     return found
 
 
@@ -126,7 +132,8 @@ def _whole(text: str) -> int:
 
 def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
           docks: FrozenSet[int] = frozenset()) -> Site:
-    """The site of the files, or the same with another graph and more docks."""
+    """Returns the site of the files; with `graph` given, the same site with that graph and docks.
+    """
     if graph is None:
         graph = load_graph(options.graph)
         if options.longest_edge:
@@ -147,7 +154,10 @@ def _runs(site: Site, counts: Sequence[int],
 
 def _try_proposals(site: Site, runs: Sequence[Figures],
                    options: argparse.Namespace) -> Tuple[List[Proposed], bool]:
-    """Changes of the graph, ranked by gain on the same seeds with the fleet at the knee."""
+    """Simulates changes of the graph, with the fleet size at the knee and the same seeds.
+
+    Returns them with the highest gain first, and whether Ctrl-C ended the batch.
+    """
     best = knee(sizes(runs))
     room = 2.0 * max(kind.reach for kind in site.fleet.types) + site.fleet.clearance
     edges = list(waiting_by_edge(best))[:_PROPOSED_EDGES]
@@ -158,7 +168,7 @@ def _try_proposals(site: Site, runs: Sequence[Figures],
             changed = _site(options, proposal.graph, proposal.docks)
             changed.robots(best.robots)
         except (WrongSite, FileError):
-            continue  # the demand cannot be served, or the robots not be parked, with this change
+            continue  # with this change the demand cannot be served or the robots cannot be parked
         same = site.robots(best.robots)
         tried.append((proposal, replace(changed, starts=site.starts)
                       if all(one.vertex in changed.graph.vertices for one in same.values())

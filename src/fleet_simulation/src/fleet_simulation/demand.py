@@ -1,4 +1,4 @@
-"""What a site wants its fleet to do: flows of missions, drawn from a seed before anything runs."""
+"""The demand of a site: flows of missions. A seed draws the missions before a run begins."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ HOUR = 3600.0
 
 @dataclass(frozen=True)
 class Shift:
-    """From `begin` to `end` (hours) so many missions an hour."""
+    """A time, `begin` to `end` in hours from the start, with `per_hour` missions per hour."""
 
     begin: float
     end: float
@@ -21,19 +21,21 @@ class Shift:
 
 @dataclass(frozen=True)
 class Saturated:
-    """As many as the fleet can serve: `open` missions for each robot are there all the time."""
+    """As many missions as the fleet can serve: at each time, `open` missions per robot are open."""
 
     open: float = 1.0
 
 
 @dataclass(frozen=True)
 class Flow:
-    """Missions of one kind.
+    """Missions of one kind. A mission visits at most one source, then one target.
 
-    sources      -- vertices that are visited first; empty: none is
-    targets      -- vertices that are visited then, one of them drawn evenly
-    arrivals     -- shifts, in each of which missions come by chance (Poisson), or saturation
-    stay         -- s at each destination, mean; each is drawn within `scatter` (0..1) of it
+    sources      -- vertices; each mission first visits one of them, drawn evenly; may be empty
+    targets      -- vertices; each mission then visits one of them, drawn evenly
+    arrivals     -- shifts, in which missions come at random times (Poisson), or saturation
+    priority     -- of the missions; the higher is served first
+    stay         -- mean dwell at each destination, in s
+    scatter      -- 0..1; each dwell is drawn between (1 - scatter) and (1 + scatter) times `stay`
     """
 
     name: str
@@ -45,7 +47,7 @@ class Flow:
     scatter: float = 0.0
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:
-        """One mission."""
+        """Draws one mission with this id and stamp (virtual s)."""
         first = (random.choice(self.sources),) if self.sources else ()
         targets = [vertex for vertex in self.targets if vertex not in first]
         destinations = (*first, random.choice(targets))
@@ -56,7 +58,11 @@ class Flow:
 
 @dataclass(frozen=True)
 class Recorded:
-    """One mission of a real day: s from the beginning, and what it was."""
+    """One mission of a recorded day.
+
+    at   -- s from the beginning to the request
+    stay -- dwell at each destination, in s
+    """
 
     at: float
     destinations: Tuple[int, ...]
@@ -66,25 +72,25 @@ class Recorded:
 
 @dataclass(frozen=True)
 class Demand:
-    """All flows, and missions that were recorded."""
+    """All flows and all recorded missions of a site."""
 
     flows: Tuple[Flow, ...] = ()
     recorded: Tuple[Recorded, ...] = ()
 
     @property
     def saturated(self) -> Tuple[Flow, ...]:
-        """The flows that ask for as much as can be served."""
+        """The flows with as many missions as the fleet can serve."""
         return tuple(flow for flow in self.flows if isinstance(flow.arrivals, Saturated))
 
     def places(self) -> Iterator[int]:
-        """The vertices that are visited; some come more than once."""
+        """Yields the vertices that missions visit; a vertex may come several times."""
         for flow in self.flows:
             yield from (*flow.sources, *flow.targets)
         for mission in self.recorded:
             yield from mission.destinations
 
     def pairs(self) -> Iterator[Tuple[int, int]]:
-        """Which vertices are visited one after the other, as far as the demand says so."""
+        """Yields pairs of vertices that one mission visits one after the other."""
         for flow in self.flows:
             yield from ((source, target) for source in flow.sources for target in flow.targets
                         if source != target)
@@ -92,7 +98,10 @@ class Demand:
             yield from zip(mission.destinations, mission.destinations[1:])
 
     def draw(self, seed: int, hours: float) -> List[Request]:
-        """The missions that come at times of their own, in order; ids from 1 on."""
+        """Returns the missions of shifts and recordings, sorted by time; their ids begin at 1.
+
+        Missions of saturated flows are not included: they depend on the fleet.
+        """
         random = Random(f'demand {seed}')
         drawn: List[Tuple[float, int, Union[Flow, Recorded]]] = []
         for flow in self.flows:

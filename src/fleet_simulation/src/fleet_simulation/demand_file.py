@@ -1,4 +1,4 @@
-"""The demand file: what a site wants, in YAML.
+"""Reads the demand file: the missions that a site needs, in YAML.
 
     groups: {stations: [6, 18, 27]}
     delays: {slower: 1.1, stall: {every: 3600, seconds: 20}, people: {every: 900, seconds: 5}}
@@ -8,8 +8,8 @@
     - {to: stations, saturated: 1.0}
     csv: day.csv
 
-`csv` has the columns `time` (s from the beginning), `destinations` (vertex ids, blanks between),
-and may have `priority` and `stay`.
+`csv` names a file beside the demand file. Its columns are `time` (s from the beginning) and
+`destinations` (vertex ids, separated by blanks); `priority` and `stay` (s) are optional.
 """
 from __future__ import annotations
 
@@ -34,13 +34,14 @@ _COLUMNS = ('time', 'destinations', 'priority', 'stay')
 _LONGEST_DAY = 1e4  # hours
 Groups = Dict[str, Tuple[int, ...]]
 Line = Tuple[str, int]
-"""A file and a line of it."""
+"""The path of a file, and a line number in it."""
 
 
 class Wanted(NamedTuple):
-    """What a demand file says, and the lines that say it.
+    """The content of a demand file, and the lines that an error message names.
 
-    places, pairs -- file and line by vertex, and by vertices that are visited one after the other
+    places -- by vertex: the file and line that first name it
+    pairs  -- by two vertices that a mission visits one after the other: file and line likewise
     """
 
     demand: Demand
@@ -50,7 +51,7 @@ class Wanted(NamedTuple):
 
 
 def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
-    """The demand in a file, for a graph; raises FileError."""
+    """Reads a demand file and checks it with the graph; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         fields = _known(root, 'the file', _FILE)
@@ -76,7 +77,7 @@ def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
             for line, mission in rows.items():
                 note(Demand((), (mission,)), name, line)
         if not flows and not recorded:
-            raise WrongYaml('the demand is empty: give flows or csv', root)
+            raise WrongYaml('the demand has no missions: give flows or csv', root)
         return Wanted(Demand(tuple(flows), recorded), _delays(fields), places, pairs)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
@@ -88,8 +89,8 @@ def _known(node: yaml.Node, what: str, known: Sequence[str]) -> Dict[str, yaml.N
         if key not in known:
             line = next(name for name, _ in node.value if name.value == key)
             near = difflib.get_close_matches(key, known, 1)
-            meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'
-            raise WrongYaml(f'{what} has a key {key!r} that is not known; {meant}', line)
+            meant = f'did you mean {near[0]}?' if near else f'known keys: {", ".join(known)}'
+            raise WrongYaml(f'{what} has the unknown key {key!r}; {meant}', line)
     return fields
 
 
@@ -101,7 +102,7 @@ def _groups(fields: Dict[str, yaml.Node], graph: Graph) -> Groups:
         vertices = tuple(_vertex((f'an entry of group {name}', item), graph)
                          for item in strict_yaml.items((f'group {name}', node)))
         if not vertices:
-            raise WrongYaml(f'group {name} is empty', node)
+            raise WrongYaml(f'group {name} is empty: list at least one vertex', node)
         found[name] = vertices
     return found
 
@@ -121,7 +122,7 @@ def _flow(node: yaml.Node, number: int, groups: Groups, graph: Graph) -> Flow:
         if value in groups:
             return groups[value]
         if not value.lstrip('-').isdigit():
-            told = f'there are: {", ".join(groups)}' if groups else 'there are no groups'
+            told = f'groups: {", ".join(groups)}' if groups else 'there are no groups'
             raise WrongYaml(f'{key} is {value!r}, which is neither a vertex nor a group; {told}',
                             fields[key])
         return (_vertex((key, fields[key]), graph),)
@@ -141,7 +142,7 @@ def _arrivals(fields: Dict[str, yaml.Node],
               node: yaml.Node) -> Union[Tuple[Shift, ...], Saturated]:
     given = [key for key in ('per_hour', 'timetable', 'saturated') if key in fields]
     if len(given) != 1:
-        raise WrongYaml('a flow needs one of per_hour, timetable and saturated'
+        raise WrongYaml('a flow needs exactly one of per_hour, timetable and saturated'
                         + (f', but has {" and ".join(given)}' if given else ''), node)
     one = given[0], fields[given[0]]
     if given == ['per_hour']:
@@ -154,7 +155,8 @@ def _arrivals(fields: Dict[str, yaml.Node],
         begin, end = (_number(_LONGEST_DAY)(strict_yaml.field(shift, key, item))
                       for key in ('begin', 'end'))
         if end <= begin:
-            raise WrongYaml(f'a shift ends at {end:g} h, but begins at {begin:g} h', item)
+            raise WrongYaml(f'a shift ends at {end:g} h, which is not after its begin at '
+                            f'{begin:g} h', item)
         shifts.append(Shift(begin, end,
                             _number(1e5)(strict_yaml.field(shift, 'per_hour', item))))
     return tuple(shifts)
@@ -188,13 +190,13 @@ def _number(most: float) -> Callable[[Field], float]:
 
 
 def _recorded(path: Path, graph: Graph) -> Dict[int, Recorded]:
-    """The missions of a CSV file by their lines."""
+    """Returns the missions of a CSV file by line number; raises FileError."""
     try:
         text = strict_yaml.read_file(path).decode()
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
     except UnicodeDecodeError:
-        raise FileError(path, 'this is not UTF-8 text') from None
+        raise FileError(path, 'this is not UTF-8 text: save it as UTF-8') from None
     rows = csv.DictReader(text.splitlines())
     unknown = [name for name in rows.fieldnames or () if name not in _COLUMNS]
     missing = [name for name in _COLUMNS[:2] if name not in (rows.fieldnames or ())]
@@ -212,14 +214,15 @@ def _recorded(path: Path, graph: Graph) -> Dict[int, Recorded]:
             except ValueError:
                 parsed = math.nan
             if not 0.0 <= parsed < 1e8:
-                raise FileError(path, f'{name} is {value!r}, but must be a number from 0 on', line)
+                raise FileError(path, f'{name} is {value!r}, but must be a number from 0 to 1e8',
+                                line)
             return parsed
         places = (row['destinations'] or '').split()
         for place in places:
             if not place.isdigit() or int(place) not in graph.vertices:
                 raise FileError(path, f'the graph has no vertex {place}', line)
         if not places:
-            raise FileError(path, 'a mission has no destinations', line)
+            raise FileError(path, 'the mission has no destinations: give vertex ids', line)
         vertices = tuple(map(int, places))
         found[line] = Recorded(number('time'), vertices, int(number('priority')), number('stay'))
     return found

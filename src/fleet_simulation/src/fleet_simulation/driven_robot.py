@@ -1,5 +1,4 @@
-"""A robot of the simulated site: the drive of `agv_sim`, with docking, battery, and what delays it.
-"""
+"""A robot of a simulated site: the drive of `agv_sim`, with docking, battery and random delays."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -19,7 +18,11 @@ _NANO = 1e9
 
 @dataclass(frozen=True)
 class Standstill:
-    """About every `every` s of driving a robot stands still for `seconds`; 0: never."""
+    """Random stops of a robot.
+
+    every   -- mean s of driving between two stops; 0: the robot never stops
+    seconds -- mean s of one stop; each is drawn between 0.5 and 1.5 times this
+    """
 
     every: float
     seconds: float
@@ -27,11 +30,11 @@ class Standstill:
 
 @dataclass(frozen=True)
 class Delays:
-    """How late robots run.
+    """The delays that make robots late.
 
-    slower -- each edge takes between 1 and so many times as long as it might
-    stall  -- the robot itself does not go on
-    people -- a person is in the way
+    slower -- the time for an edge is drawn between 1 and `slower` times the shortest possible one
+    stall  -- stops that the robot itself causes
+    people -- stops because a person is in the way
     """
 
     slower: float = 1.1
@@ -41,10 +44,11 @@ class Delays:
 
 @dataclass(frozen=True)
 class Mechanics:
-    """How a kind of robot drives.
+    """How one kind of robot drives.
 
-    drive     -- its limits; the speed is that of its type in the fleet file
-    docking, undocking -- s of manoeuvre on the edge to a dock, and on the one away
+    drive     -- limits of the drive; the fleet file's robot type replaces their speed
+    docking   -- s of the manoeuvre on the edge to a dock
+    undocking -- s of the manoeuvre on the edge away from a dock
     """
 
     drive: DriveLimits
@@ -52,22 +56,24 @@ class Mechanics:
     undocking: float = 0.0
 
     def limits(self, kind: RobotType) -> DriveLimits:
-        """Of a robot of a type."""
+        """Returns the drive limits of a robot of the given type."""
         return replace(self.drive, speed=kind.speed)
 
 
 LD90 = Mechanics(DriveLimits(acceleration=0.5, braking=0.2, turn_rate=1.75, turn_acceleration=3.14,
                              bend_rate=0.25, reverses=False), 12.0, 6.0)
-"""From configurations of real robots. It brakes gently for bends and goals, and plans a path of its
-own between goals: `bend_rate` is that at which its times are those of the simulated LD-90."""
+"""An LD-90; the values come from configurations of real robots. The LD-90 brakes gently for bends
+and goals, and plans its own path between goals. Therefore `bend_rate` is chosen such that the
+driving times equal those of the simulated LD-90."""
 AGV = Mechanics(DriveLimits())
-"""As `agv_sim` drives."""
+"""An AGV that drives as `agv_sim` does."""
 
 
 class DrivenRobot:
-    """One robot with a drive, a battery and its own chance.
+    """One robot with a drive, a battery and its own random number generator.
 
-    charge -- at the beginning, 0..1
+    vertex -- id of the vertex on which it begins
+    charge -- of the battery at the beginning, 0..1
     """
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
@@ -83,27 +89,27 @@ class DrivenRobot:
 
     @property
     def position(self) -> Tuple[float, float]:
-        """x, y in m."""
+        """The position x, y in m, in the frame of the graph."""
         x, y, _ = self.vehicle.pose
         return x, y
 
     @property
     def is_driving(self) -> bool:
-        """Has it anything to drive?"""
+        """Whether the robot has a route that is not finished."""
         return self.vehicle.running
 
     @property
     def is_held(self) -> bool:
-        """Does it stand in the middle of its route, docking, stalled or before a person?"""
+        """Whether the robot stands on its route: it docks, is stalled, or a person blocks it."""
         return self.is_driving and self._now < self._stands_until
 
     @property
     def charge(self) -> float:
-        """0..1."""
+        """The charge of the battery, 0..1."""
         return self.vehicle.battery.charge / 100.0
 
     def drive(self, seconds: float) -> None:
-        """Lets time pass."""
+        """Advances the robot by the given virtual time, in s."""
         self._now += seconds
         vehicle = self.vehicle
         drive = vehicle.drive
@@ -120,7 +126,7 @@ class DrivenRobot:
         vehicle.advance(seconds, int(self._now * _NANO))
 
     def _begin(self, edge: int) -> None:
-        """Its pace on an edge, and the manoeuvre at a dock."""
+        """Draws the pace on a new edge; begins the manoeuvre on an edge to or from a dock."""
         self.vehicle.slow_down(1.0 / self._random.uniform(1.0, self._delays.slower), _EVER)
         if self.graph.end_vertex(edge).dock:
             self._stand(self._mechanics.docking)
@@ -133,17 +139,17 @@ class DrivenRobot:
             self.vehicle.stall(seconds)
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Takes up a route; what it refuses it tells later."""
+        """Gives the robot an order; returns None, `late_refusals` returns its refusal."""
         self.vehicle.handle(RouteOrder(route_id, edges))
         return None
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """The orders that it refused since the last call."""
+        """Returns the refusals since the last call."""
         return [message for message in self.vehicle.take_messages()
                 if isinstance(message, RouteRefusal)]
 
     def report(self, stamp: float) -> Report:
-        """What it tells."""
+        """Returns the robot's report, with this stamp."""
         told = self.vehicle.report()
         return Report(told.route_id, told.edges, told.states,
                       Pose(told.pose.edge, told.pose.percentage / 100.0), told.reason, stamp,
@@ -151,7 +157,7 @@ class DrivenRobot:
 
     @property
     def news(self) -> object:
-        """What of its report is told at once where it changes."""
+        """The part of the report that is sent at once when it changes."""
         route = self.vehicle.route
         return route and (route.order.route_id, route.order.edges, route.completed, route.phase,
                           route.reason)

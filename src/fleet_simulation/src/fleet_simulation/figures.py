@@ -1,4 +1,4 @@
-"""What one run of a fleet came to."""
+"""The results of one simulation run."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -7,12 +7,12 @@ from typing import Dict, List, Tuple
 
 
 class Use(Enum):
-    """What a robot's time goes to."""
+    """What a robot does at one moment; the report sums the robot's time by these."""
 
     LOADED = 'driving with a mission'
-    EMPTY = 'driving without one'
+    EMPTY = 'driving without a mission'
     STAY = 'at a destination'
-    HELD = 'docking, stalled, or before a person'
+    HELD = 'docking, stalled, or blocked by a person'
     WAITING = 'waiting'
     CHARGING = 'charging'
     IDLE = 'idle'
@@ -20,7 +20,7 @@ class Use(Enum):
 
 
 class Cause(Enum):
-    """What a robot waits for."""
+    """The reason why a robot waits."""
 
     ROBOT = 'another robot'
     PLANNER = 'the planner'
@@ -31,16 +31,23 @@ class Cause(Enum):
 
 @dataclass
 class Figures:
-    """One run; times in virtual s unless they are `spent`.
+    """The figures of one run. Times are virtual s, except `planning` and `spent`.
 
-    seconds        -- for which was measured, after the warm-up
-    waits, leads   -- of each mission from its request to a robot's start, and to its success
-    use            -- robot seconds
-    waiting        -- robot seconds by the edge that is waited for, and why
-    docks, parked  -- the most robots that used docks, and that stood idle elsewhere, at once
-    planning       -- s of this computer's time for each plan
-    spent          -- the same for all: world, supervisor, planner
-    trouble        -- why the run did not come to its end; empty: it did
+    seconds        -- measured time, after the warm-up
+    requested      -- missions that were requested in this time; `succeeded` likewise
+    open_at_end    -- missions that are still open when the run ends
+    failures       -- failed missions by reason
+    waits          -- of each mission: time from its request until a robot starts it
+    leads          -- of each mission: time from its request until it succeeds
+    use            -- robot seconds by activity
+    waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
+    docks          -- most robots that charged at the same time
+    parked         -- most robots that stood idle without charging at the same time
+    travelled      -- m that all robots drove, warm-up included
+    planning       -- s of processor time that each plan took
+    spent          -- s of processor time of the whole run: world, supervisor, planner
+    simulated      -- length of the whole run, warm-up included
+    trouble        -- why the run broke off; empty if it was completed
     """
 
     robots: int
@@ -64,12 +71,12 @@ class Figures:
 
     @property
     def per_hour(self) -> float:
-        """Missions that succeeded, an hour."""
+        """Succeeded missions per hour."""
         return 3600.0 * self.succeeded / self.seconds if self.seconds else 0.0
 
     @property
     def speed(self) -> float:
-        """Virtual s in one s of a core."""
+        """Virtual s per s of processor time of one core."""
         return self.simulated / sum(self.spent) if sum(self.spent) else 0.0
 
     @property

@@ -1,6 +1,7 @@
-"""Changes of the graph where robots wait most: each is a graph of its own, to be simulated.
+"""Proposes changes of the graph at the edges for which robots wait most.
 
-Where all docks were in use at once, another dock is a proposal, too.
+Each proposal is a separate graph, to be simulated. If all docks were in use at the same time,
+another dock is proposed, too.
 """
 from __future__ import annotations
 
@@ -13,13 +14,16 @@ from trajectory_graph.editing import Draft
 from trajectory_graph.graph import CurveType
 
 _ASIDE = 2.0    # m from an edge to a passing place beside it
-_LONGEST = 1.5  # m of the sections of an edge that is cut
+_LONGEST = 1.5  # m, longest section when an edge is cut
 
 
 class Proposal(NamedTuple):
-    """A change in words (`To ...`), its file's name, and the graph that it makes.
+    """One changed graph.
 
-    docks -- vertices that become docks of all types that charge
+    what  -- the change in words, an imperative such as `cut edge 5`
+    name  -- name of the graph's file, without suffix
+    graph -- the graph with the change
+    docks -- ids of new docks, for all robot types that charge
     """
 
     what: str
@@ -30,10 +34,11 @@ class Proposal(NamedTuple):
 
 def proposals(graph: Graph, edges: Sequence[int], room: float,
               docks_in_use: int = 0) -> List[Proposal]:
-    """What may be done about the edges that are waited for most, the most first.
+    """Returns the possible changes of the graph, in the order of `edges`.
 
+    edges        -- ids of the edges for which robots wait most, the most first
     room         -- m that two robots need between their centres
-    docks_in_use -- the most docks in use at once
+    docks_in_use -- most docks that were in use at the same time
     """
     found: List[Proposal] = []
     if docks_in_use and docks_in_use >= sum(one.dock for one in graph.vertices.values()):
@@ -48,7 +53,7 @@ def proposals(graph: Graph, edges: Sequence[int], room: float,
 
 
 Make = Callable[[Graph, int, float], Iterator[Tuple[str, str, Sequence[Vertex], Sequence[Edge]]]]
-"""Changes of a graph at an edge: in words, a name, all vertices and edges."""
+"""Yields changes of a graph at one edge: the change in words, a name, all vertices, all edges."""
 
 
 def _valid(make: Make, graph: Graph, id: int, room: float) -> Iterator[Proposal]:
@@ -93,7 +98,7 @@ def _one_way(graph: Graph, id: int,
 
 
 def _comes_round(graph: Graph, changed: Edge, begin: int, end: int) -> bool:
-    """Is there a way from `begin` to `end` without the edge?"""
+    """Whether a path leads from `begin` to `end` without the changed edge."""
     seen, ahead = {begin}, [begin]
     while ahead:
         vertex = ahead.pop()
@@ -109,7 +114,7 @@ def _comes_round(graph: Graph, changed: Edge, begin: int, end: int) -> bool:
 
 def _passing_place(graph: Graph, id: int,
                    room: float) -> Iterator[Tuple[str, str, Sequence[Vertex], Sequence[Edge]]]:
-    """A spur beside an end of the edge, where there is room."""
+    """Adds a spur beside the start of the edge, if there is room."""
     start = graph.edges[id].origin
     for vertices, edges, _ in _spurs(graph, id, room, 'passing place', dock=False):
         yield (f'add a passing place beside vertex {start}', f'passing_{start}', vertices, edges)
@@ -117,7 +122,7 @@ def _passing_place(graph: Graph, id: int,
 
 
 def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
-    """A spur with a dock, as near to a dock as there is room."""
+    """Adds a spur with a dock, as near to an existing dock as there is room."""
     docks = [vertex.position for vertex in graph.vertices.values() if vertex.dock]
     for id in sorted(graph.edges, key=lambda id: min(
             math.dist(graph.vertices[graph.edges[id].origin].position, dock) for dock in docks)):
@@ -133,8 +138,11 @@ def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
 
 def _spurs(graph: Graph, id: int, room: float, label: str,
            dock: bool) -> Iterator[Tuple[Sequence[Vertex], Sequence[Edge], int]]:
-    """The graph with an edge to a new vertex on each side of an edge's start where there is room;
-    and that vertex."""
+    """Yields vertices, edges and the new vertex of a graph with a spur at the start of an edge.
+
+    The spur is a straight edge to a new vertex, on the left or the right of the edge. A side
+    without room yields nothing.
+    """
     edge = graph.edges[id]
     start, heading = graph.vertices[edge.origin], graph.curve(id).heading_at(0.0)
     aside = max(_ASIDE, room + 0.1)
@@ -156,11 +164,11 @@ def _spurs(graph: Graph, id: int, room: float, label: str,
 
 def _parking(graph: Graph, id: int,
              _: float) -> Iterator[Tuple[str, str, Sequence[Vertex], Sequence[Edge]]]:
-    """Idle robots are sent elsewhere than to the ends of the edge."""
+    """Forbids parking on both ends of the edge, except on docks."""
     edge = graph.edges[id]
     ends = {edge.origin, edge.destination}
     if all(graph.vertices[end].parking is False or graph.vertices[end].dock for end in ends):
         return
-    yield (f'send idle robots elsewhere than to the ends of edge {id}', f'no_parking_{id}',
+    yield (f'forbid parking at the ends of edge {id}', f'no_parking_{id}',
            [replace(vertex, parking=False) if vertex.id in ends and not vertex.dock else vertex
             for vertex in graph.vertices.values()], list(graph.edges.values()))

@@ -1,4 +1,4 @@
-"""The report: one HTML file that opens without a network, and CSV files with every figure."""
+"""Writes the report: one HTML file that needs no network, and CSV files with all figures."""
 from __future__ import annotations
 
 import csv
@@ -39,7 +39,12 @@ th:first-child, td:first-child { text-align: left; }
 
 
 class Proposed(NamedTuple):
-    """A changed site: what is changed, missions an hour more than before, the changed graph."""
+    """A simulated change of the graph.
+
+    what -- the change in words, an imperative such as `cut edge 5`
+    gain -- additional missions per hour
+    file -- name of the file with the changed graph
+    """
 
     what: str
     gain: Band
@@ -47,11 +52,12 @@ class Proposed(NamedTuple):
 
 
 class Study(NamedTuple):
-    """All that a report is of.
+    """All that a report shows.
 
-    command      -- that asked for it
-    ended_early  -- whether Ctrl-C left runs out
-    proposals    -- the best first
+    hours       -- virtual hours of each run
+    command     -- the command line that requested the study
+    ended_early -- whether Ctrl-C ended the study before all runs were completed
+    proposals   -- simulated changes of the graph, the best first
     """
 
     site: Site
@@ -63,7 +69,10 @@ class Study(NamedTuple):
 
 
 def write(study: Study, folder: Path) -> Path:
-    """Writes all files, each replaced only by a complete one; the HTML file's path."""
+    """Writes all files into the folder; returns the path of the HTML file.
+
+    An older file is only replaced by a complete one.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for name, rows in _tables(study).items():
         table = io.StringIO()
@@ -78,19 +87,20 @@ def write(study: Study, folder: Path) -> Path:
 
 
 def in_words(study: Study) -> str:
-    """What the runs came to, a paragraph."""
+    """Returns the results of the study as one paragraph."""
     found = sizes(study.runs)
     if not found:
-        return 'No run came to its end.'
+        return 'No run was completed.'
     best = knee(found)
     told = [f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
-            f'{best.per_hour} missions an hour'
-            + (f', 95 % within {_time(quantile(best.leads, 0.95))}' if best.leads else '') + '.']
+            f'{best.per_hour} missions per hour'
+            + (f', 95 % of them with a lead time of up to {_time(quantile(best.leads, 0.95))}'
+               if best.leads else '') + '.']
     if not study.site.demand.saturated:
         if keeps_up(best):
-            told.append(f'That is the demand of {best.requested:.0f} an hour.')
+            told.append(f'This serves the demand of {best.requested:.0f} missions per hour.')
         else:
-            told.append(f'The demand is {best.requested:.0f} an hour: '
+            told.append(f'The demand is {best.requested:.0f} missions per hour: '
                         f'{100 * (1 - best.served):.0f} % of it is not served.')
     following = [size for size in found if size.robots > best.robots]
     if following:
@@ -100,20 +110,20 @@ def in_words(study: Study) -> str:
         told.append(f'{these} {"adds" if number == 1 else "add"} {gain:.0f} %.' if gain >= 0.5 else
                     f'{these} {"adds" if number == 1 else "add"} nothing.')
     elif len(found) > 1:
-        told.append('It is the largest fleet that was tried: a larger one may serve more.')
+        told.append('This is the largest simulated fleet: a larger one may serve more.')
     edges = list(waiting_by_edge(best).items())[:2]
     if edges and best.use[Use.WAITING] > 0.01:
         share = 100 * sum(part for _, part in edges)
         ids = ' and '.join(str(id) for id, _ in edges)
-        told.append(f'A robot waits {100 * best.use[Use.WAITING]:.0f} % of its time; '
+        told.append(f'A robot waits for {100 * best.use[Use.WAITING]:.0f} % of its time; '
                     f'{"edges" if len(edges) > 1 else "edge"} {ids} '
-                    f'{"cause" if len(edges) > 1 else "causes"} {share:.0f} % of that.')
+                    f'{"cause" if len(edges) > 1 else "causes"} {share:.0f} % of this waiting.')
     good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
     if good:
-        told.append(f'To {good[0].what} adds {good[0].gain} missions an hour.')
+        told.append(f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.')
     failed = sum(sum(run.failures.values()) for run in best.runs)
     if failed:
-        told.append(f'{_count(failed, "mission")} failed.')
+        told.append(f'{_count(failed, "mission")} failed in these runs.')
     return ' '.join(told)
 
 
@@ -132,7 +142,7 @@ def _time(seconds: float) -> str:
 
 
 def html(study: Study) -> str:
-    """The whole page."""
+    """Returns the whole HTML page."""
     found = sizes(study.runs)
     parts = ['<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
              f'<title>How many robots does this site need?</title><style>{_STYLE}</style></head>',
@@ -150,27 +160,28 @@ def html(study: Study) -> str:
 def _warnings(study: Study) -> str:
     told = []
     if study.ended_early:
-        told.append('The simulation was ended early: only the runs that were done are told.')
+        told.append('The simulation was ended early: the report covers only the completed runs.')
     told += [f'{run.robots} robots, seed {run.seed}: the run broke off. {run.trouble}'
              for run in study.runs if run.trouble]
     return ''.join(f'<p class="warning">{escape(one)}</p>' for one in told)
 
 
 def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
-    lines = [svg.Line('missions an hour, with 95 % band',
+    lines = [svg.Line('missions per hour, with 95 % band',
                       [(size.robots, size.per_hour.mean) for size in found],
                       [size.per_hour.half for size in found])]
     bounded, is_largest = not study.site.demand.saturated, best is found[-1]
     if bounded:
         lines.append(svg.Line('demand', [(size.robots, size.requested) for size in found]))
     rows = [(str(size.robots), str(size.per_hour), f'{size.per_hour.mean / size.robots:.1f}',
-             f'{100 * size.served:.0f} %' if bounded else 'as much as it can') for size in found]
-    told = ('Every further robot that was tried adds 5 % or more: there is no knee.' if is_largest
-            else f'The dashed line is the knee: {best.robots} robots. It is the smallest fleet to '
-                 'which a further robot adds less than 5 %.')
+             f'{100 * size.served:.0f} %' if bounded else 'unlimited') for size in found]
+    told = ('Each further robot adds 5 % or more: there is no knee in the simulated sizes.'
+            if is_largest
+            else f'The dashed line is the knee: {best.robots} robots. The knee is the smallest '
+                 'fleet to which a further robot adds less than 5 %.')
     mark = math.nan if is_largest else best.robots
-    return (f'<h2>Throughput</h2>{svg.chart(lines, "robots", "missions an hour", mark)}'
-            + _table(('robots', 'missions an hour', 'for each robot', 'of the demand'), rows)
+    return (f'<h2>Throughput</h2>{svg.chart(lines, "robots", "missions per hour", mark)}'
+            + _table(('robots', 'missions per hour', 'per robot', 'share of the demand'), rows)
             + (f'<p>{told}</p>' if len(found) > 1 else ''))
 
 
@@ -183,14 +194,15 @@ def _times(found: Sequence[Size]) -> str:
                                  for values in (size.waits, size.leads) for share in (0.5, 0.95)))
             for size in found]
     return (f'<h2>Waiting and lead time</h2>{svg.chart(lines, "robots", "s")}'
-            + _table(('robots', 'to the start, p50', 'p95', 'to success, p50', 'p95'), rows))
+            + _table(('robots', 'request to start, p50', 'p95', 'request to success, p50', 'p95'),
+                     rows))
 
 
 def _use(found: Sequence[Size]) -> str:
     names = [use.value for use in Use]
     columns = {size.robots: [size.use[use] for use in Use] for size in found}
     return ("<h2>Where a robot's time goes</h2>"
-            + svg.stacks(names, columns, 'robots', 'share of the time')
+            + svg.stacks(names, columns, 'robots', "share of the robots' time")
             + _table(('robots', *names), [
                 (str(size.robots), *(f'{100 * size.use[use]:.1f} %' for use in Use))
                 for size in found]))
@@ -207,23 +219,25 @@ def _waiting(study: Study, best: Size) -> str:
     told_causes = ', '.join(f'{cause.value} {100 * share:.0f} %'
                        for cause, share in waiting_by_cause(best).items())
     return (f'<h2>Where {best.robots} robots wait</h2>'
-            f'<p>By the edge that is waited for. All causes: {escape(told_causes or "none")}.</p>'
+            '<p>Waiting counts at the edge that the robot wants to drive next. Causes of all '
+            f'waiting: {escape(told_causes or "none")}.</p>'
             + svg.site_map(study.site.graph, edges, told)
-            + _table(('edge', 'of all waiting', 'for'), rows))
+            + _table(('edge', 'share of all waiting', 'causes'), rows))
 
 
 def _proposals(study: Study) -> str:
     if not study.proposals:
         return ''
-    return '<h2>Proposals</h2><p>Each was simulated on the same seeds.</p>' + _table(
-        ('change', 'missions an hour more, 95 % band', 'graph'),
+    return '<h2>Proposals</h2><p>Each change was simulated with the same seeds.</p>' + _table(
+        ('change', 'additional missions per hour, 95 % band', 'changed graph'),
         [(one.what, f'{one.gain.mean:+.1f} ± {one.gain.half:.1f}', one.file)
          for one in study.proposals])
 
 
 def _needs(found: Sequence[Size]) -> str:
-    return '<h2>Docks and parking that are needed</h2>' + _table(
-        ('robots', 'at docks at once, most', 'idle elsewhere at once, most', 'km an hour, each'),
+    return '<h2>Docks and parking vertices in use</h2>' + _table(
+        ('robots', 'most robots at docks at the same time',
+         'most idle robots elsewhere at the same time', 'km per hour and robot'),
         [(str(size.robots), str(max(run.docks for run in size.runs)),
           str(max(run.parked for run in size.runs)),
           f'{_mean(3.6 * run.travelled / run.simulated / run.robots for run in size.runs):.2f}')
@@ -238,7 +252,8 @@ def _planner(found: Sequence[Size]) -> str:
                      *(f'{quantile(times, share):.0f} ms' for share in (0.5, 0.95, 1.0)),
                      f'{_mean(run.speed for run in size.runs):.0f} x'))
     return '<h2>The planner, on this computer</h2>' + _table(
-        ('robots', 'plans a run', 'p50', 'p95', 'longest', 'real time, for each core'), rows)
+        ('robots', 'plans per run', 'time of a plan, p50', 'p95', 'longest',
+         'times real time, per core'), rows)
 
 
 def _failures(found: Sequence[Size]) -> str:
@@ -250,20 +265,21 @@ def _failures(found: Sequence[Size]) -> str:
                 why[reason] = why.get(reason, 0) + count
         rows += [(str(size.robots), str(count), reason) for reason, count in why.items()]
     return '<h2>Failures</h2>' + (
-        _table(('robots', 'missions', 'why'), rows) if rows else '<p>No mission failed.</p>')
+        _table(('robots', 'missions', 'reason'), rows) if rows else '<p>No mission failed.</p>')
 
 
 def _method(study: Study) -> str:
     delays = study.site.delays
     seeds = len({run.seed for run in study.runs})
     return (
-        f'<h2>How this was found</h2><p>{len(study.runs)} runs of {study.hours:g} h each over '
+        f'<h2>Method</h2><p>{len(study.runs)} runs of {study.hours:g} h each were simulated with '
         f'{seeds} seeds, by the supervisor, interlocking and planner of the fleet manager on a '
-        'virtual clock. The first ten minutes, at most a tenth, do not count. The planner answers '
-        f'after {study.site.latency:g} s; a drive takes up to {delays.slower:g} times as long as '
-        f'it might; a robot stands about every {delays.stall.every:g} s of driving for '
-        f'{delays.stall.seconds:g} s, and every {delays.people.every:g} s for '
-        f'{delays.people.seconds:g} s as a person is in the way.</p>'
+        'virtual clock. The first ten minutes of a run, at most a tenth of it, do not count. The '
+        f'planner answers after {study.site.latency:g} s. Each edge takes up to {delays.slower:g} '
+        'times its shortest driving time. On average, a robot stops once in '
+        f'{delays.stall.every:g} s of driving for about {delays.stall.seconds:g} s by itself, and '
+        f'once in {delays.people.every:g} s for about {delays.people.seconds:g} s because a '
+        'person is in the way.</p>'
         f'<p><code>{escape(study.command)}</code></p>')
 
 
@@ -282,7 +298,7 @@ def _mean(values: Iterable[float]) -> float:
 
 
 def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
-    """Rows of each CSV file, heads first; times in s."""
+    """Returns the rows of each CSV file by its name, the header first; times are in s."""
     runs: List[Tuple[object, ...]] = [(
         'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end',
         'failed', 'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',

@@ -1,4 +1,4 @@
-"""One run: a fleet of a size on a site, its demand drawn from a seed, watched by a recorder."""
+"""One simulation run: a fleet of a given size on a site, with missions drawn from a seed."""
 from __future__ import annotations
 
 from random import Random
@@ -15,21 +15,21 @@ from graph_fleet_manager.supervision.missions import MissionState, Request, Stat
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
-WARM_UP = 600.0     # s that do not count, at most a tenth of a run
-_LOOK = 10          # steps between two looks at what robots do
-_BATTERY = 100      # steps between two reports of batteries
-_REPLANNING = 50    # steps between two plans, where all is planned anew again and again
+WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
+_LOOK = 10          # steps between two samples of what the robots do
+_BATTERY = 100      # steps between two battery reports
+_REPLANNING = 50    # steps between two complete new plans, with Order.REPLANNING
 _MOVES = 0.01       # m/s
-_FIRST_SATURATED = 1_000_000  # id of the first mission that is asked for to keep robots busy
+_FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 
 def simulate(site: Site, robots: int, seed: int, hours: float) -> Figures:
-    """What so many robots come to; a run that fails tells why in its figures."""
+    """Returns the figures of one run; if the run failed, `Figures.trouble` is the reason."""
     return Run(site, robots, seed).run(hours)
 
 
 class Run:
-    """A fleet at work in virtual time."""
+    """One fleet that works in virtual time. It watches the virtual world and counts."""
 
     def __init__(self, site: Site, robots: int, seed: int) -> None:
         self._site = site
@@ -50,7 +50,7 @@ class Run:
         self._next_id = _FIRST_SATURATED
         self._requested: Dict[int, float] = {}
         self._saturating: Dict[int, int] = {}
-        """By mission the saturated flow that asked for it."""
+        """By mission id: the number of the saturated flow that requested it."""
         self._begun: Set[int] = set()
         self._ready: List[Request] = []
         self.world.watcher = self
@@ -62,7 +62,7 @@ class Run:
                            self._random.uniform(0.5, 1.0))
 
     def run(self, hours: float) -> Figures:
-        """Lets so much time pass."""
+        """Simulates the given number of virtual hours; returns the figures."""
         world, figures, end = self.world, self.figures, hours * HOUR
         self._warm_up = min(WARM_UP, 0.1 * end)
         self._ready = self._site.demand.draw(self._seed, hours)[::-1]
@@ -101,16 +101,16 @@ class Run:
             self.figures.requested += 1
         self.world.do(self.world.supervisor.request(request, self.world.now))
 
-    # -- what is watched --------------------------------------------------------------------------
+    # -- observation of the virtual world ---------------------------------------------------------
 
     def sends(self, order: SendRoute) -> None:
-        """An order goes out now: of no interest."""
+        """Ignores that the supervisor sends an order."""
 
     def restarted(self) -> None:
-        """The supervisor has begun anew, which does not happen here."""
+        """Ignores a restart of the supervisor, which does not happen here."""
 
     def tells(self, status: Status) -> None:
-        """A mission begins, or ends."""
+        """Records the start and the end of each mission."""
         id, now, figures = status.request_id, self.world.now, self.figures
         counts = now >= self._warm_up
         if id not in self._requested:
@@ -131,7 +131,7 @@ class Run:
             self._saturating.pop(id, None)
 
     def stepped(self) -> None:
-        """One step of time is over."""
+        """Does what is due after one time step: new plans, battery reports, samples."""
         self._steps += 1
         if self._site.order is Order.REPLANNING and self._steps % _REPLANNING == 0:
             self.world.supervisor.plan_executor.plan_anew()
@@ -184,7 +184,7 @@ class Run:
         return Cause.PLANNER if executor.is_planning else Cause.OWN
 
     def _wanted_edge(self, name: str, robot: ManagedRobot) -> int:
-        """The edge that its plan has next, else the one on which it is."""
+        """Returns the id of the robot's next edge by plan, or of the edge on which it stands."""
         plan = self.world.supervisor.plan_executor.plan
         if plan is not None and name in plan.plans:
             ahead = plan.plans[name].behind(robot.record.end)

@@ -1,4 +1,4 @@
-"""The site that is simulated: graph, robot types, demand; and the fleet of any size on it."""
+"""The simulated site: graph, robot types and demand, and fleets of any size on it."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -20,26 +20,28 @@ from trajectory_graph import Graph
 
 
 class WrongSite(Exception):
-    """What cannot be simulated, and what to do: one sentence."""
+    """The site cannot be simulated; the text is one sentence that says why and what to do."""
 
 
 class Order(Enum):
-    """What becomes of the order of use while robots run late."""
+    """How the order in which robots use shared places changes while robots are late."""
 
     FIXED = 'fixed'
-    SWITCHING = 'switching'    # corridors are reversed where that makes all sooner
-    REPLANNING = 'replanning'  # all plans are made anew every few seconds
+    SWITCHING = 'switching'    # reverses the order in a corridor if the fleet finishes sooner
+    REPLANNING = 'replanning'  # makes all plans anew every 5 s
 
 
 @dataclass(frozen=True)
 class Site:
-    """All that a run needs but the number of robots and the seed.
+    """All inputs of a run, except the number of robots and the seed.
 
-    starts  -- vertices on which robots of all types may stand for ever, evenly spread
-    parking -- where the planner may park robots
-    latency -- virtual s until the planner answers
-    rounds  -- in which the planner makes a plan better
-    order   -- of use, while robots run late
+    settings -- of each robot in the fleet file, by its name
+    starts   -- ids of vertices on which robots of all types may stand for ever; added robots
+                begin on them, evenly spread
+    parking  -- ids of the vertices on which the planner may park robots
+    latency  -- virtual s until the planner answers
+    rounds   -- rounds in which the planner improves each plan
+    order    -- how the order on shared places changes while robots are late
     """
 
     graph: Graph
@@ -54,12 +56,18 @@ class Site:
     order: Order = Order.FIXED
 
     def robots(self, count: int) -> Dict[str, Robot]:
-        """The first robots of the fleet file; more of its types in turn, from parking places."""
+        """Returns `count` robots by name.
+
+        If the fleet file has enough robots, these are its first ones. Otherwise robots of its
+        types are added in turn, and all robots begin on `starts`. Raises WrongSite if the graph
+        cannot park that many robots.
+        """
         if count <= len(self.fleet.robots):
             return {robot.name: robot for robot in self.fleet.robots[:count]}
         if count > len(self.starts):
             raise WrongSite(f'{count} robots are more than the {len(self.starts)} that the graph '
-                            'can park without cutting any robot off: choose fewer, or add parking.')
+                            'can park without cutting off another robot: choose fewer robots, or '
+                            'add parking vertices.')
         known = self.fleet.robots
         drivers = {robot.type.name: robot.driver for robot in known}
         kinds = [robot.type for robot in known] or list(self.fleet.types)
@@ -73,7 +81,7 @@ class Site:
         return made
 
     def settings_of(self, robots: Dict[str, Robot]) -> Dict[str, RobotSettings]:
-        """By robot; one that the fleet file does not name is as the others of its type."""
+        """Returns settings by robot name; an added robot has those of the first of its type."""
         by_type: Dict[str, RobotSettings] = {}
         for robot in self.fleet.robots:
             by_type.setdefault(robot.type.name, self.settings[robot.name])
@@ -83,29 +91,29 @@ class Site:
 
 def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], wanted: Wanted,
             latency: float = 0.1, rounds: int = 0) -> Site:
-    """The site; raises WrongSite or FileError where the demand cannot be served."""
+    """Returns the site; raises WrongSite or FileError if the demand cannot be served."""
     network = RoadNetwork(graph, (), fleet.dock_approach)
     for robot in fleet.robots:
         if robot.vertex not in graph.vertices:
             raise WrongSite(f'Robot {robot.name} begins on vertex {robot.vertex}, which the graph '
-                            'does not have: choose another.')
+                            'does not have: choose another in the fleet file.')
     starts = _starts(network, fleet)
     begin = {*starts, *(robot.vertex for robot in fleet.robots)}
     origins = lru_cache(maxsize=None)(partial(_origins, network, fleet))
     for (source, target), (file, line) in wanted.pairs.items():
         if source not in origins(target):
             raise FileError(file, f'no robot can drive from vertex {source} to vertex {target}: '
-                                  'join them in the graph, or leave this out', line)
+                                  'connect them in the graph, or remove this flow or mission', line)
     for place, (file, line) in wanted.places.items():
         if not origins(place) & (begin - {place} or begin):
-            raise FileError(file, f'vertex {place} is no destination: no robot can come there from '
-                                  'a parking place', line)
+            raise FileError(file, f'vertex {place} is not reachable: no robot can drive there from '
+                                  'its start; connect it in the graph, or remove it here', line)
     return Site(graph, fleet, settings, wanted.demand, wanted.delays, starts,
                 tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
-    """The fleet, whose types that charge use these docks, too."""
+    """Returns the fleet with more docks: each robot type that has docks also uses these."""
     types = {kind.name: replace(kind, docks=kind.docks | docks) if kind.docks else kind
              for kind in fleet.types}
     return replace(fleet, types=tuple(types.values()), robots=tuple(
@@ -113,7 +121,7 @@ def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
 
 
 def _origins(network: RoadNetwork, fleet: Fleet, target: int) -> FrozenSet[int]:
-    """The vertices from which a robot of some type can drive to the target."""
+    """Returns the vertices from which a robot of at least one type can drive to the target."""
     is_dock = network.graph.vertices[target].dock
     found: Set[int] = set()
     for kind in fleet.types:
@@ -125,7 +133,7 @@ def _origins(network: RoadNetwork, fleet: Fleet, target: int) -> FrozenSet[int]:
 
 
 def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:
-    """Docks aside, which are for charging."""
+    """Returns the most vertices on which robots of all types may stand for ever, without docks."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     kind = RobotType('any', largest.radius, largest.speed, largest.play, False)
     found = Parking(network, kind, fleet.clearance).largest()

@@ -1,4 +1,4 @@
-"""What many runs come to: means with confidence bands, quantiles, the knee, what is needed."""
+"""Statistics of many runs: means with confidence bands, quantiles, the knee, causes of waiting."""
 from __future__ import annotations
 
 import math
@@ -9,12 +9,12 @@ from scipy.stats import t as students_t
 
 from fleet_simulation.figures import Cause, Figures, Use
 
-_WORTH = 0.05  # a further robot is worth it while it adds so much of what the fleet serves
-_KEPT_UP = 0.97  # of the requests: then the fleet serves the demand
+_WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
+_KEPT_UP = 0.97  # a fleet serves the demand if at least this share of the requests succeeds
 
 
 class Band(NamedTuple):
-    """A mean, and half the width of its 95 % confidence band (infinite of one run)."""
+    """A mean, and half the width of its 95 % confidence band (infinite if there is one run)."""
 
     mean: float
     half: float
@@ -24,7 +24,7 @@ class Band(NamedTuple):
 
 
 def band(values: Sequence[float]) -> Band:
-    """Mean and band of independent runs."""
+    """Returns the mean of independent runs and its confidence band."""
     if len(values) < 2:
         return Band(values[0] if values else 0.0, math.inf)
     deviation = float(np.std(values, ddof=1)) / math.sqrt(len(values))
@@ -32,12 +32,12 @@ def band(values: Sequence[float]) -> Band:
 
 
 def quantile(values: Sequence[float], share: float) -> float:
-    """NaN of no values."""
+    """Returns the quantile at `share` (0..1), or NaN if there are no values."""
     return float(np.quantile(values, share)) if values else math.nan
 
 
 class Size(NamedTuple):
-    """A fleet of one size over all seeds; times in s."""
+    """The results of one fleet size over all seeds. Times are in s; `requested` is per hour."""
 
     robots: int
     runs: List[Figures]
@@ -46,16 +46,16 @@ class Size(NamedTuple):
     waits: List[float]
     leads: List[float]
     use: Dict[Use, float]
-    """Share (0..1) of the robots' time."""
+    """By activity: share (0..1) of the robots' time."""
 
     @property
     def served(self) -> float:
-        """Which part of the requests was served in time."""
+        """The share (0..1) of the requested missions that succeeded."""
         return min(self.per_hour.mean / self.requested, 1.0) if self.requested else 1.0
 
 
 def sizes(runs: Iterable[Figures]) -> List[Size]:
-    """The runs by fleet size, the smallest first; runs that broke off do not count."""
+    """Groups the runs by fleet size, the smallest first; runs that broke off are ignored."""
     by_size: Dict[int, List[Figures]] = {}
     for run in runs:
         if not run.trouble:
@@ -73,7 +73,7 @@ def sizes(runs: Iterable[Figures]) -> List[Size]:
 
 
 def knee(all_sizes: Sequence[Size]) -> Size:
-    """The smallest fleet that serves the demand, or to which further robots add little."""
+    """Returns the smallest fleet to which a further robot adds less than 5 %, else the largest."""
     for size, following in zip(all_sizes, all_sizes[1:]):
         more = following.robots - size.robots
         gain = (following.per_hour.mean - size.per_hour.mean) / max(size.per_hour.mean, 1e-9)
@@ -83,18 +83,21 @@ def knee(all_sizes: Sequence[Size]) -> Size:
 
 
 def keeps_up(size: Size) -> bool:
-    """Does a fleet serve what is requested?"""
+    """Whether the fleet serves at least 97 % of the requested missions."""
     return size.served >= _KEPT_UP
 
 
 def waiting_by_edge(size: Size) -> Dict[int, float]:
-    """Share (0..1) of all waiting, by edge, the most first."""
+    """Returns the share (0..1) of all waiting by edge, the highest first."""
     return _shares((edge, seconds) for run in size.runs
                    for (edge, _), seconds in run.waiting.items())
 
 
 def waiting_by_cause(size: Size, edge: int = 0) -> Dict[Cause, float]:
-    """Share (0..1) of all waiting, or of that for one edge, by cause, the most first."""
+    """Returns the share (0..1) of all waiting by cause, the highest first.
+
+    edge -- id of the edge whose waiting counts; 0: of all edges
+    """
     return _shares((cause, seconds) for run in size.runs
                    for (one, cause), seconds in run.waiting.items() if edge in (0, one))
 

@@ -1,4 +1,4 @@
-"""Charts and maps as inline SVG."""
+"""Draws charts and maps as inline SVG."""
 from __future__ import annotations
 
 import math
@@ -15,7 +15,7 @@ COLOURS = ('#2266aa', '#88aacc', '#66aa66', '#bb9944', '#cc4433', '#9966aa', '#c
 
 
 class Line(NamedTuple):
-    """A line of a chart: points (x, y), and half the width of the band around each."""
+    """A line of a chart: points (x, y), and half the height of the band around each point."""
 
     name: str
     points: Sequence[Tuple[float, float]]
@@ -23,7 +23,7 @@ class Line(NamedTuple):
 
 
 def ticks(highest: float, count: int = 5) -> List[float]:
-    """Round numbers from 0 to at least `highest`."""
+    """Returns round numbers for an axis, from 0 to at least `highest`."""
     if highest <= 0.0:
         return [0.0, 1.0]
     rough = highest / count
@@ -34,7 +34,11 @@ def ticks(highest: float, count: int = 5) -> List[float]:
 
 
 def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -> str:
-    """Lines over whole numbers; `mark`: an x with a vertical line."""
+    """Returns a line chart over whole numbers.
+
+    across, up -- labels of the axes
+    mark       -- x of a dashed vertical line; NaN: no such line
+    """
     xs = sorted({x for line in lines for x, _ in line.points})
     halves = [half for line in lines for half in line.halves if half < math.inf]
     scale = ticks(max((y for line in lines for _, y in line.points if y == y), default=1.0)
@@ -74,7 +78,11 @@ def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -
 
 def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across: str,
            up: str) -> str:
-    """For each whole number a column of shares (0..1), one above the other."""
+    """Returns a chart with one column per key of `columns`, a stack of shares (0..1).
+
+    names      -- legend, one name per share
+    across, up -- labels of the axes
+    """
     legend = 18 * math.ceil(len(names) / 2) + 10
     step = (WIDTH - _LEFT - _RIGHT) / max(len(columns), 1)
 
@@ -98,7 +106,11 @@ def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across:
 
 
 def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int]) -> str:
-    """The graph; edges by their heat (0..1) from grey to red, and the ids of some of them."""
+    """Returns a map of the graph.
+
+    heat     -- by edge id: share (0..1) of all waiting; edges are drawn from grey to red
+    labelled -- ids of the edges whose id is written on the map
+    """
     lines = {id: _line(graph, id) for id in graph.edges}
     points = np.concatenate([*lines.values(), [v.position for v in graph.vertices.values()]])
     low, high = points.min(axis=0), points.max(axis=0)
