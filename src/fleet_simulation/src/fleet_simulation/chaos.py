@@ -246,7 +246,7 @@ class Chaos:
         """Another program gives it a route to the end of its edge."""
         agv = self.fleet.agvs[robot]
         if agv.is_driving and robot not in self.fleet.lost:
-            self.promises.blamed.add(robot)
+            self.promises.driven_by_hand(robot, agv.edges[agv.current])
             self._foreign += 1
             agv.order(self._foreign, (agv.edges[agv.current],))
 
@@ -306,8 +306,8 @@ class Chaos:
 
     def close(self, _: str, number: int) -> None:
         """Some edges are closed, or none."""
-        self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
         self.promises.closed()
+        self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
 
     def change_graph(self, robot: str, number: int) -> None:
         """A graph without the edge behind a robot, or without another one, or with all edges."""

@@ -80,6 +80,17 @@ class Promises:
         if len(self._may_drive(name)) > 1:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
+    def driven_by_hand(self, name: str, edge: int) -> None:
+        """Another program drives a robot over an edge: robots that hold places near it are stopped,
+        too."""
+        self.blamed.add(name)
+        for other, robot in self.fleet.supervisor.robots.items():
+            held = unary_union([self._lines[abs(one)] for one in robot.record.held]
+                               + [Point(self.fleet.agvs[other].position)])
+            if self._lines[abs(edge)].distance(held) < (
+                    robot.type.radius + self.fleet.agvs[name].kind.radius + self.fleet.clearance):
+                self.blamed.add(other)
+
     def closed(self) -> None:
         """A person closed edges: only what robots were given by now may still lead there."""
         self._given = {name: set(map(abs, robot.record.held))
