@@ -60,8 +60,7 @@ class Doubt:
 
 
 class Giver(NamedTuple):
-    """A program that gives commands; `process` distinguishes it from an earlier one of that name.
-    """
+    """A program that gives commands; `process` differs from that of an earlier one of its name."""
 
     name: str
     process: str = ''

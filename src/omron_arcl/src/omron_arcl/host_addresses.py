@@ -19,6 +19,7 @@ class HostAddresses:
     They are looked up at the start, after every failure, and when `belongs` needs a newer answer.
     Known addresses stay valid while the name server does not answer. `on_answer` runs after each
     look-up, in the look-up thread. A host given by its address is not looked up.
+    """
 
     def __init__(self, host: str, on_answer: Callable[[], None]) -> None:
         self._host = host

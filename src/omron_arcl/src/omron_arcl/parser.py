@@ -4,7 +4,6 @@ A row is a phrase at the beginning of a line, and the reader of the text after i
 whose phrase matches and whose reader does not raise ValueError wins. Case is ignored. A line that
 matches no row is an UnknownLine. Nothing here raises an exception, for any line.
 """
-"""
 from __future__ import annotations
 
 import re
