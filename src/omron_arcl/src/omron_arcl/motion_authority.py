@@ -28,7 +28,7 @@ from omron_arcl.replies.reply import Reply
 from omron_arcl.replies.safety import EStop
 
 AT_ONCE = 1.0  # s after sending in which a line or status may be older than the command
-LATE = 0.5  # s after a stop, or after the motors were enabled, in which the robot may say `Stopping`
+LATE = 0.5  # s after a stop or after enabling the motors in which the robot may say `Stopping`
 LOOK = 2.0  # s of a new connection to wait for a status that may make an owed stop unnecessary
 RETRY = 1.0  # s between two attempts to send an owed stop
 _KEPT_EPOCHS = 100
