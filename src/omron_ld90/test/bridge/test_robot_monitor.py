@@ -94,7 +94,7 @@ def test_only_what_others_do_ends_a_route(told, fails):
 
 def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():
     robot = monitor()
-    assert 'the driver of the robot' in robot.why_unknown(0.0).text
+    assert 'the motion of the robot' in robot.why_unknown(0.0).text
     robot.update(MotionTold(1), 0.0)
     assert not robot.why_unknown(0.0)
 
