@@ -13,9 +13,9 @@ from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.noise import noise
 
 NOISE = 6.0             # mm, standard deviation along the ray
-KEPT_FOR = 30.0         # s; the cumulative points also have the limits KEPT_WITHIN, in mm, and
-KEPT_WITHIN = 4000.0
-KEPT_POINTS = 200       # in number
+KEPT_FOR = 30.0         # s for which cumulative points are kept
+KEPT_WITHIN = 4000.0    # mm from the robot within which they are reported
+KEPT_POINTS = 200       # the most that are reported
 
 
 class Scanner:
