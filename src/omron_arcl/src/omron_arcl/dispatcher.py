@@ -112,7 +112,7 @@ class Dispatcher:
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a status of the robot would tell whether a drive or stop is over."""
+        """Whether a status of the robot would show whether a drive or stop is over."""
         return self._attribution.watch.in_doubt
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:

@@ -323,7 +323,7 @@ class MotionAuthority:
 
     def _look_at_idle(self, before: Optional[Activity], activity: Activity, elsewhere: bool,
                       text: str, now: float) -> None:
-        """No command of ours is under way: another client caused what the robot does now."""
+        """No command of ours is under way: another client caused the robot's motion."""
         if (before is not None and before.kind is ActivityKind.ARRIVED_AT_GOAL
                 and self._memory.drives and before.goal.casefold() in self._memory.goals
                 and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING)):
@@ -426,7 +426,7 @@ class MotionAuthority:
                 return tuple(others)
         return None
 
-    # --- what the robot does ----------------------------------------------------------------------
+    # --- the robot's motion -----------------------------------------------------------------------
 
     def _state(self) -> MotionState:
         if not self._connected or self._activity is None:

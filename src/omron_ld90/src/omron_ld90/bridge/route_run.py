@@ -37,7 +37,7 @@ class RouteRun:
     def __init__(self, order: RouteOrder, settings: Settings, tracker: GoalTracker,
                  location: RobotLocation, progress: Optional[RouteProgress], now: float,
                  phase: Phase = Phase.RUNNING, completed: int = 0) -> None:
-        """`progress` is None for an empty route, and for one whose edges the graph lacks now.
+        """`progress` is None for an empty route, and for one whose edges left the graph.
 
         `completed` is the number of driven edges of such a route.
         """
