@@ -127,7 +127,7 @@ class Listener(Transport):
         except BlockingIOError:  # the peer has closed it already
             return
         except OSError as error:  # no descriptors are left: a retry at once would fail, too
-            _log.warning('A connection could not be taken: %s.', reason_of(error))
+            _log.warning('A connection could not be accepted: %s.', reason_of(error))
             selector.unregister(listening)
             self._due = now + RETRY
             return

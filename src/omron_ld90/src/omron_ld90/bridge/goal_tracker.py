@@ -27,9 +27,9 @@ class Knowledge(Enum):
     """How the end of the command becomes known."""
 
     NOTHING = 'no goal was sent'
-    AWAITED = 'the controller will tell how it ends'
+    AWAITED = 'the controller will report how it ends'
     DOUBTFUL = 'it is not known yet whether the robot obeys it'
-    WATCHED = 'the robot is on its way; its status will tell'
+    WATCHED = 'the robot is on its way; its status will show the end'
 
 
 class RouteFailed(Exception):

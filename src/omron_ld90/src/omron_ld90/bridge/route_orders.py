@@ -19,11 +19,11 @@ def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> Non
     """Raises RouteRefused if the route cannot be changed as the order with its id demands."""
     if route.phase is Phase.FAILED:
         raise _refused(ReasonCode.WRONG_CHANGE,
-                       f'route {order.route_id} has failed: another one needs another id')
+                       f'route {order.route_id} has failed: a new route needs a new id')
     if not route.is_on_graph or route.progress.graph is not here.graph:
         raise _refused(ReasonCode.GRAPH_CHANGED,
                        f'the graph was replaced, and edges of route {order.route_id} are not '
-                       'what they were: another one needs another id')
+                       'what they were: a new route needs a new id')
     if not route.decides_pose(here):
         raise _refused(ReasonCode.STARTS_ELSEWHERE,
                        f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
