@@ -109,7 +109,7 @@ def test_modules_are_imported_once_and_one_that_is_missing_is_told(launch):
     program = launch.run("print('decimal' in sys.modules)")
     assert result(program)[:2] == (0, 'True\n')
     host.terminate()
-    assert 'no_such_module is not there' in result(host)[2]
+    assert 'no_such_module cannot be imported' in result(host)[2]
 
 
 def test_a_fork_holds_nothing_of_the_host_open_and_has_one_thread(launch):

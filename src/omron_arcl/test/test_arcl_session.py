@@ -222,7 +222,7 @@ def test_words_of_the_help_list_are_no_replies():
     ((b'Conn refused.', b'Only client allowed and it is already connected.'), ConnectionFailed,
      'Only client allowed'),
     (LOGIN[:1], WrongPassword, 'refused the password'),
-    (LOGIN[:4], ConnectionLost, 'in the login'),
+    (LOGIN[:4], ConnectionLost, 'during the login'),
     (LOGIN, ConnectionLost, 'closed the connection'),
     ((*LOGIN, b'Shutting down server'), ConnectionLost, 'Shutting down server'),
     ((*LOGIN, b'half a li'), ConnectionLost, 'closed the connection'),

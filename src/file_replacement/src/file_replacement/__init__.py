@@ -1,4 +1,4 @@
-"""Replaces a file by a complete new one, or not at all."""
+"""Replaces a file by a complete new one, or leaves it unchanged."""
 from __future__ import annotations
 
 import contextlib
@@ -10,22 +10,22 @@ from typing import Optional, Union
 
 __all__ = ['replace_file']
 
-_NEW = 0o666  # mode of a new file, of which the process takes its umask away
+_NEW = 0o666  # mode of a new file, before the umask of the process
 
 
 def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
                  mode: Optional[int] = None, on_disk: bool = True,
                  backup: Union[str, os.PathLike, None] = None) -> None:
-    """Writes a file so that at every moment the old one or the whole new one is there.
+    """Writes a file so that at every moment either the old file or the whole new one exists.
 
-    The content goes to a temporary file in the same folder, then takes the file's name. A symbolic
-    link stays, and the file it leads to is replaced. Text is written as UTF-8. Raises OSError; the
-    old file is untouched then.
+    The content is written to a temporary file in the same folder, which then takes the file's name.
+    A symbolic link stays, and the file to which it points is replaced. Text is written as UTF-8.
+    Raises OSError; the old file is then unchanged.
 
-    mode    -- of the new file; None: that of the old one, or of any new file
-    on_disk -- the new file outlives a power cut. False is for a file that must outlive its process
-               only, where nothing may wait for a disk
-    backup  -- where the old file is kept
+    mode    -- mode of the new file; None: that of the old one, or the default of a new file
+    on_disk -- True: the new file survives a power cut. False is for a file that must only survive
+               its process, if the caller must not wait for a disk
+    backup  -- path at which the old file is kept
     """
     target = os.path.realpath(path)
     folder, name = os.path.split(target)
@@ -55,7 +55,7 @@ def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
 
 
 def _sync_folder(folder: str) -> None:
-    """Without it a power cut may bring the old file back."""
+    """Writes the folder to the disk; without this a power cut may bring the old file back."""
     handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         os.fsync(handle)

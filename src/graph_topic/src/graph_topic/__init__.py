@@ -1,4 +1,4 @@
-"""The trajectory graph in force, as `/graph` brings it.
+"""Follows the valid trajectory graph of the fleet on `/graph`.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched): the fleet's graph
@@ -14,30 +14,30 @@ from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 
 MAX_BYTES = 4 * 2**20  # of a message: some 60,000 vertices and edges
-REFUSALS_TOLD = 10.0  # s between two words about them
+REFUSALS_TOLD = 10.0  # s between two log lines about them
 OnGraph = Callable[[Graph, rospy.Time], None]
 
 
 class BoundedGraphMessage(GraphMessage):
-    """A Graph message that is left empty, and says so, where it is too large to be a graph."""
+    """A Graph message that stays empty and sets `too_large` if it is too large to be a graph."""
 
     too_large = False
 
     def deserialize(self, str: bytes) -> GraphMessage:  # noqa: A002  genpy's name
-        """Read the message, if it is of a reasonable size."""
+        """Reads the message, unless it is too large."""
         self.too_large = len(str) > MAX_BYTES
         return self if self.too_large else super().deserialize(str)
 
 
 class FollowedGraph:
-    """Tells which graph is in force: that of the last valid message, or the first one given.
+    """Keeps the graph in force: that of the last valid message, or else the first `graph`.
 
     A message that is no valid graph is refused with a warning, and the graph in force stays.
 
-    on_graph   -- gets each other graph, with the stamp of its message, in a thread of ROS
-    graph      -- that is in force before the first message
-    each       -- tell every valid message, also one with the graph that is in force
-    on_refused -- gets why a message is refused
+    on_graph   -- called with each different graph and the stamp of its message, in a thread of ROS
+    graph      -- the graph in force before the first message
+    each       -- also call `on_graph` for a valid message with the graph that is in force
+    on_refused -- called with the reason why a message is refused
     """
 
     def __init__(self, on_graph: OnGraph, graph: Optional[Graph] = None, *, each: bool = False,
@@ -48,11 +48,11 @@ class FollowedGraph:
         self._on_refused = on_refused
 
     def subscribe(self) -> rospy.Subscriber:
-        """Follow `/graph` from now on."""
+        """Follows `/graph` from now on."""
         return rospy.Subscriber('/graph', BoundedGraphMessage, self.take, queue_size=1)
 
     def take(self, message: BoundedGraphMessage) -> None:
-        """Put the graph of a message in force."""
+        """Puts the graph of a message in force."""
         if message.too_large:
             self._refuse(f'it has more than {MAX_BYTES} bytes')
             return

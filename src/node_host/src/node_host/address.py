@@ -1,10 +1,12 @@
-"""Where the processes of one launch find their host."""
+"""The address at which the processes of one launch find their host."""
 from __future__ import annotations
 
 import os
 
 
 def host_address() -> bytes:
-    """An abstract socket: no file stays behind. The host has the same parent, roslaunch, as
-    those that ask it; see `host_address` in hosted.c."""
+    """The address of an abstract socket, which leaves no file behind.
+
+    The host has the same parent, roslaunch, as its clients; see `host_address` in hosted.c.
+    """
     return f'\0node_host/{os.readlink("/proc/self/ns/pid")}/{os.getppid()}'.encode()

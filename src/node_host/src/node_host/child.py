@@ -1,4 +1,4 @@
-"""What a fork has to change before it is the program that was asked for."""
+"""Changes that a fork must make before it runs the requested program."""
 from __future__ import annotations
 
 import ctypes
@@ -18,18 +18,18 @@ PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
 M_ARENA_MAX = -8
 _LIBC = ctypes.CDLL(None)
 ENDS = (signal.SIGINT, signal.SIGTERM)
-"""Signals that the host takes, and that must not be lost between a fork and its own handlers."""
+"""Signals of the host that must not get lost between a fork and its own handlers."""
 
 
 def end_with(host: int) -> None:
-    """From now on the kernel ends this process when the process `host` ends, however it does."""
+    """Makes the kernel end this process when the process `host` ends for any reason."""
     _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != host:
-        os._exit(1)  # it ended before
+        os._exit(1)  # the host ended before the call of prctl
 
 
 def take_signals(mask: Iterable[int]) -> None:
-    """Signals do again what they do in a new process; one that came meanwhile does it now."""
+    """Restores the signal handling of a new process; pending signals take effect now."""
     for number in (*ENDS, signal.SIGCHLD):
         signal.signal(number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_SETMASK, mask)
@@ -37,7 +37,7 @@ def take_signals(mask: Iterable[int]) -> None:
 
 
 def become(request: StartRequest, streams: Sequence[int]) -> None:
-    """Takes on streams, folder, environment and arguments, and a session of its own."""
+    """Takes the streams, folder, environment and arguments of the request; starts a new session."""
     os.setsid()
     for target, stream in enumerate(streams):
         os.dup2(stream, target)
@@ -53,14 +53,14 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
         output.reconfigure(line_buffering=output.isatty() or output is sys.stderr,
                            write_through='PYTHONUNBUFFERED' in os.environ)
     _show_as(request.arguments)
-    _LIBC.mallopt(M_ARENA_MAX, 2)  # a node has a dozen threads, and little to store
+    _LIBC.mallopt(M_ARENA_MAX, 2)  # a node has a dozen threads, but little data
     _draw_other_random_numbers()
     ros_state.take_names()
     gc.enable()
 
 
 def _show_as(arguments: Sequence[str]) -> None:
-    """The process is listed with its own command line, as far as that of the host has room."""
+    """Shows the program's own command line in process lists, cut to the length of the host's."""
     _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(arguments[0])))
     with open('/proc/self/stat', encoding='utf-8') as stat:
         begin, end = map(int, stat.read().rsplit(')', 1)[1].split()[45:47])
@@ -69,14 +69,14 @@ def _show_as(arguments: Sequence[str]) -> None:
 
 
 def _draw_other_random_numbers() -> None:
-    """Python's own generator does so by itself when a process forks."""
+    """Seeds numpy's generator again; Python's own does so by itself in a fork."""
     numpy_random = sys.modules.get('numpy.random')
     if numpy_random is not None:
         numpy_random.seed()
 
 
 def run_program() -> None:
-    """Runs the program of `sys.argv` as Python would."""
+    """Runs the program of `sys.argv` like the Python interpreter."""
     program = sys.argv[0]
     sys.path[0] = os.path.dirname(os.path.realpath(program))
     runpy.run_path(program, run_name='__main__')

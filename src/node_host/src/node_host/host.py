@@ -1,8 +1,9 @@
-"""The process that forks: one thread, which serves the `hosted` of a launch.
+"""The host: one process with one thread, which forks for the `hosted` processes of a launch.
 
-Each connection is one program from its start to its end. What arrives is the request, then signals
-for the program, each a byte; what is sent back is the status as wait(2) has it. A connection that
-ends takes its program along, as SIGKILL is the only thing that ends a `hosted` without it.
+Each connection represents one program from its start to its end. `hosted` sends the request and
+then signals for the program, one byte each. The host sends back the status in the form of wait(2).
+If a connection ends, its program is killed, because only SIGKILL ends a `hosted` before its
+program.
 """
 from __future__ import annotations
 
@@ -25,19 +26,19 @@ LARGEST_REQUEST = 1 << 20  # bytes
 STREAMS = 3
 STATUS = struct.Struct('i')
 CREDENTIALS = struct.Struct('3i')  # pid, uid, gid
-EXIT_1 = 1 << 8  # as wait(2) has it
-END_WITHIN = 5.0  # s from SIGINT or SIGTERM of the host to SIGKILL of what still runs
+EXIT_1 = 1 << 8  # exit status 1 in the form of wait(2)
+END_WITHIN = 5.0  # s after SIGINT or SIGTERM of the host until SIGKILL of the remaining programs
 
 
 @dataclass(eq=False)
 class _Program:
-    """One connection, and the process behind it once it was forked."""
+    """One connection, and its process once it was forked."""
 
     connection: socket.socket
     request: Optional[StartRequest] = None
     streams: List[int] = field(default_factory=list)
     pid: int = 0
-    start_pipe: int = -1  # its end is read when the program has started
+    start_pipe: int = -1  # it becomes readable when the program has started
 
 
 class Host:
@@ -59,11 +60,11 @@ class Host:
             signal.signal(number, lambda *_: None)
 
     def serve(self) -> bool:
-        """Returns True in each fork, which is the program asked for by then, and False in the host
-        when that has ended."""
+        """Serves until the end; returns True in each fork, which must then run its program, and
+        False in the host."""
         while self._ends_at is None or self._programs:
             for key, _ in self._selector.select(self._patience()):
-                if self._selector.get_map().get(key.fd) is key:  # it may have ended meanwhile
+                if self._selector.get_map().get(key.fd) is key:  # else it has ended meanwhile
                     key.data()
             if self._ends_at is not None and time.monotonic() >= self._ends_at:
                 for program in self._programs:
@@ -125,7 +126,7 @@ class Host:
                  f'waits for {delay:g} s.')
 
     def _start_next(self) -> bool:
-        """Forks all whose turn it is; True in the fork."""
+        """Forks all programs that may start now; returns True in the fork."""
         while True:
             program = self._queue.next(time.monotonic())
             if program is None:
@@ -140,7 +141,7 @@ class Host:
         sys.stdout.flush()
         sys.stderr.flush()
         pipe: Tuple[int, ...] = ()
-        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, child.ENDS)  # for the fork, not for us
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, child.ENDS)  # for the sake of the fork
         try:
             start_pipe, start_pipe_end = pipe = os.pipe()
             pid = os.fork()
@@ -197,7 +198,7 @@ class Host:
                 self._report(by_pid.pop(pid), status)
 
     def _end(self) -> None:
-        """Ends all programs as Ctrl-C does, and takes no more."""
+        """Ends all programs like Ctrl-C, and accepts no more."""
         if self._ends_at is not None:
             return
         self._ends_at = time.monotonic() + END_WITHIN
@@ -210,7 +211,7 @@ class Host:
         if program.pid:
             _send_signal(program, number)
         else:
-            self._report(program, number)  # ended before it began
+            self._report(program, number)  # it ends before it was forked
 
     def _forget_connection(self, program: _Program) -> None:
         if program.pid:
@@ -220,7 +221,7 @@ class Host:
             self._report(program, EXIT_1)
 
     def _report(self, program: _Program, status: int) -> None:
-        """The program has ended, and this was its status."""
+        """Reports the end of a program with its status, and removes it."""
         if program not in self._programs:
             return
         self._programs.remove(program)
@@ -232,7 +233,7 @@ class Host:
             try:
                 program.connection.send(STATUS.pack(status))
             except OSError as error:
-                _say(f'The end of process {program.pid} is not told: {error.strerror}.')
+                _say(f'The end of process {program.pid} cannot be reported: {error.strerror}.')
         program.connection.close()
 
     def _close_streams(self, program: _Program) -> None:
@@ -241,7 +242,7 @@ class Host:
         program.streams = []
 
     def _close(self) -> None:
-        """In a fork: leaves all that the host holds open."""
+        """In a fork: closes everything that the host has open."""
         signal.set_wakeup_fd(-1)
         self._selector.close()
         for one in (self._listener, self._wakeup, self._wakeup_end):
@@ -266,7 +267,7 @@ def _receive_packet(connection: socket.socket) -> Tuple[bytes, List[int]]:
 
 
 def _send_signal(program: _Program, number: int) -> None:
-    """Its process is there, if only as a status that was not read yet."""
+    """Sends a signal; the process exists, or its status has not been read yet."""
     os.kill(program.pid, number)
 
 

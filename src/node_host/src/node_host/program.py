@@ -1,6 +1,6 @@
 """`node_host MODULE...`: imports these modules once, then forks programs for `hosted`.
 
-It is no ROS node itself. A module that cannot be imported is told and left out: a program that
+It is no ROS node itself. A module that cannot be imported is reported and skipped: a program that
 needs it tries again.
 """
 from __future__ import annotations
@@ -23,10 +23,10 @@ ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1', 'MKL_NUM_THRE
 
 
 def main() -> Optional[int]:
-    """Runs the host; in a fork it runs the program that was asked for."""
-    gc.disable()  # a fork shares what the collector does not touch
+    """Runs the host; in a fork it runs the requested program."""
+    gc.disable()  # forks share memory that the collector does not touch
     _allow_files()
-    os.environ.update(ONE_THREAD)  # threads do not come along when a process forks
+    os.environ.update(ONE_THREAD)  # a fork does not inherit threads
     _import([one for one in sys.argv[1:] if ':=' not in one])
     ros_state.prepare()
     gc.collect()
@@ -36,7 +36,7 @@ def main() -> Optional[int]:
 
 
 def _allow_files() -> None:
-    """The host holds two files open for each of its programs."""
+    """Raises the limit of open files: the host has two open for each of its programs."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else min(OPEN_FILES, hard)
     if soft != resource.RLIM_INFINITY and soft < wanted:
@@ -44,12 +44,12 @@ def _allow_files() -> None:
 
 
 def serve() -> Optional[int]:
-    """From the first request to the end."""
+    """Serves from the first request to the end."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     try:
         listener.bind(host_address())
     except OSError:
-        print('This launch has a node host already: name one only.', file=sys.stderr)
+        print('This launch has a node host already: start only one.', file=sys.stderr)
         return 1
     listener.listen(socket.SOMAXCONN)
     if Host(listener, StartQueue()).serve():
@@ -62,4 +62,5 @@ def _import(modules: Sequence[str]) -> None:
         try:
             importlib.import_module(module)
         except ImportError as error:
-            print(f'[node_host] {module} is not there ({error}).', file=sys.stderr, flush=True)
+            print(f'[node_host] {module} cannot be imported ({error}).', file=sys.stderr,
+                  flush=True)

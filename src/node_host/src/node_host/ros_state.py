@@ -1,4 +1,4 @@
-"""What rospy and its libraries keep in a process: prepared in the host, set right in each fork."""
+"""State that rospy and its libraries keep in a process: prepared in the host, adapted in forks."""
 from __future__ import annotations
 
 import configparser
@@ -16,10 +16,10 @@ CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 
 
 def prepare() -> None:
-    """In the host: does once what each node would do alone, and so in memory of its own.
+    """In the host: does once what each node would otherwise do in its own memory.
 
-    Without the variable each rospy node looks through all packages for its logging configuration.
-    All that is called here imports more, or fills caches of Python's: 4 MB in each fork.
+    Without the environment variable each rospy node searches all packages for its logging
+    configuration. The other calls import modules or fill Python's caches: 4 MB in each fork.
     """
     if CONFIGURATION not in os.environ:
         found = next(filter(os.path.isfile, _places()), None)
@@ -27,13 +27,13 @@ def prepare() -> None:
             os.environ[CONFIGURATION] = found
     configparser.ConfigParser().read(os.environ.get(CONFIGURATION, []))
     yaml.safe_load('{key: [1, 1.5, true, text]}')
-    'localhost'.encode('idna')  # as sockets do with each name
+    'localhost'.encode('idna')  # sockets do this with each name
     xmlrpc.client.loads(xmlrpc.client.dumps((1, 'text', ['list', {'key': 1.0}]), 'call'))
     http.client.parse_headers(io.BytesIO(b'Content-Type: text/xml\r\nContent-Length: 1\r\n\r\n'))
 
 
 def _places() -> Iterator[str]:
-    """In the order of rosgraph.roslogging."""
+    """The possible paths, in the order of rosgraph.roslogging."""
     try:
         import rospkg
     except ImportError:
@@ -47,7 +47,7 @@ def _places() -> Iterator[str]:
 
 
 def take_names() -> None:
-    """In a fork: rospy has read remappings and namespace when it was imported, in the host."""
+    """In a fork: reads remappings and namespace again, because rospy read them in the host."""
     names = sys.modules.get('rospy.names')
     if names is not None:
         names.reload_mappings(sys.argv)

@@ -1,7 +1,7 @@
-"""Which of the programs that are asked for may start now.
+"""Decides which of the requested programs may start now.
 
-Few at a time, so that the ROS master keeps up; and a program that ends soon after its start waits
-longer each time. Without processes and clock.
+Only few start at a time, so that the ROS master keeps up. A program that ends soon after its start
+waits longer each time. Uses neither processes nor a clock.
 """
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Dict, Generic, Hashable, List, Optional, TypeVar
 
 AT_A_TIME = 6
-START_WITHIN = 5.0  # s; a program that does not tell that it has started counts as started then
-SOON = 10.0  # s from start to end
-FIRST_DELAY = 1.0  # s, after the second end in a row that came soon; then doubled
+START_WITHIN = 5.0  # s after which a program counts as started even if it has not reported so
+SOON = 10.0  # s from start to end within which an end counts as early
+FIRST_DELAY = 1.0  # s, after the second early end in a row; then doubled
 LONGEST_DELAY = 30.0  # s
 
 Key = TypeVar('Key', bound=Hashable)
@@ -25,23 +25,23 @@ class _Waiting(Generic[Key]):
 
 
 class StartQueue(Generic[Key]):
-    """Keys stand for single runs, identities for programs. Times are monotonic, in s."""
+    """Keys identify single runs, identities identify programs. Times are monotonic, in s."""
 
     def __init__(self, at_a_time: int = AT_A_TIME) -> None:
         self._at_a_time = at_a_time
         self._waiting: List[_Waiting[Key]] = []
-        self._starting: Dict[Key, float] = {}  # until when
+        self._starting: Dict[Key, float] = {}  # the time until which each counts as starting
         self._running: Dict[Key, _Run] = {}
         self._early_ends: Dict[Hashable, int] = {}
 
     def ask(self, key: Key, identity: Hashable, now: float) -> float:
-        """A program is to be started; returns the delay (s) that its early ends have earned."""
+        """Requests a start; returns the delay (s) that results from the program's early ends."""
         delay = delay_after(self._early_ends.get(identity, 0))
         self._waiting.append(_Waiting(key, identity, now + delay))
         return delay
 
     def next(self, now: float) -> Optional[Key]:
-        """The program that starts now, if any does."""
+        """The program that starts now, or None."""
         self._starting = {key: until for key, until in self._starting.items() if until > now}
         if len(self._starting) >= self._at_a_time:
             return None
@@ -54,7 +54,7 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """When `next` is worth another look though nothing has happened; None: never."""
+        """Seconds until `next` may return a program without another event; None: never."""
         if not self._waiting:
             return None
         times = [one.not_before for one in self._waiting]
@@ -67,7 +67,7 @@ class StartQueue(Generic[Key]):
         self._starting.pop(key, None)
 
     def ended(self, key: Key, failed: bool, now: float) -> None:
-        """The program has ended, or is not wanted any more."""
+        """The program has ended, or its request was withdrawn."""
         self._waiting = [one for one in self._waiting if one.key != key]
         self.started(key)
         run = self._running.pop(key, None)
@@ -86,7 +86,7 @@ class _Run:
 
 
 def delay_after(early_ends: int) -> float:
-    """Seconds before the next start of a program that has ended soon so many times in a row."""
+    """Seconds before the next start of a program after this number of early ends in a row."""
     if early_ends < 2:
         return 0.0
     return min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** min(early_ends - 2, 10))

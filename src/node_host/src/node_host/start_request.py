@@ -1,4 +1,4 @@
-"""What `hosted` asks for: one packet, as hosted.c writes it."""
+"""The request of a `hosted`: one packet, as hosted.c writes it."""
 from __future__ import annotations
 
 import os
@@ -9,7 +9,7 @@ LOG_REMAPPING = '__log:='
 
 
 class BadRequest(ValueError):
-    """A packet that is none of `hosted`."""
+    """The packet does not come from a `hosted`."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class StartRequest:
 
     @property
     def identity(self) -> Tuple[str, ...]:
-        """Equal for the starts of one node: roslaunch gives each start a log file."""
+        """Equal for all starts of one node; omits the log file, which differs for each start."""
         return (self.environment.get('ROS_NAMESPACE', ''),
                 *(one for one in self.arguments if not one.startswith(LOG_REMAPPING)))
 

@@ -1,4 +1,4 @@
-"""How a rospy node starts, is watched and ends.
+"""Starts, watches and ends a rospy node.
 
     from node_lifecycle import parameter, publish_diagnostics, run
 

@@ -1,4 +1,4 @@
-"""A node's part in /diagnostics: what its tasks say of it, once a second until it ends."""
+"""A node's part of /diagnostics: the statuses of its tasks, once a second until it ends."""
 from __future__ import annotations
 
 from typing import Any, Callable, Mapping
@@ -14,9 +14,9 @@ Task = Callable[[DiagnosticStatusWrapper], Any]  # fills the status in
 
 
 def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
-    """Publishes the tasks' statuses, each as `<node>: <its name>`; a thread of its own asks them.
+    """Publishes the tasks' statuses, each as `<node>: <its name>`; a separate thread calls them.
 
-    `hardware_id` says what the statuses are about: the robot's address or name, else `none`.
+    `hardware_id`: what the statuses are about, the robot's address or name, else `none`.
     """
     updater = Updater()
     updater.setHardwareID(hardware_id)
@@ -27,10 +27,10 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
 
 
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
-    """The task, but one that fails says so itself, for an exception would end all diagnostics.
+    """The task, with its failures reported as a status; an exception would end all diagnostics.
 
-    Text that is no Unicode, as some names in files are, is escaped for the same reason. The log is
-    told when the task begins to fail, or fails otherwise, and when it works again.
+    Text that is not valid Unicode, such as some names in files, is escaped for the same reason. The
+    log gets a line when the task begins to fail, when its failure changes, and when it works again.
     """
     failed = ''
 

@@ -1,7 +1,7 @@
-"""The event loop of a node: callbacks leave calls, one thread makes them, and looks at the clock.
+"""The event loop of a node: callbacks queue calls, and one thread makes them and ticks.
 
-A tick comes when it is due, after the calls that waited then: it finds out what is silent, and must
-not find silent what still waits to be heard. However many calls come, a tick is never left out.
+A due tick runs after the calls that were queued at that time. A tick checks for missing messages,
+so messages that are already queued must be processed first. No number of calls prevents a tick.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Clock = Callable[[], float]
 
 
 class EventLoop:
-    """Makes the calls that `put` is given in their order, and `tick` every `period` seconds."""
+    """Makes the queued calls in order, and calls `tick` every `period` seconds."""
 
     def __init__(self, tick: Call, period: float, clock: Clock = time.monotonic) -> None:
         self._tick, self._period, self._clock = tick, period, clock
@@ -23,27 +23,27 @@ class EventLoop:
         self._ending = threading.Event()
 
     def put(self, call: Call) -> None:
-        """Leaves a call; from any thread, never waits."""
+        """Queues a call; from any thread, never waits."""
         self._calls.put(call)
 
     def put_if_room(self, call: Call, most: int, crowded: Call) -> None:
-        """Leaves a call, or waits while more than `most` others do, so that a topic drops some.
+        """Queues a call; waits while more than `most` calls are queued, so that a topic drops some.
 
-        crowded -- is called now and then while it waits
+        crowded -- called repeatedly while it waits
         """
         while self._calls.qsize() > most and not self._ending.wait(self._period):
             crowded()
         self._calls.put(call)
 
     def end(self) -> None:
-        """Makes no further call; `run` returns after the one that it makes now."""
+        """Ends the loop: `run` returns after the present call."""
         self._ending.set()
         self._calls.put(None)
 
     def run(self) -> None:
-        """Makes the calls until `end`. What a call raises ends it, too."""
+        """Makes the calls until `end`. An exception of a call also ends the loop."""
         due = self._clock()
-        before: Optional[int] = None  # calls that come before the tick that is due; None: none is
+        before: Optional[int] = None  # calls left before the due tick; None: no tick is due
         while not self._ending.is_set():
             now = self._clock()
             if before is None and now >= due:

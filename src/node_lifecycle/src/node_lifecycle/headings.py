@@ -1,4 +1,4 @@
-"""Headings in the plane as ROS has them: quaternions about z (REP 103), radians."""
+"""Headings in the plane in the form of ROS: quaternions about z (REP 103), radians."""
 from __future__ import annotations
 
 import math
@@ -12,5 +12,5 @@ def quaternion_from_yaw(yaw: float) -> Quaternion:
 
 
 def yaw_from_quaternion(q: Quaternion) -> float:
-    """Yaw in [-pi, pi] of any rotation, for each roll and pitch."""
+    """Yaw in [-pi, pi] of any rotation, with any roll and pitch."""
     return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))

@@ -1,7 +1,7 @@
-"""What a node found on the parameter server at its start, for a ROS master that does not have it.
+"""Keeps the parameters that a node found at its start, for a ROS master that lacks them.
 
-Parameters die with their master, and a launch file sets them only once: a node that is respawned
-under a new master would find none of them.
+Parameters are lost with their master, and a launch file sets them only once. A node that is
+respawned under a new master would find none of them.
 """
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any, Collection, Dict, Iterator, Protocol, Tuple
 
 
 class ParameterServer(Protocol):
-    """As `rosgraph.Master` has it."""
+    """The interface of `rosgraph.Master` that is used here."""
 
     def hasParam(self, name: str) -> bool:
-        """Is there such a parameter?"""
+        """Whether the parameter exists."""
 
     def setParam(self, name: str, value: Any) -> object:
-        """Sets one."""
+        """Sets a parameter."""
 
 
 class KeptParameters:
@@ -25,14 +25,16 @@ class KeptParameters:
         self._values: Dict[str, Any] = {}
 
     def keep(self, name: str, value: Any, but: Collection[str] = ()) -> None:
-        """Remembers a parameter, or a namespace of them, as it is now, without those named in
-        `but`, which the node writes by itself."""
+        """Remembers the present value of a parameter, or of all parameters in a namespace.
+
+        `but`: names to leave out, because the node writes these parameters itself.
+        """
         for leaf, content in _leaves(name, value):
             if leaf not in but:
                 self._values[leaf] = content
 
     def set_missing(self, server: ParameterServer) -> None:
-        """Sets those again that the server does not have; what it has stays."""
+        """Sets the parameters that the server lacks; existing values stay."""
         for name, value in list(self._values.items()):
             if not server.hasParam(name):
                 server.setParam(name, value)
@@ -47,4 +49,4 @@ def _leaves(name: str, value: Any) -> Iterator[Tuple[str, Any]]:
 
 
 KEPT = KeptParameters()
-"""Those of this process, which is one node."""
+"""The parameters of this process, which is one node."""

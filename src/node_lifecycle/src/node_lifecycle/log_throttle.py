@@ -1,4 +1,4 @@
-"""Log messages that a stranger or a robot can cause, so few that they fill no disk."""
+"""Limits log messages that a stranger or a robot can cause, so that they fill no disk."""
 from __future__ import annotations
 
 import threading
@@ -12,7 +12,7 @@ PERIOD = 10.0  # s
 
 
 class LogThrottle:
-    """Lets few messages of each kind through, and counts what it left out."""
+    """Passes few messages of each kind, and counts the omitted ones."""
 
     def __init__(self, burst: int = BURST, period: float = PERIOD,
                  clock: Callable[[], float] = time.monotonic) -> None:
@@ -23,7 +23,7 @@ class LogThrottle:
         self._kinds: Dict[str, _Kind] = {}
 
     def pass_on(self, kind: str, message: str) -> Optional[str]:
-        """The message to log, or None; it says how many like it were left out before."""
+        """The message to log, or None; it says how many like it were omitted before."""
         with self._lock:
             now = self._clock()
             state = self._kinds.setdefault(kind, _Kind(now))
@@ -34,11 +34,11 @@ class LogThrottle:
                 return None
             state.logged += 1
             left_out, state.left_out = state.left_out, 0
-        return f'{message} ({left_out} more like it were left out.)' if left_out else message
+        return f'{message} ({left_out} more like it were omitted.)' if left_out else message
 
 
 class _Kind:
-    """What was logged of a kind of messages."""
+    """The counters of one kind of messages."""
 
     def __init__(self, since: float) -> None:
         self.since = since
@@ -50,7 +50,7 @@ _throttle = LogThrottle()
 
 
 def warn(kind: str, message: str) -> None:
-    """Logs a warning of this kind, unless there were too many of late."""
+    """Logs a warning of this kind, unless there were too many recently."""
     passed = _throttle.pass_on(kind, message)
     if passed is not None:
         rospy.logwarn('%s', passed)

@@ -1,7 +1,7 @@
-"""Goals of ROS actions that will not end: the server is gone, or a message was lost on its way.
+"""Detects goals of ROS actions that will not end: the server is gone, or a message was lost.
 
-actionlib's client tells of neither. A server publishes its status some five times a second, and a
-goal or a result is not on its way for longer than a few of these.
+actionlib's client reports neither. A server publishes its status about five times a second, and a
+goal or a result does not need longer than a few of these periods.
 """
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from typing import Any, Optional
 
 from actionlib import ActionClient, ClientGoalHandle, CommState
 
-STATUSES_WAITED = 5  # of the server, in which what is on its way must come
+STATUSES_WAITED = 5  # statuses of the server within which a goal or a result must arrive
 
 
 class Loss(Enum):
     """Why a goal will not end."""
 
     SERVER = 'the server is gone'
-    GOAL = 'the server did not hear the goal'
-    RESULT = 'the result did not come'
+    GOAL = 'the server did not receive the goal'
+    RESULT = 'the result did not arrive'
 
 
 _ON_ITS_WAY = {CommState.WAITING_FOR_GOAL_ACK: Loss.GOAL, CommState.WAITING_FOR_RESULT: Loss.RESULT}
 
 
 class ServerWatch:
-    """The server of one action client. `look` is to be called several times a second."""
+    """Watches the server of one action client. Call `look` several times a second."""
 
     def __init__(self, client: ActionClient) -> None:
         self._client = client
         self._last: Any = None
         self.statuses = 0
-        """How many of its statuses `look` has seen."""
+        """The number of statuses that `look` has seen."""
 
     def look(self) -> None:
-        """Counts the status that came since the last look."""
+        """Counts a status that came since the last call."""
         status = self._client.last_status_msg
         if status is not self._last:
             self._last = status
@@ -42,7 +42,7 @@ class ServerWatch:
 
     @property
     def is_gone(self) -> bool:
-        """Does no server publish?"""
+        """Whether no server publishes."""
         return bool(self._client.status_sub.get_num_connections() == 0)
 
 
@@ -51,13 +51,13 @@ class GoalWatch:
 
     def __init__(self, server: ServerWatch, handle: ClientGoalHandle) -> None:
         self.handle = handle
-        """actionlib forgets a goal whose handle no program keeps."""
+        """Kept because actionlib forgets a goal without a handle."""
         self._server = server
         self._state: int = CommState.WAITING_FOR_GOAL_ACK
-        self._since = server.statuses  # when it came to be in this state
+        self._since = server.statuses  # number of statuses when this state began
 
     def loss(self) -> Optional[Loss]:
-        """Why it will not end; None: it may."""
+        """Why the goal will not end; None if it may end."""
         if self._server.is_gone:
             return Loss.SERVER
         state = self.handle.get_comm_state()

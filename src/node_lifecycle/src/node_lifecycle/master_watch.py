@@ -1,8 +1,8 @@
-"""Registers the node anew when the ROS master was restarted, and sets its parameters again.
+"""Registers the node and its parameters again after a restart of the ROS master.
 
-Without this a node goes on with the nodes that it is connected with already, and no new one finds
-it. The master is asked for a service of the node, not for the node: rospy asks for a parameter at
-each line of the log, and thereby makes a new master know the node without its topics and services.
+Without this a node keeps its existing connections, but no new node finds it. The master is queried
+for a service of the node, not for the node itself. Reason: rospy reads a parameter at each log
+line, and this makes a new master know the node, but without its topics and services.
 """
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ PERIOD = 3.0  # s
 
 
 class NodeAtMaster(Protocol):
-    """What a ROS master has of a node. Each call raises where the master is not there."""
+    """The registrations of a node at a ROS master. Each call raises if the master is not there."""
 
     def is_known(self) -> bool:
-        """Does the master know a registration of the node? Cheap."""
+        """Whether the master knows a registration of the node; a cheap query."""
 
     def restore(self) -> None:
-        """Sets the parameters of the node that the master lacks, and registers all anew."""
+        """Sets the node's parameters that the master lacks, and registers everything again."""
 
     def is_complete(self) -> bool:
-        """Does the master know all registrations of the node?"""
+        """Whether the master knows all registrations of the node."""
 
 
 class MasterWatch:
-    """Asks the master again and again whether it knows this node.
+    """Checks repeatedly whether the master knows this node.
 
-    A master may end while the node registers: only what was complete once needs no second try.
+    A master may end while the node registers, so a registration is repeated until it was complete.
     """
 
     def __init__(self, node: NodeAtMaster) -> None:
@@ -50,12 +50,14 @@ class MasterWatch:
         self._is_complete = True
 
     def start(self) -> None:
-        """Begins to ask, in a thread of its own."""
+        """Begins to check, in a separate thread."""
         threading.Thread(target=self._run, name='master watch', daemon=True).start()
 
     def look(self) -> bool:
-        """Registers the node if the master is there and lacks it; whether all is there now that
-        was not."""
+        """Registers the node if the master is there and lacks it.
+
+        Returns whether the registration has become complete in this call.
+        """
         try:
             if self._is_complete and self._node.is_known():
                 return False
@@ -71,7 +73,7 @@ class MasterWatch:
             time.sleep(PERIOD)
             if not rospy.is_shutdown() and self.look():
                 rospy.logwarn('The ROS master did not know this node any more, as after a restart: '
-                              'the node has registered anew, and has set its parameters again.')
+                              'the node has registered again and has set its parameters again.')
 
 
 def watch_master() -> None:
@@ -85,7 +87,7 @@ class ThisNode:
     def __init__(self, master: rosgraph.Master, parameters: KeptParameters) -> None:
         self._master = master
         self._parameters = parameters
-        self._service = rospy.resolve_name('~get_loggers')  # which every node of rospy has
+        self._service = rospy.resolve_name('~get_loggers')  # a service of every rospy node
 
     def is_known(self) -> bool:
         """See NodeAtMaster."""
@@ -96,7 +98,7 @@ class ThisNode:
         return True
 
     def restore(self) -> None:
-        """See NodeAtMaster. Parameters come first: a registered node counts as complete."""
+        """See NodeAtMaster. Sets the parameters first: a registered node counts as complete."""
         self._parameters.set_missing(self._master)
         listeners = get_registration_listeners()
         for kind, name, type_or_uri in _registrations():
@@ -112,7 +114,7 @@ class ThisNode:
 
 
 def _registrations() -> Set[Tuple[str, str, str]]:
-    """Kind, name, and type or URI of all that rospy has registered for this node."""
+    """Kind, name, and type or URI of each registration that rospy has made for this node."""
     topics, services = get_topic_manager(), get_service_manager()
     return {(kind, name, type_or_uri) for kind, entries in (
         (Registration.PUB, topics.get_publications()),

@@ -1,4 +1,4 @@
-"""Parameters are read strictly: a missing or wrong one is one sentence that says what to do."""
+"""Reads parameters strictly: the error for a missing or wrong one says what to do."""
 from __future__ import annotations
 
 import math
@@ -13,14 +13,15 @@ NOT_THERE = object()
 
 
 class ConfigurationError(Exception):
-    """A parameter or file that the node cannot work with; the text says which and what to do."""
+    """A parameter or file is unusable for the node; the text says which one and what to do."""
 
 
 def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
     """The parameter `name` (e.g. `~robot_ip`) as `kind`; raises ConfigurationError.
 
-    Strict, but a whole number will do for a float, and a number for a text, as roslaunch makes one
-    of `password:=1234`. A required text must not be empty, and a float must be finite.
+    The type must match, with two exceptions: a whole number is accepted as a float, and a number as
+    a text, because roslaunch turns `password:=1234` into a number. A required text must not be
+    empty, and a float must be finite.
     """
     where = f'Parameter {rospy.resolve_name(name)}'
     value = rospy.get_param(name, NOT_THERE)

@@ -7,6 +7,6 @@ import rospy
 
 
 def warn_if_exposed(what: str, path: str) -> None:
-    """Tells, of a file that is there, that others than its owner can read it."""
+    """Logs a warning if users other than the owner can read an existing file."""
     if os.stat(path).st_mode & 0o077:
-        rospy.logwarn('The %s %s can be read by others: chmod 600.', what, path)
+        rospy.logwarn('The %s %s can be read by other users: run chmod 600 on it.', what, path)

@@ -1,9 +1,9 @@
-"""How a node starts and ends, and what watches it meanwhile.
+"""Starts and ends a node, and starts its watchers.
 
-Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
-logs once what is wrong, shows it as ERROR in /diagnostics, and waits for its restart. Every node
-waits for its ROS master, is watched for threads that stand still, and registers anew with a master
-that was restarted, its parameters included.
+Under `respawn` a node that exits because of a wrong configuration would be restarted for ever. So
+it keeps running: it logs the error once, shows it as ERROR in /diagnostics, and waits for its
+restart. Every node waits for its ROS master. Its threads are watched for blocking. It registers
+itself and its parameters again at a master that was restarted.
 """
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from node_lifecycle.master_watch import watch_master
 from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
 
-MASTER_PERIOD = 0.3  # s between two looks for a ROS master
-END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, regardless of rospy
+MASTER_PERIOD = 0.3  # s between two checks for a ROS master
+END_WITHIN = 3.0  # s after SIGINT or SIGTERM in which the process ends, regardless of rospy
 
 
 def run(name: str, start: Callable[[], Any],
         misconfigured: Callable[[str], Any] = lambda reason: None,
         libraries: Tuple[str, ...] = (), written: Tuple[str, ...] = ()) -> None:
-    """Run a node: `start` reads parameters, builds objects and connects callbacks; then wait.
+    """Runs a node: `start` reads parameters, builds objects and connects callbacks; then waits.
 
-    What `start` returns is kept alive, and its `close()`, if it has one, is called at shutdown.
-    `misconfigured` is called with the reason when `start` raises ConfigurationError: there a node
-    tells of it on topics of its own; what it returns is kept alive. The threads of the package that
-    `start` belongs to are watched, and those of its `libraries`. A new ROS master gets
-    what `parameter` reads and all private parameters, but those `written` by the node itself.
+    The result of `start` is kept alive; its `close()`, if it has one, is called at shutdown.
+    If `start` raises ConfigurationError, `misconfigured` is called with the reason, so that a node
+    can report it on its own topics; its result is also kept alive. Watches the threads of the
+    package of `start` and of its `libraries`. A new ROS master gets the parameters that `parameter`
+    has read, and all private parameters, except those `written` by the node itself.
     """
     init_node(name)
     KEPT.keep(rospy.get_name(), rospy.get_param(rospy.get_name(), {}),
@@ -53,7 +53,8 @@ def run(name: str, start: Callable[[], Any],
     try:
         node = start()
     except ConfigurationError as error:
-        rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), error)
+        rospy.logerr('%s cannot work: %s Correct this and restart the node.', rospy.get_name(),
+                     error)
         publish_diagnostics('none', {'configuration': _wrong(str(error))})
         node = misconfigured(str(error))
     else:
@@ -64,9 +65,9 @@ def run(name: str, start: Callable[[], Any],
 
 
 def init_node(name: str) -> None:
-    """Become a node as soon as there is a ROS master; ended by SIGINT and SIGTERM from now on.
+    """Initializes a node as soon as there is a ROS master; SIGINT and SIGTERM end it from now on.
 
-    For nodes that cannot leave their main thread to `run`, like those with a window.
+    For nodes whose main thread cannot run `run`, e.g. nodes with a window.
     """
     _end_on_signals()
     _wait_for_master()
@@ -74,12 +75,12 @@ def init_node(name: str) -> None:
         log_file.init_node(name, disable_signals=True)
     except rospy.ROSInitException:
         if rospy.is_shutdown():
-            os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever
+            os._exit(0)  # it ended during its start: rospy's server threads would run for ever
         raise
 
 
 def _wait_for_master() -> None:
-    """rospy gives up where it has parameters to set and the ROS master is not there yet."""
+    """Waits for the ROS master, because rospy fails if it must set parameters without one."""
     uri, told = rosgraph.get_master_uri(), False
     while not rosgraph.is_master_online():
         if rospy.is_shutdown():
@@ -91,16 +92,16 @@ def _wait_for_master() -> None:
 
 
 def _wrong(reason: str) -> Task:
-    """Says what is wrong for as long as the node waits to be restarted."""
+    """A task that reports the error as long as the node waits for its restart."""
     return lambda status: status.summary(DiagnosticStatus.ERROR, reason)
 
 
 def _end_on_signals() -> None:
-    """Shut down in a thread of its own, and in any case within END_WITHIN seconds.
+    """Lets signals shut down the node in a separate thread, and end it within END_WITHIN seconds.
 
-    rospy's own handlers do it inside the code that the signal interrupts, which may hold the very
-    lock that they wait for; and rospy can lock itself up when it is ended while it registers. About
-    one node in forty then hung when it was ended while starting.
+    rospy's own handlers shut down inside the interrupted code, which may hold the lock that they
+    wait for. Also, rospy can deadlock if it is ended while it registers. Because of this about one
+    node in forty hung when it was ended during its start.
     """
     def end(number: int, _frame: Any) -> None:
         threading.Thread(target=rospy.signal_shutdown, args=(f'signal {number}',),
@@ -114,13 +115,13 @@ def _end_on_signals() -> None:
 
 
 def _end_quietly(ending: threading.Event) -> None:
-    """A callback that publishes while rospy ends is no error: topics close before is_shutdown()."""
+    """Drops errors of callbacks that publish during the end: topics close before is_shutdown()."""
     logging.getLogger('rosout').addFilter(
         lambda record: not (ending.is_set() and 'to a closed topic' in record.getMessage()))
 
 
 def _wait_for_end(ending: threading.Event) -> None:
-    """Until rospy has taken leave of the master; rospy.spin looks for that only twice a second."""
+    """Waits until rospy has unregistered; rospy.spin checks for that only twice a second."""
     while not rospy.is_shutdown():
         if ending.wait(0.5):
             rospy.rostime.wallsleep(0.01)

@@ -1,12 +1,13 @@
-"""Three weaknesses of rospy's connections of topics, which show where many nodes start at once.
+"""Corrects three weaknesses of rospy's topic connections, which show when many nodes start at once.
 
-- A node's server of topics lets five connections wait. The kernel drops a sixth, whose client tries
-  again after 1, 3, 7 and 15 s: a latched message may come that late.
-- A subscriber that hears twice of a publisher, as whenever another publisher of the topic comes,
-  makes two connections at once. Each side drops the one that is older to it. Where these are not
-  the same, no connection is left, and rospy makes no other one.
-- A node's server reads the header of one connection at a time, for as long as that takes. A client
-  that sends none, or an XML-RPC call to a node that had this port before, keeps all others out.
+- A node's topic server lets five connections wait. The kernel drops a sixth one, and its client
+  tries again after 1, 3, 7 and 15 s. So a latched message may come that late.
+- A subscriber may be told of a publisher twice, e.g. whenever another publisher of the topic
+  appears. It then makes two connections at once. Each side drops the one that it considers older.
+  If these are different ones, no connection is left, and rospy makes no new one.
+- A node's server reads the headers of connections one after the other, without a time limit. A
+  client that sends no header, or an XML-RPC call to an earlier node on this port, blocks all
+  others.
 """
 from __future__ import annotations
 
@@ -20,14 +21,14 @@ from weakref import WeakValueDictionary
 from rospy.impl.masterslave import ROSHandler
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
-HEADER_WITHIN = 10.0  # s from the connection of a client, which sends it at once
+HEADER_WITHIN = 10.0  # s after connecting in which a client must send the header
 
 Connect = Callable[[Any, str, str], Any]
 Welcome = Callable[[Any, socket, Any], Any]
 
 
 def mend() -> None:
-    """Let many connections wait, welcome each by itself, and make one at a time to a publisher."""
+    """Applies to rospy the three corrections `with_room`, `one_at_a_time` and `each_by_itself`."""
     if not hasattr(ROSHandler._connect_topic, '__wrapped__'):
         ROSHandler._connect_topic = one_at_a_time(ROSHandler._connect_topic)
         TCPServer._create_server_sock = with_room(TCPServer._create_server_sock)
@@ -35,9 +36,9 @@ def mend() -> None:
 
 
 def one_at_a_time(connect: Connect) -> Connect:
-    """`connect` a handler to a topic of a publisher, not twice at once to the same one.
+    """Wraps `connect` so that it does not run twice at once for one topic of one publisher.
 
-    The second call finds the connection that the first one made, and makes none.
+    The second call finds the connection of the first one, and makes none.
     """
     locks: WeakValueDictionary[Tuple[str, str], threading.Lock] = WeakValueDictionary()
     guard = threading.Lock()
@@ -53,7 +54,7 @@ def one_at_a_time(connect: Connect) -> Connect:
 
 
 def with_room(create: Callable[[Any], socket]) -> Callable[[Any], socket]:
-    """`create` a server's socket, where as many connections may wait as the system allows."""
+    """Wraps `create` so that the socket lets as many connections wait as the system allows."""
     @wraps(create)
     def roomy(server: Any) -> socket:
         made = create(server)
@@ -64,12 +65,12 @@ def with_room(create: Callable[[Any], socket]) -> Callable[[Any], socket]:
 
 
 def each_by_itself(welcome: Welcome) -> Welcome:
-    """`welcome` each client in a thread of its own, which ends where no header comes."""
+    """Wraps `welcome` so that each client has a separate thread, which ends without a header."""
     def within_time(server: Any, client: socket, address: Any) -> None:
         before = client.gettimeout()
         client.settimeout(HEADER_WITHIN)
         welcome(server, client, address)
-        with suppress(OSError):  # it was turned away, and is closed
+        with suppress(OSError):  # the client was rejected, and its socket is closed
             client.settimeout(before)
 
     @wraps(welcome)

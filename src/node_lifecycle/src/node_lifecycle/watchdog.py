@@ -1,8 +1,8 @@
-"""Notices that a node's threads stand still, and says so in /diagnostics.
+"""Detects blocked threads of a node, and reports them in /diagnostics.
 
-Two locks taken in opposite order stop a node for good, and nothing in it can tell: it keeps its
-connections, and what it said last stays true on the screen. So a thread of its own looks once a
-second at where all the others are. It takes none of their locks for that.
+Two locks taken in opposite order block a node for good, and nothing else shows it: the node keeps
+its connections, and its last values stay on the screen. So a separate thread checks once a second
+where all other threads are. It takes none of their locks.
 """
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 PERIOD = 1.0  # s
 STANDSTILL = 10.0  # s
 CALLERS = ('actionlib', 'diagnostic_updater', 'interactive_markers')
-"""Libraries that call nodes with their locks held: their threads are watched, too."""
+"""Libraries that call nodes while they hold locks: their threads are also watched."""
 
 
 class Standstill(NamedTuple):
-    """A thread that does not move on: its name, where it is, and for how long (s)."""
+    """A blocked thread: its name, its place in the code, and how long it has been there (s)."""
 
     thread: str
     place: str
@@ -32,18 +32,21 @@ class Standstill(NamedTuple):
 
 
 class _Look(NamedTuple):
-    """What was seen of a thread: where it was, frame by frame, and how far it had run."""
+    """The state of a thread: its position, frame by frame, and how much it has run."""
 
     position: Tuple[Tuple[object, int], ...]
     run: str
 
 
 class ThreadWatch:
-    """Looks at the threads of this process; `look` tells which of them stand still.
+    """Checks the threads of this process; `look` returns the blocked ones.
 
-    A thread stands still when it is inside code of `packages`, does not wait for an event, and for
-    `standstill` seconds has neither got anywhere nor run at all: then it waits for a lock, or for
-    another program. Threads outside of `packages` are not judged: those of rospy wait all day.
+    A thread is blocked under these conditions:
+    - It is inside code of `packages`.
+    - It does not wait for an event.
+    - For `standstill` seconds it has not moved and not run at all. Then it waits for a lock, or for
+      another program.
+    Other threads are not judged: those of rospy wait all the time.
     """
 
     def __init__(self, packages: Tuple[str, ...], standstill: float = STANDSTILL) -> None:
@@ -52,7 +55,7 @@ class ThreadWatch:
         self._seen: Dict[int, Tuple[_Look, float]] = {}
 
     def look(self, now: float) -> List[Standstill]:
-        """The threads that stand still at `now` (s, monotonic)."""
+        """The blocked threads at `now` (s, monotonic)."""
         threads = {thread.ident: thread for thread in threading.enumerate()}
         seen: Dict[int, Tuple[_Look, float]] = {}
         found: List[Standstill] = []
@@ -71,7 +74,7 @@ class ThreadWatch:
         return found
 
     def _place(self, frame: FrameType) -> Optional[str]:
-        """Where in the watched code a thread is; None where it is not, or waits for an event."""
+        """The thread's place in the watched code; None if it is elsewhere or waits for an event."""
         if _waits(frame):
             return None
         for inner in _frames(frame):
@@ -90,7 +93,7 @@ def _frames(innermost: FrameType) -> Iterator[FrameType]:
 
 _THREADING = os.path.join(sysconfig.get_paths()['stdlib'], 'threading.py')
 _SELECTORS = os.path.join(sysconfig.get_paths()['stdlib'], 'selectors.py')
-_EVENTS = ('wait', '_wait_for_tstate_lock')  # of threading; to enter a lock is another matter
+_EVENTS = ('wait', '_wait_for_tstate_lock')  # functions of threading; waiting for locks differs
 
 
 def _waits(frame: FrameType) -> bool:
@@ -101,19 +104,19 @@ def _waits(frame: FrameType) -> bool:
 
 
 def _run_so_far(native_id: Optional[int]) -> str:
-    """What the kernel has counted of a thread: it changes whenever the thread runs at all."""
+    """The kernel's counters of a thread, which change whenever the thread runs."""
     try:
         with open(f'/proc/self/task/{native_id}/status', encoding='ascii') as status:
             switches = [line for line in status if 'ctxt_switches' in line]
         with open(f'/proc/self/task/{native_id}/stat', encoding='utf-8') as stat:
             times = stat.read().rsplit(')', 1)[-1].split()[11:13]
     except OSError:
-        return str(time.monotonic())  # not known, so it is not blamed
+        return str(time.monotonic())  # unknown, so the thread counts as running
     return ''.join(switches + times)
 
 
 class Watchdog:
-    """Publishes as `<node>: threads` in /diagnostics whether the node's threads move on."""
+    """Publishes as `<node>: threads` in /diagnostics whether the node's threads make progress."""
 
     def __init__(self, packages: Tuple[str, ...]) -> None:
         self._watch = ThreadWatch((*packages, *CALLERS))
@@ -146,5 +149,5 @@ class Watchdog:
 
 def _sentence(found: List[Standstill]) -> str:
     first = found[0]
-    return (f'{len(found)} thread(s) stand still, "{first.thread}" for {first.seconds:.0f} s in '
+    return (f'{len(found)} thread(s) are blocked, "{first.thread}" for {first.seconds:.0f} s in '
             f'{first.place}: the node does not do its work, restart it')

@@ -1,7 +1,7 @@
-"""A thread without which a node is of no use.
+"""A thread that a node cannot work without.
 
-Were it to end on a defect, the node would keep its topics and do nothing: to others it would look
-alive. So the whole process ends, and roslaunch starts it anew.
+If it ended because of an error, the node would keep its topics and do nothing, but look alive to
+others. So the whole process ends, and roslaunch restarts it.
 """
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ import rospy
 
 def start_worker(name: str, work: Callable[[], None],
                  end_process: Callable[[int], object] = os._exit) -> threading.Thread:
-    """Begins `work` in a daemon thread; an exception that it raises ends the process."""
+    """Runs `work` in a daemon thread; an exception of `work` ends the process."""
     def run() -> None:
         try:
             work()
         except Exception as error:
             if _is_end_of_node(error):
                 return
-            rospy.logfatal('%s ends on a defect of its own, in its thread "%s":\n%s',
+            rospy.logfatal('%s ends because of an internal error in its thread "%s":\n%s',
                            rospy.get_name(), name, traceback.format_exc())
             end_process(1)
 
@@ -32,6 +32,6 @@ def start_worker(name: str, work: Callable[[], None],
 
 
 def _is_end_of_node(error: Exception) -> bool:
-    """Topics close before rospy says that it is shut down."""
+    """Whether the error is due to the end of the node: topics close before is_shutdown()."""
     return rospy.is_shutdown() or (isinstance(error, rospy.ROSException)
                                    and 'closed topic' in str(error))

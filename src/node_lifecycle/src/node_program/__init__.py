@@ -1,6 +1,6 @@
-"""Starts a program: the one thing to be done before its modules are imported.
+"""Starts a program; contains what must be done before the program's modules are imported.
 
-Apart from `node_lifecycle`, and without an import of ROS, because it has to come first.
+It is separate from `node_lifecycle` and does not import ROS, because it has to come first.
 """
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import sys
 from importlib import import_module
 from typing import Callable, List
 
-INTERRUPTED = 130  # the exit status of what was ended by Ctrl-C, as shells have it
+INTERRUPTED = 130  # exit status of a program ended by Ctrl-C, as in shells
 _when_started: List[Callable[[], None]] = []
 
 
@@ -20,27 +20,27 @@ def when_started(then: Callable[[], None]) -> None:
 
 
 def tell_started() -> None:
-    """The node of this process has started: it has registered with the ROS master."""
+    """Called when the node of this process has started and registered with the ROS master."""
     while _when_started:
         _when_started.pop()()
 
 
 def run_main(module: str) -> None:
-    """For a node: imports the module and calls its `main()`, whose result is the exit status.
+    """Runs a node: imports the module and calls its `main()`, whose result is the exit status.
 
-    Until the node itself takes signals, SIGINT ends the program at once. As an exception it can be
-    swallowed where libraries are imported: the node would still start, and roslaunch would
-    wait 15 s for it to end.
+    SIGINT ends the program at once until the node itself handles signals. As an exception it could
+    be swallowed while libraries are imported: the node would still start, and roslaunch would wait
+    15 s for it to end.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(import_module(module).main())
 
 
 def run_command(module: str, function: str = 'main') -> None:
-    """For a command: the same, but Ctrl-C ends it silently, with exit status 130, at any time.
+    """Runs a command: like `run_main`, but Ctrl-C ends it silently, with exit status 130.
 
-    `main` gets KeyboardInterrupt, so that it can put things in order; before and after it nothing
-    does.
+    During `main`, Ctrl-C raises KeyboardInterrupt there, so that it can clean up. Before and after
+    `main`, Ctrl-C ends the process at once.
     """
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
     main = getattr(import_module(module), function)

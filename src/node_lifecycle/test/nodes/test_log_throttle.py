@@ -18,7 +18,7 @@ def test_a_flood_of_a_kind_is_cut_off_and_counted_when_it_goes_on():
     assert [message for message in passed if message] == [f'message {i}' for i in range(BURST)]
     clock.now = PERIOD
     left_out = 1000 - BURST
-    assert throttle.pass_on('refused', 'next') == f'next ({left_out} more like it were left out.)'
+    assert throttle.pass_on('refused', 'next') == f'next ({left_out} more like it were omitted.)'
     assert throttle.pass_on('refused', 'after it') == 'after it'
 
 

@@ -1,7 +1,7 @@
 """ARCL, the text protocol of OMRON mobile robots, without ROS.
 
-`Client` commands a robot, `Listener` takes the connection that a robot opens, `parse_line` reads
-what it says: each kind of line is a class in `omron_arcl.replies`.
+`Client` sends commands to a robot. `Listener` accepts the connection that a robot opens.
+`parse_line` reads the robot's lines: each kind of line is a class in `omron_arcl.replies`.
 """
 from __future__ import annotations
 

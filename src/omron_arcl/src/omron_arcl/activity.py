@@ -1,7 +1,8 @@
-"""What the robot does, read from its status text: one table for all programs.
+"""The robot's activity, read from its status text with one table for all programs.
 
-A status text is another line in itself (`Going to 12`, `DockingState: Docked ...`), and many of
-those lines are also sent on their own when they become true.
+A status text has the form of another line of the robot (`Going to 12`,
+`DockingState: Docked ...`). The robot sends many of these lines also on their own, when they
+become true.
 """
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from omron_arcl.replies.reply import Reply, coordinates
 
 
 class ActivityKind(Enum):
-    """What the robot does; the same names as in omron_ld90_msgs/RobotStatus."""
+    """The activity of the robot; the same names as in omron_ld90_msgs/RobotStatus."""
 
     UNKNOWN = 'unknown'
     STOPPED = 'stopped'
@@ -40,19 +41,23 @@ class ActivityKind(Enum):
     LOST = 'lost'
 
 
-# Going somewhere, by whomever it was told.
+# The robot drives, regardless of the client that sent it.
 MOVING = frozenset((
     ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT, ActivityKind.PATROLLING,
     ActivityKind.DOING_TASK, ActivityKind.DOCKING, ActivityKind.UNDOCKING, ActivityKind.PARKING,
     ActivityKind.TELEOPERATED))
-# On its way to a stand, or not known to stand.
+# The robot is about to stand, or it is unknown whether it stands.
 _NEITHER = (ActivityKind.STOPPING, ActivityKind.UNKNOWN)
 STANDING = frozenset(ActivityKind) - MOVING - frozenset(_NEITHER)
 
 
 class Activity(NamedTuple):
-    """What the robot does, and `goal`: where it goes to, stands, or failed to go; or a route's or
-    task's name. `reply` is the line that says so."""
+    """The robot's activity.
+
+    goal -- the goal to which the robot drives, at which it stands, or which it failed to reach; or
+        the name of a route or a task
+    reply -- the line from which the activity was read
+    """
 
     kind: ActivityKind
     goal: str
@@ -61,12 +66,12 @@ class Activity(NamedTuple):
 
 @lru_cache(maxsize=256)
 def read_activity(text: str) -> Activity:
-    """What the status text `text` says that the robot does; remembers what was read lately."""
+    """The activity that the status text `text` describes. Recent results are cached."""
     return activity_of(parse_line(text))
 
 
 def activity_of(reply: Reply) -> Activity:
-    """What a line says that the robot does; UNKNOWN where it says nothing about that."""
+    """The activity that a line describes; UNKNOWN if the line describes none."""
     read = _TABLE.get(type(reply))
     if read is None:
         return Activity(ActivityKind.UNKNOWN, '', reply)
@@ -74,7 +79,7 @@ def activity_of(reply: Reply) -> Activity:
 
 
 def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """About a goal by name; some robots name a point by its coordinates, as if it were one."""
+    """Reads a line about a goal. Some robots write the coordinates of a point as a goal's name."""
     def read(reply: Any) -> Tuple[ActivityKind, str]:
         if reply.goal.lower().startswith('dock at '):
             return ActivityKind.DOCKING, reply.goal[len('dock at '):]
@@ -83,7 +88,7 @@ def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[Ac
 
 
 def _always(kind: ActivityKind, field: str = '') -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """One kind; the goal's, route's or task's name is in `field`."""
+    """Returns `kind` for each line; `field` holds the name of the goal, route or task."""
     return lambda reply: (kind, getattr(reply, field) if field else '')
 
 

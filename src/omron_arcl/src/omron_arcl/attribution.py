@@ -1,9 +1,9 @@
-"""Which line of the robot belongs to which command, and what it means for it.
+"""Decides which command a line of the robot belongs to, and what the line means for it.
 
-The robot answers in the order of sending, with lines that carry no id. So a line is offered to the
-commands that were sent, and the specification of each tells whether it is its own; `endings` reads
-what goes wrong, `drive_watch` what the robot does. This is the one place where it is decided whose
-line it is: a program that wants a command done waits for its `Execution`.
+The robot answers in the order of sending, and its lines carry no id. Each line is therefore offered
+to the commands that were sent; the specification of a command says whether the line belongs to it.
+`endings` reads failures and refusals, `drive_watch` the robot's activity. Only this module decides
+on the owner of a line. A program that needs the result of a command waits for its `Execution`.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from omron_arcl.execution import Execution, Outcome
 from omron_arcl.replies import driving, equipment, general, refusals, safety, site, status, tasks
 from omron_arcl.replies.reply import Reply
 
-# Said to all clients, or refusals: these never answer a command whose answer is not known.
+# Lines to all clients, and refusals. They never answer a command whose answer is not documented.
 _NO_ANSWER = frozenset((
     driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
     driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
@@ -27,13 +27,13 @@ _NO_ANSWER = frozenset((
     refusals.CommandError, refusals.CommandErrorDescription, refusals.UnknownCommand,
     refusals.SetUpError, refusals.Usage))
 
-# The robot begins something new; unless a command of ours asked for it, another client did.
+# The robot begins a new motion. If no command of ours asked for it, another client did.
 _SETTING_OUT = frozenset((driving.GoingTo, driving.GoingToPoint, driving.Patrolling,
                           tasks.ExecutingMacro, tasks.DoingTask))
 
 
 class Attribution:
-    """Gives the robot's lines to the commands of a queue."""
+    """Assigns the robot's lines to the commands of a queue."""
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
@@ -42,7 +42,7 @@ class Attribution:
         self._docking: Optional[driving.DockingState] = None
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
-        """A line came: what it means, and as it was said."""
+        """Processes a line of the robot: `reply` is its meaning, `text` its words."""
         sets_out = self._sets_out(reply)
         authority = self._commands.authority
         authority.on_reply(reply, now)
@@ -66,12 +66,13 @@ class Attribution:
             if activity.kind is not ActivityKind.UNKNOWN:
                 self.watch.observe(Observation(activity, text, False), now)
 
-    # --- whose line it is -------------------------------------------------------------------------
+    # --- the owner of a line ----------------------------------------------------------------------
 
     def _offer_to_drives(self, reply: Reply, text: str, now: float, sets_out: bool) -> bool:
         """Whether a driving command claims the line.
 
-        One that was stopped sets out no more, though the robot may not have said that it is over.
+        A drive that was sent before a stop does not set out again, even if the robot has not yet
+        said that the drive is over.
         """
         drives = self._commands.drives
         begun = [e for e in reversed(drives) if e.begun]
@@ -106,7 +107,7 @@ class Attribution:
         return False
 
     def _offer_to_others(self, reply: Reply, text: str, now: float, claimed: bool) -> None:
-        """Gives the line to the first of the queries and stops that claims it.
+        """Gives the line to the first query or stop that claims it.
 
         A `Stopped` ends every stop that was sent before the next driving command.
         """
@@ -115,7 +116,7 @@ class Attribution:
             spec, command = execution.command.spec, execution.command
             if spec.drives:
                 if stopped:
-                    return  # the stops behind it are still to come
+                    return  # the stops behind this drive are not obeyed yet
             elif spec.completed_by is None:
                 if not (claimed or type(reply) in _NO_ANSWER):
                     execution.begun = True
@@ -137,7 +138,7 @@ class Attribution:
                 return
 
     def _sets_out(self, reply: Reply) -> bool:
-        """Whether the robot begins something new; the docking state tells by its change only."""
+        """Whether the robot begins a new motion; a docking state counts only when it changes."""
         if isinstance(reply, driving.DockingStatus):
             before, self._docking = self._docking, reply.docking
             return (reply.docking is driving.DockingState.DOCKING
@@ -145,9 +146,10 @@ class Attribution:
         return type(reply) in _SETTING_OUT
 
     def _taken_over(self, text: str) -> None:
-        """The robot obeys another client: our commands that it had begun to obey are over.
+        """The robot obeys another client, so the commands of ours that it obeyed are over.
 
-        A stop is among that once the robot has said `Stopping`. Before, it may be still to come.
+        This includes a stop after which the robot has said `Stopping`. Without that line the robot
+        may still have to obey the stop.
         """
         for execution in [e for e in self._commands.motion_executions if e.begun]:
             self._commands.end_before(execution, f'taken over: {text}')

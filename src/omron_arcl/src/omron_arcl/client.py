@@ -1,7 +1,7 @@
-"""The connection to the robot's ARCL server: log in, stay logged in, carry commands.
+"""The connection to the robot's ARCL server: logs in, keeps the login, sends commands.
 
-One thread owns the socket. It tells what comes through callbacks, which it calls itself, without
-locks held: they may give commands, and must be short.
+One thread owns the socket. It reports lines and results through callbacks. It calls them itself,
+without locks, so a callback may give commands. A callback must be short.
 """
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ from omron_arcl.transport import Transport
 
 CONNECT_TIMEOUT = 3.0  # s, for each address of the robot
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
-LOGIN_SILENCE = 4.0  # s without a word in the login after which it has failed, at least
+LOGIN_SILENCE = 4.0  # s without a line in the login after which it has failed, at least
 HEARTBEATS = ('oneLineStatus', 'status')  # the second for robots that do not have the first
-_IN_DOUBT = 1.0  # s between heartbeats while a status would tell whether a drive is over
+_IN_DOUBT = 1.0  # s between heartbeats while a status would show whether a drive is over
 _MAXIMUM_NAMES = 10_000
 
 
 class Client(Transport):
-    """A robot's ARCL server, connected to for ever until `close`.
+    """The connection to a robot's ARCL server; connects again after each loss until `close`.
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
-    on_login(HelpList): logged in, once per connection. log: takes all that both sides say.
-    heartbeat: seconds between signs of life asked of the robot; timeout: seconds without any, after
-    which the link counts as dead. `names` is how the robot writes the names that it has listed and
-    that are not ASCII. authority: knows the driver of the robot.
-    on_motion(Motion): that has changed; called by any thread.
+    on_login(HelpList): the login succeeded; called once per connection. log: records all lines of
+    both sides. heartbeat: seconds between two requests for a sign of life. timeout: seconds without
+    a sign of life after which the link counts as dead. `names`: the bytes of each name that the
+    robot has listed and that is not ASCII. authority: the motion authority of the robot.
+    on_motion(Motion): the motion that the authority publishes has changed; called by any thread.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,
@@ -70,7 +70,7 @@ class Client(Transport):
         self._on_login = on_login
         self._on_motion = on_motion
         self._told_motion: Optional[Motion] = None
-        self._telling = threading.Lock()  # motions are told in order
+        self._telling = threading.Lock()  # keeps the calls of on_motion in order
         self._log = log
         self._trace: Optional[Trace] = None
         self._backoff = backoff or Backoff()
@@ -89,13 +89,13 @@ class Client(Transport):
     # --- for any thread --------------------------------------------------------------------------
 
     def wait_connected(self, timeout: float) -> Link:
-        """Waits until logged in or refused, `timeout` s at most; the link then."""
+        """Waits until logged in or refused, at most `timeout` s, and returns the link."""
         self._answered.wait(timeout)
         return self.link
 
     @property
     def names(self) -> Mapping[str, bytes]:
-        """The names that the robot has listed and that are not ASCII, as it writes them."""
+        """The bytes that the robot writes for each listed name that is not ASCII."""
         with self._lock:
             return dict(self._names)
 
@@ -106,13 +106,14 @@ class Client(Transport):
                 stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
                 known_epoch: int = 0) -> Execution:
         """Gives a command, e.g. `goto 12`. Raises InvalidCommand, NotConnected, Busy, Overruled or
-        Unclear. A stop without a link is owed, and sent as soon as there is one.
+        Unclear. A stop that is given without a link becomes an owed stop: it is sent as soon as
+        there is a link.
 
-        timeout: seconds without a word about it after which it counts as timed out, else the
-        command's own. on_line, on_end: called by the client's thread. check: called with the
-        command before it is sent; raises ArclError where it must not be. stop_on_timeout: a drive
-        that has timed out is stopped. known_epoch: the one in which `giver` gives the command; 0 is
-        for people, whose word counts in any.
+        timeout: seconds without a line about the command until it has timed out; default: the
+        command's own timeout. on_line, on_end: called by the client's thread. check: called with
+        the command before it is sent; raises ArclError if it must not be sent. stop_on_timeout:
+        stops a drive that has timed out. known_epoch: the epoch that `giver` knows; 0 is for
+        people, whose commands are valid in each epoch.
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)
@@ -132,14 +133,14 @@ class Client(Transport):
         return execution
 
     def cancel(self, execution: Execution, canceller: Giver = NO_GIVER) -> None:
-        """Ends a command; a driving one by stopping the robot. Its result tells when it is over."""
+        """Ends a command; stops the robot if it is a drive. Its `result` is set when it is over."""
         with self._lock:
             self._dispatcher.cancel(execution, time.monotonic(), canceller)
         self._tell_motion()
         self._waker.wake()
 
     def cancel_all(self, canceller: Giver) -> None:
-        """A giver wants nothing of what was given before, be anything under way or not."""
+        """Cancels all earlier commands on behalf of `canceller`, even if none is under way."""
         with self._lock:
             self._dispatcher.authority.take_word(canceller, time.monotonic())
         self._tell_motion()
@@ -147,12 +148,12 @@ class Client(Transport):
 
     @property
     def motion(self) -> Motion:
-        """The driver of the robot, and its motion."""
+        """The giver that drives the robot, and the robot's motion."""
         with self._lock:
             return self._dispatcher.authority.motion
 
     def _tell_motion(self) -> None:
-        """Tells the driver of the robot, where that has changed."""
+        """Calls `on_motion` if the motion has changed."""
         if self._on_motion:
             with self._telling:
                 motion = self.motion
@@ -166,13 +167,13 @@ class Client(Transport):
         while not self._closing.is_set():
             try:
                 cause = self._converse()
-            except Exception as error:  # a thread that died of it could never connect again
+            except Exception as error:  # without this the thread would end and never reconnect
                 cause = self._cause(error)
             self._lost(cause)
             self._closing.wait(self._backoff.after(cause))
 
     def _converse(self) -> LinkError:
-        """One connection from beginning to end; returns or raises why it ended."""
+        """Serves one connection from beginning to end; returns or raises why it ended."""
         self._answered.clear()
         self._set_link(LinkPhase.CONNECTING, self.peer, 'connecting')
         try:
@@ -190,7 +191,7 @@ class Client(Transport):
 
     def _log_in(self, connection: Connection, session: Session,
                 selector: selectors.BaseSelector) -> None:
-        """Until the session is ready; raises LinkError or OSError."""
+        """Runs until the session is ready; raises LinkError or OSError."""
         peer = Peer(connection, session, max(self._timeout, LOGIN_SILENCE))
         began = time.monotonic()
         while session.state is not State.READY and not self._closing.is_set():
@@ -210,7 +211,7 @@ class Client(Transport):
         return ConnectionLost('closed by us')
 
     def _turn(self, peer: Peer, selector: selectors.BaseSelector) -> float:
-        """Sends what is due, waits for something to do, reads what came; the time then."""
+        """Sends pending data, waits for an event, processes what came; returns the time then."""
         self._send(peer)
         selector.modify(peer.connection.socket, selectors.EVENT_READ
                         | (selectors.EVENT_WRITE if peer.connection.unsent else 0))
@@ -224,7 +225,7 @@ class Client(Transport):
         return now
 
     def _send(self, peer: Peer) -> None:
-        """Sends what is due; one command at a time, so that a stop passes all others."""
+        """Sends pending lines, one command at a time, so that a stop overtakes all others."""
         peer.connection.send(peer.session.take_output())
         while not peer.connection.unsent and peer.session.state is State.READY:
             with self._lock:
@@ -246,14 +247,14 @@ class Client(Transport):
             with self._lock:
                 self.help = event.help
                 self._dispatcher.on_connected(now)
-            # A status tells whether a stop that is owed is still wanted.
+            # The first status shows whether an owed stop must still be sent.
             self._pulsed_at = -math.inf if self.motion.memory.stop_owed else now
             self._set_link(LinkPhase.CONNECTED, self.peer)
             self._answered.set()
             self._call(self._on_login, event.help)
 
     def _learn_name(self, line: Received) -> None:
-        """Remembers how the robot writes a name, where that is a question."""
+        """Remembers how the robot writes a name that is not ASCII."""
         if isinstance(line.reply, (Goal, Route, Macro)):
             if not line.raw.isascii():
                 name = line.reply.name
@@ -268,14 +269,14 @@ class Client(Transport):
                 self._names.clear()
 
     def _beat(self, now: float, period: float) -> None:
-        """Asks for a sign of life when it is time and none is awaited."""
+        """Requests a sign of life when the period is over and no request is open."""
         if self._pulse is not None and self._pulse.result is not None:
             if self._pulse.result.outcome is Outcome.UNKNOWN_COMMAND:
                 self._heartbeats.append(self._heartbeats.pop(0))
             self._pulse = None
         if self._pulse is None and now - self._pulsed_at >= period:
             self._pulsed_at = now
-            with contextlib.suppress(Busy):  # with so much to say there are signs of life enough
+            with contextlib.suppress(Busy):  # a full queue brings enough signs of life
                 self._pulse = self.execute(self._heartbeats[0])
 
     def _lost(self, cause: LinkError) -> None:
@@ -293,7 +294,7 @@ class Client(Transport):
         self._call_back()
 
     def _call_back(self) -> None:
-        """Tells the givers of commands their outcomes."""
+        """Reports the outcomes to the givers of commands."""
         self._tell_motion()
         with self._lock:
             callbacks = self._dispatcher.pop_callbacks()

@@ -1,4 +1,4 @@
-"""One line for the robot: read, checked, quoted."""
+"""One command line for the robot: reads, checks and quotes it."""
 from __future__ import annotations
 
 from typing import Callable, Mapping, Optional
@@ -18,19 +18,19 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
     """Reads a command line; raises InvalidCommand.
 
     full_name: resolves shortcuts that the table does not have, e.g. `HelpList.full_name`. names:
-    how the robot writes the names it has listed that are not ASCII, e.g. `Client.names`; of such
-    characters ARCL takes no others.
+    the bytes of the names that the robot has listed and that are not ASCII, e.g. `Client.names`.
+    ARCL accepts no other characters outside ASCII.
     """
     text = text.strip(' ')
     if is_stop(text):
-        text = text.split()[0]  # no line end or word behind it keeps a stop from the robot
+        text = text.split()[0]  # text after the word must not prevent a stop
     reason = _reason_against(text)
     if reason:
         raise InvalidCommand(printable(text), reason)
     line = _encode(text, names or {})
     if len(line) > LONGEST_COMMAND:
-        raise InvalidCommand(printable(text), f'it has {len(line)} bytes, the robot takes '
-                             f'{LONGEST_COMMAND}')
+        raise InvalidCommand(printable(text), f'it has {len(line)} bytes, but the robot accepts '
+                             f'at most {LONGEST_COMMAND}')
     name, _, rest = text.partition(' ')
     spec = spec_of(name)
     if spec.name.lower() not in COMMANDS:
@@ -42,24 +42,25 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
 
 
 def is_stop(text: str) -> bool:
-    """Whether a command line stops the robot, with any text after the word."""
+    """Whether a command line is a stop, with any text after the word."""
     words = text.split(maxsplit=1)
     return bool(words) and spec_of(words[0]).stops
 
 
 def _reason_against(text: str) -> str:
-    """Why `text` is not one command line; empty if it is."""
+    """The reason why `text` is not one command line; empty if it is one."""
     if not text:
         return 'it is empty'
     if len(text) > LONGEST_COMMAND:
-        return f'it has {len(text)} characters, the robot takes {LONGEST_COMMAND}'
+        return (f'it has {len(text)} characters, but the robot accepts at most '
+                f'{LONGEST_COMMAND}')
     if not text.isprintable():
-        return 'it holds a line end, another control character, or one that cannot be shown'
+        return 'it contains a line end, another control character or an unprintable character'
     return ''
 
 
 def _encode(text: str, names: Mapping[str, bytes]) -> bytes:
-    """The bytes of a line; raises InvalidCommand where a character cannot be sent."""
+    """The bytes of a line; raises InvalidCommand if a character cannot be sent."""
     if text.isascii():
         return text.encode('ascii')
     for name in sorted(names, key=len, reverse=True):
@@ -68,12 +69,12 @@ def _encode(text: str, names: Mapping[str, bytes]) -> bytes:
             return (_encode(text[:at], names) + names[name]
                     + _encode(text[at + len(name):], names))
     strange = next(character for character in text if not character.isascii())
-    raise InvalidCommand(printable(text), f'"{strange}" is not ASCII, which is all that ARCL '
-                         'takes beside the names that the robot has listed')
+    raise InvalidCommand(printable(text), f'"{strange}" is not ASCII; ARCL accepts such '
+                         'characters only in names that the robot has listed')
 
 
 def _find(name: str, text: str) -> int:
-    """Where `name` stands in `text`, if need be in other case; -1 where it does not."""
+    """The index of `name` in `text`, with case ignored if need be; -1 if it is not in it."""
     at = text.find(name)
     folded, sought = text.casefold(), name.casefold()
     if at < 0 and len(folded) == len(text) and len(sought) == len(name):
@@ -82,7 +83,7 @@ def _find(name: str, text: str) -> int:
 
 
 def printable(text: str, longest: int = 200) -> str:
-    """`text` fit for logs and terminals: control characters escaped, shortened, no passwords."""
+    """`text` for logs and terminals: control characters escaped, shortened, without passwords."""
     shown = redact_passwords(text.encode('utf-8', 'backslashreplace')).decode('utf-8')
     if not shown.isprintable():
         shown = ''.join(character if character.isprintable()
@@ -92,12 +93,12 @@ def printable(text: str, longest: int = 200) -> str:
 
 
 def quote(name: str) -> str:
-    """`name` of a goal, route, ... as an argument: in double quotes where it holds a blank.
+    """`name` of a goal, route, ... as an argument: in double quotes if it contains a blank.
 
     Raises InvalidCommand for a name that ARCL cannot express.
     """
     name = readable(name)
-    reason = _reason_against(name) or ('it holds a double quote' if '"' in name else '')
+    reason = _reason_against(name) or ('it contains a double quote' if '"' in name else '')
     if reason:
         raise InvalidCommand(printable(name), f'no goal can have such a name, {reason}')
     return f'"{name}"' if ' ' in name else name

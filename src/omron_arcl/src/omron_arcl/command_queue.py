@@ -1,4 +1,4 @@
-"""The commands of one connection in order: what waits, what was sent, what has ended."""
+"""The commands of one connection in order: those that wait, those sent, those that ended."""
 from __future__ import annotations
 
 from typing import Callable, List, Optional
@@ -9,15 +9,14 @@ from omron_arcl.motion_authority import MotionAuthority
 
 MAXIMUM_WAITING = 200
 
-# How a stop ends of which the robot took no notice.
+# The outcomes of a stop that the robot did not obey.
 _UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 
 
 class CommandQueue:
-    """Executions in order. `add`, `next_to_send` and `end` keep the rules; all else only looks.
+    """Executions in order. Only `add`, `next_to_send` and `end` change the order.
 
-    What is to be told to the waiting callers gathers for `pop_callbacks`: it is told outside of
-    locks.
+    Callbacks to waiting callers are collected for `pop_callbacks`, so that they run without locks.
     """
 
     def __init__(self, authority: MotionAuthority) -> None:
@@ -25,23 +24,23 @@ class CommandQueue:
         self.now = 0.0
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
-        self.drives: List[Execution] = []  # of `sent`: what drives, or is about to, oldest first
+        self.drives: List[Execution] = []  # of `sent`: drives under way or to come, oldest first
         self._callbacks: List[Callable[[], None]] = []
         self._count = 0  # of commands sent
 
     @property
     def motion_executions(self) -> List[Execution]:
-        """Drives and stops that were sent."""
+        """The drives and stops in `sent`."""
         return [execution for execution in self.sent
                 if execution.command.spec.drives or execution.command.spec.stops]
 
     @property
     def begun_drives(self) -> List[Execution]:
-        """Drives that the robot has acknowledged."""
+        """The drives in `sent` that the robot has acknowledged."""
         return [execution for execution in self.drives if execution.begun]
 
     def add(self, execution: Execution) -> None:
-        """Takes a command; raises Busy. A stop overtakes all that waits, and drops its drives."""
+        """Takes a command; raises Busy. A stop overtakes waiting commands and drops drives."""
         if execution.command.spec.stops:
             for other in [e for e in self.waiting if e.command.spec.drives]:
                 outcome = (Outcome.CANCELLED if other.giver == execution.giver
@@ -55,7 +54,7 @@ class CommandQueue:
             self.waiting.append(execution)
 
     def next_to_send(self, now: float) -> Optional[Execution]:
-        """The next command to send, if one may go now; it counts as sent."""
+        """The next command that may be sent now, or None; it counts as sent."""
         for execution in list(self.waiting):
             if not self.authority.may_send(execution):
                 self.end(execution, Outcome.OVERRULED, 'another command came first')
@@ -71,7 +70,7 @@ class CommandQueue:
         return None
 
     def _must_wait(self, execution: Execution) -> bool:
-        """Queries of one name wait for each other, and so do answers whose end is not known."""
+        """Whether a query waits: for one of the same name, or if both have undocumented answers."""
         spec = execution.command.spec
         if spec.drives or spec.stops:
             return False
@@ -81,7 +80,7 @@ class CommandQueue:
 
     def add_line(self, execution: Execution, text: str, now: float,
                  sign_of_life: bool = True) -> None:
-        """A line that belongs to the command; `sign_of_life`: it shows that it goes on."""
+        """Adds a line of the command; `sign_of_life`: the line shows that the command goes on."""
         if sign_of_life:
             execution.heard = now
         if execution.result is None:
@@ -91,7 +90,7 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution) -> None:
-        """The robot obeys it; a drive ends the motions before it."""
+        """The robot obeys the command; a drive ends the motions before it."""
         if not execution.begun:
             execution.begun = True
             execution.doubt = None
@@ -100,7 +99,7 @@ class CommandQueue:
             self.authority.on_begun(execution)
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
-        """Ends it for the asker; `keep` it where its lines are still to come, without a reader."""
+        """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""
         if execution.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.end(outcome, words):
@@ -114,18 +113,18 @@ class CommandQueue:
             self._give_up_cancelled(execution, outcome, words)
 
     def end_before(self, execution: Execution, words: str) -> None:
-        """Its effect on the wheels has begun, so that of older commands is over."""
+        """Ends older motions, because the motion of `execution` has begun."""
         for other in self.motion_executions:
             if other.order < execution.order:
                 self.end(other, Outcome.INTERRUPTED, words)
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
-        """The stop came to nothing: a caller that waits for its effect must not wait for ever."""
+        """A stop failed: ends the cancelled drives that waited for its effect."""
         for drive in list(self.drives):
             if drive.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')
 
     def pop_callbacks(self) -> List[Callable[[], None]]:
-        """What is to be told, in order."""
+        """Returns and clears the collected callbacks, in order."""
         callbacks, self._callbacks = self._callbacks, []
         return callbacks

@@ -1,7 +1,7 @@
-"""Every command that is known, and how it ends: one table.
+"""The table of all known commands, with the replies that end each of them.
 
-Syntax and answers are those of OMRON's ARCL references (I617-E-01, and the newer I617-E-02), or of
-real robots where they differ. Commands that only a fleet manager has are not in it.
+Syntax and answers follow OMRON's ARCL references (I617-E-01, and the newer I617-E-02), or real
+robots if these differ. Commands that only a fleet manager has are not in the table.
 """
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from omron_arcl.replies import driving, equipment, general, safety, site, status
 from omron_arcl.replies.driving import DockingState
 from omron_arcl.replies.reply import UnknownLine
 
-# s without a line or status about a drive that has begun, until it has timed out
+# s without a line or status about a drive that has begun, after which it has timed out
 _DRIVE_TIMEOUT = 600.0
-_TASKS_TIMEOUT = 3600.0  # a task may wait, and show what it likes as its status
+_TASKS_TIMEOUT = 3600.0  # a task may wait, and its status may show any text
 
 
 def spec_of(name: str) -> CommandSpec:
-    """The row for a command's name or shortcut; an unknown one ends when the robot was quiet."""
+    """The row for a command's name or shortcut; an unknown command ends when the robot is quiet."""
     return (COMMANDS.get(name.lower()) or _SHORTCUTS.get(name.lower())
             or CommandSpec(name, Category.UNKNOWN, completed_by=None))
 
@@ -41,7 +41,7 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
            related: Optional[Predicate] = None, timeout: float = _DRIVE_TIMEOUT,
            goal_at: Optional[int] = None, aborted_by: Optional[Predicate] = None,
            course: Course = Course.TO_A_PLACE, shortcut: str = '') -> CommandSpec:
-    """It takes the wheels over."""
+    """A row for a command that takes over the wheels."""
     return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
                        related or _LEAVING_THE_DOCK, aborted_by, timeout, course, goal_at,
                        shortcut)
@@ -49,31 +49,31 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
 
 def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, related: Predicate,
            goal_at: Optional[int] = None) -> CommandSpec:
-    """It takes the wheels over for several drives and other tasks."""
+    """A row for a command that takes over the wheels for several drives and other tasks."""
     return _drive(syntax, acknowledged_by, completed_by, related, _TASKS_TIMEOUT, goal_at,
                   course=Course.OF_TASKS)
 
 
 def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY,
             shortcut: str = '') -> CommandSpec:
-    """One reply of one of `kinds` is all."""
+    """A row for a command whose answer is one reply of one of `kinds`."""
     return CommandSpec(syntax, category, is_one_of(*kinds), shortcut=shortcut)
 
 
 def _listing(syntax: str, end: str, related: Predicate,
              category: Category = Category.QUERY, shortcut: str = '') -> CommandSpec:
-    """Items up to an end line."""
+    """A row for a command whose answer is a list of items up to an end line."""
     return CommandSpec(syntax, category, end_of(end), related=related, shortcut=shortcut)
 
 
 def _done(syntax: str, category: Category, phrase: str, related: Optional[Predicate] = None,
           shortcut: str = '') -> CommandSpec:
-    """A confirmation is all."""
+    """A row for a command whose answer is a confirmation that begins with `phrase`."""
     return CommandSpec(syntax, category, says(phrase), related=related, shortcut=shortcut)
 
 
 def _quiet(category: Category, *syntaxes: str, **shortcuts: str) -> Iterable[CommandSpec]:
-    """Commands whose answer is undocumented: they end when the robot has been quiet."""
+    """Rows for commands with undocumented answers: they end when the robot has been quiet."""
     return (CommandSpec(syntax, category, completed_by=None,
                         shortcut=shortcuts.get(syntax.split()[0], '')) for syntax in syntaxes)
 
@@ -117,7 +117,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
            names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0,
            related=any_of(says('queueDropoff'), notices('QueueUpdate'), _LEAVING_THE_DOCK),
            shortcut='qd'),
-    # what else moves the robot, or lets it be moved
+    # other commands that move the robot, or let it be moved
     CommandSpec('stop', Category.MOTION, is_one_of(driving.Stopped),
                 acknowledged_by=is_one_of(driving.Stopping),
                 related=is_one_of(driving.Interrupted), timeout=15.0),
@@ -163,7 +163,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _answer('distanceFromHere <goal>', site.DistanceFromHere),
     *_quiet(Category.QUERY, 'goalDistanceRemaining', 'etaRequest', 'arclStat', 'centralServer',
             'trackSectors', arclStat='ast'),
-    # what the robot counts and keeps
+    # statistics and stored values of the robot
     _listing('getInfoList', 'info list', items('InfoList')),
     CommandSpec('getInfo <name>', Category.QUERY, items('Info')),
     _done('createInfo <name> <length> <value>', Category.DEVICE, 'Created info for'),
@@ -246,7 +246,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
           'Creating simple popup'),
     *_quiet(Category.DEVICE, 'arclSendText <text>', 'modeLock', 'modeUnlock',
             'clearAllObstacles'),
-    # the connection itself, and the robot's life
+    # the connection, and power of the robot
     _listing('help', 'commands',
              any_of(is_one_of(general.HelpEntry, UnknownLine), items('Commands'))),
     _answer('echo [on|off]', general.Echo),

@@ -1,9 +1,9 @@
-"""A command, and what there is to know of its kind: syntax, category, how its answer ends.
+"""A command and the specification of its kind: syntax, category, and how its answer ends.
 
-ARCL has no request ids, so the only link between a command and the robot's lines is what the lines
-say. A specification therefore holds predicates on replies: which one acknowledges the command,
-which are related to it, which one completes it. What ends a command badly is the same for all and
-is in `endings`; what the robot's status tells of a drive is in `drive_watch`.
+ARCL has no request ids. Only the text of the robot's lines connects them with a command. A
+specification therefore contains predicates on replies: which reply acknowledges the command, which
+replies are related to it, which reply completes it. Failures and refusals are the same for all
+commands: see `endings`. `drive_watch` judges drives by the robot's status.
 """
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from typing import Callable, Optional, Tuple
 
 from omron_arcl.replies.reply import Reply, same_name
 
-ACKNOWLEDGE_TIMEOUT = 60.0  # s until a drive must have been acknowledged: it may leave the dock
+ACKNOWLEDGE_TIMEOUT = 60.0  # s in which a drive must be acknowledged; it may leave the dock first
 
 
 class Category(Enum):
-    """What a command does to the robot; the controller allows or refuses by it."""
+    """The effect of a command on the robot; the controller allows or refuses by category."""
 
     QUERY = 'query'  # asks, changes nothing
     MOTION = 'motion'  # drives, stops, docks, localises, or enables driving
@@ -28,7 +28,7 @@ class Category(Enum):
 
 
 class Course(Enum):
-    """What a driving command does with the wheels, and so what contradicts it."""
+    """What a driving command does with the wheels; this decides which activities contradict it."""
 
     TO_A_PLACE = 'to a place'
     INTO_THE_DOCK = 'into the dock'
@@ -36,21 +36,23 @@ class Course(Enum):
     OF_TASKS = 'of tasks'  # a task, macro, list or route: several drives and waits
 
 
-Predicate = Callable[['Command', Reply], bool]  # is this line what the command awaits?
+Predicate = Callable[['Command', Reply], bool]  # is this the line that the command awaits?
 
 
 @dataclass(frozen=True)
 class CommandSpec:
     """A row of the table of commands.
 
-    `completed_by`: the reply that ends it well; None: its answer is not documented, and ends when
-    the robot has been quiet. `acknowledged_by`: the reply that shows that the robot obeys, None
-    where none is promised. `related`: further lines that belong to it. `aborted_by`: once
-    acknowledged, the reply that shows that it was broken off. `timeout`: seconds without a line
-    or status about it until it has timed out; before it is acknowledged `ACKNOWLEDGE_TIMEOUT` at
-    most. `course`: set for commands that take the wheels over, and so replace the one before.
-    `goal_at`: which argument is the name of a goal, route or macro. `shortcut`: a shorter name
-    that the robot takes, too.
+    completed_by -- the reply that ends the command well; None: the answer is not documented, and
+        ends when the robot has been quiet
+    acknowledged_by -- the reply that shows that the robot obeys; None: no such reply is documented
+    related -- further lines that belong to the command
+    aborted_by -- the reply that shows that an acknowledged command was broken off
+    timeout -- seconds without a line or status about the command until it has timed out; before
+        it is acknowledged at most `ACKNOWLEDGE_TIMEOUT`
+    course -- set for commands that take over the wheels, and so replace the command before
+    goal_at -- index of the argument that is the name of a goal, route or macro
+    shortcut -- a shorter name that the robot also accepts
     """
 
     syntax: str
@@ -71,17 +73,17 @@ class CommandSpec:
 
     @property
     def drives(self) -> bool:
-        """Whether it takes the wheels over."""
+        """Whether the command takes over the wheels."""
         return self.course is not None
 
     @property
     def stops(self) -> bool:
-        """Whether it is `stop`, which goes before everything else."""
+        """Whether it is `stop`, which overtakes all other commands."""
         return self.name == 'stop'
 
     @property
     def required(self) -> int:
-        """How many arguments it needs."""
+        """The number of arguments that the command needs."""
         return self.syntax.count('<')
 
 
@@ -89,7 +91,7 @@ class CommandSpec:
 class Command:
     """One line for the robot, as `parse_command` reads it.
 
-    `text` is the line as people read it, `line` the bytes to send; `spec` is the table's row.
+    `text` is the line for people, `line` the bytes to send; `spec` is the row of the table.
     """
 
     text: str
@@ -105,10 +107,10 @@ class Command:
 
     @property
     def goals(self) -> Tuple[str, ...]:
-        """The readings of the goal's, route's or macro's name; empty where there is none.
+        """The possible readings of the goal's, route's or macro's name; empty if it has none.
 
-        More than one, because the robot takes names with blanks unquoted too, and `goto` takes a
-        heading after the goal.
+        There may be several, because the robot also accepts names with blanks without quotes, and
+        `goto` takes a heading after the goal.
         """
         if self.spec.goal_at is None:
             return ()
@@ -117,5 +119,5 @@ class Command:
         return tuple(dict.fromkeys(name for name in readings if name))
 
     def is_for(self, name: str) -> bool:
-        """Whether a reply that names a goal, route or macro means this command's."""
+        """Whether a reply with the name `name` of a goal, route or macro refers to this command."""
         return any(same_name(name, goal) for goal in self.goals)

@@ -1,4 +1,4 @@
-"""A TCP connection that never blocks, and what is said over it."""
+"""A TCP connection that never blocks, and the lines that come over it."""
 from __future__ import annotations
 
 import contextlib
@@ -14,14 +14,15 @@ from omron_arcl.session import Closed, LoggedIn, Received, Session
 
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
-_STANDSTILL = 1.0  # s between two looks at a connection after which what it holds may be old
-_DRAINED = 0.03  # s of waiting for bytes that shows that what comes now is new;
-_WAITED, _FLUSHED = 0.001, 0.5  # or of some waiting, once the other side's buffers must be empty
+_STANDSTILL = 1.0  # s between two reads; after more the received data may be old
+# Data is new again after either of these:
+_DRAINED = 0.03  # s of waiting for bytes,
+_WAITED, _FLUSHED = 0.001, 0.5  # s of waiting, once this time has emptied the other side's buffers
 _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
 class Connection:
-    """A connected socket with a buffer of what could not be sent yet."""
+    """A connected socket with a buffer for data that could not be sent yet."""
 
     def __init__(self, connected: socket.socket) -> None:
         self.socket = connected
@@ -31,9 +32,9 @@ class Connection:
 
     @classmethod
     def open(cls, host: str, port: int, timeout: float, give_up: Callable[[], bool]) -> Connection:
-        """Connects, to each address of the host in turn, `timeout` s at most for each.
+        """Connects to each address of the host in turn, within `timeout` s for each.
 
-        Raises OSError. Breaks off within a moment when `give_up` says so.
+        Raises OSError. Gives up within `_CONNECT_TICK` when `give_up` returns True.
         """
         failure = OSError(errno.EADDRNOTAVAIL, f'{host} has no address')
         for family, kind, protocol, _, address in resolve(host, port):
@@ -63,14 +64,14 @@ class Connection:
         self.socket.close()
 
     def receive(self) -> Optional[bytes]:
-        """What has come: None for nothing yet, b'' for the end. Raises OSError when broken."""
+        """The received bytes: None if there are none yet, b'' at the end. Raises OSError."""
         try:
             return self.socket.recv(_CHUNK)
         except BlockingIOError:
             return None
 
     def send(self, data: bytes) -> None:
-        """Sends as much as goes now, keeps the rest. Raises OSError when broken."""
+        """Sends as much as possible now and keeps the rest. Raises OSError if broken."""
         self.unsent += data
         with contextlib.suppress(BlockingIOError):
             while self.unsent:
@@ -78,10 +79,10 @@ class Connection:
 
 
 class Peer:
-    """A connection and its session: what the robot says over it, and whether it is alive.
+    """A connection with its session: the robot's lines, and whether the robot is alive.
 
-    timeout: seconds without a whole line, or without taking what is sent, after which the robot
-    counts as gone. A byte now and then is no sign of life.
+    timeout: seconds without a complete line, or without accepting sent data, after which the robot
+    counts as gone. Single bytes without a line end are no sign of life.
     """
 
     def __init__(self, connection: Connection, session: Session, timeout: float) -> None:
@@ -94,12 +95,12 @@ class Peer:
         self._resumed = 0.0
 
     def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
-        """What the robot says, after waiting for it for `waited` s.
+        """The events in the received data, after a wait of `waited` s for it.
 
         Raises LinkError when the connection is over, or OSError.
         """
         data = self.connection.receive()
-        read = max(now, time.monotonic())  # it may have stood still between the two
+        read = max(now, time.monotonic())  # the process may have been suspended in between
         if read - self._looked > _STANDSTILL:
             self._late, self._resumed = True, read
         elif waited > _DRAINED or (waited > _WAITED and read - self._resumed > _FLUSHED):
@@ -118,14 +119,14 @@ class Peer:
         if not self.connection.unsent:
             self._sent = now
         elif now - self._sent > self._timeout:
-            raise ConnectionLost('the robot has not taken what was sent to it for '
+            raise ConnectionLost('the robot has not accepted any data for '
                                  f'{now - self._sent:.1f} s')
 
 
 def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
-    """The addresses of a host, as `getaddrinfo` gives them; raises OSError.
+    """The addresses of a host, as from `getaddrinfo`; raises OSError.
 
-    A text that can be no name, such as `10.0..5`, has no address either.
+    Also raises OSError for a text that cannot be a host name, such as `10.0..5`.
     """
     if not is_host(host):
         raise OSError(errno.EINVAL, f'"{host}" is neither an address nor a name')
@@ -133,7 +134,7 @@ def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
 
 
 def is_host(text: str) -> bool:
-    """Whether a text can be a host's name or address at all."""
+    """Whether a text can be a host's name or address."""
     try:
         return bool(text.encode('idna')) and text.isprintable() and ' ' not in text
     except UnicodeError:
@@ -141,7 +142,7 @@ def is_host(text: str) -> bool:
 
 
 def reason_of(error: OSError) -> str:
-    """What an OSError says, without its number."""
+    """The text of an OSError, without its number."""
     text = error.strerror or str(error)
     return text if '"' in text else text.lower()
 
@@ -162,7 +163,7 @@ def _await_connected(attempt: socket.socket, timeout: float, give_up: Callable[[
 
 
 def _make_lively(connected: socket.socket) -> None:
-    """Sends at once; the kernel notices a peer that vanished even while we say nothing."""
+    """Turns off send delay; makes the kernel notice a vanished peer even without traffic."""
     connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (('TCP_KEEPIDLE', 2), ('TCP_KEEPINTVL', 1), ('TCP_KEEPCNT', 3),

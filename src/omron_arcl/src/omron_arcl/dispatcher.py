@@ -1,15 +1,17 @@
-"""Commands in, lines to send out; replies and time in, results out. No I/O, and no clock.
+"""The commands of one connection: takes commands, lines and time; gives lines to send and results.
+No I/O, and no clock.
 
-The rules, of which `command_queue` keeps the order, `attribution` the meaning of lines, and
-`drive_watch` what the robot's status says of a drive:
-- queries of one name wait for each other, so an answer has one asker;
-- a driving command is acknowledged by a line that names its goal, and replaces what came before it,
-  a stop that is still under way included;
-- `stop` overtakes all that is unsent, and unsent driving commands are dropped for it;
-- a `Stopped` ends every stop that was sent before the next driving command; a stop that another
-  client's drive overtook while the robot braked was interrupted, for the robot does not stand;
-- nothing is ever sent twice, and each command under way ends as LOST with the link;
-- a command ends within its bound, regardless of the robot's answers.
+`command_queue` keeps the order, `attribution` decides on the meaning of lines, and `drive_watch`
+judges drives by the robot's status. The rules:
+- Queries of one name wait for each other, so that each answer has one asker.
+- A line that names the goal of a driving command acknowledges it. The command then replaces all
+  motions before it, including a stop that is under way.
+- `stop` overtakes all unsent commands. Unsent driving commands are dropped for it.
+- A `Stopped` ends every stop that was sent before the next driving command. If another client's
+  drive overtakes a stop while the robot brakes, the stop was interrupted, because the robot does
+  not stand.
+- Nothing is ever sent twice. When the link breaks, each command under way ends as LOST.
+- A command ends within its time limit, regardless of the robot's answers.
 """
 from __future__ import annotations
 
@@ -24,23 +26,24 @@ from omron_arcl.motion_authority import MotionAuthority
 from omron_arcl.replies.reply import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
-_DESCRIPTION_TIMEOUT = 1.0  # s that the description may come after its CommandError
+_DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come
 _LONGEST_ANSWER = 60.0  # s from sending a query or stop, however much the robot has to say
 _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
 _LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one, else a stop
 
 
 def _may_take_longer(execution: Execution) -> bool:
-    """A drive under way, and the way to the dock, which comes before the robot says it docks."""
+    """Whether no total limit applies: a drive under way, or the drive to the dock, which comes
+    before the robot reports that it docks."""
     spec = execution.command.spec
     return spec.drives and (execution.begun or spec.course is Course.INTO_THE_DOCK)
 
 
 class Dispatcher:
-    """The commands of one connection. The caller brings the clock (s, monotonic) and the lock.
+    """The commands of one connection. The caller provides the clock (s, monotonic) and the lock.
 
-    `pop_callbacks` gives what is to be told to the waiting callers; it is told outside the lock, so
-    that a callback may give the next command.
+    `pop_callbacks` returns the callbacks of the waiting callers. The caller runs them outside the
+    lock, so that a callback may give the next command.
     """
 
     def __init__(self, authority: Optional[MotionAuthority] = None) -> None:
@@ -53,10 +56,11 @@ class Dispatcher:
               on_end: Optional[Callable[[Result], None]] = None,
               stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
               known_epoch: int = 0) -> Execution:
-        """Takes a command of `giver`, which knows of the epoch; raises Busy, Overruled or Unclear.
+        """Takes a command of `giver`, which knows `known_epoch`.
 
-        timeout: seconds without a word about it, else the command's own. stop_on_timeout: a drive
-        that has timed out is stopped, unless a newer one is under way.
+        Raises Busy, Overruled or Unclear. timeout: seconds without a line about the command;
+        default: the command's own. stop_on_timeout: stops a drive that has timed out, unless a
+        newer one is under way.
         """
         self.authority.check(giver, command, known_epoch)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
@@ -67,7 +71,7 @@ class Dispatcher:
         return execution
 
     def start_without_link(self, command: Command, giver: Giver, known_epoch: int) -> None:
-        """A command is given while there is no link: a stop is sent as soon as there is one.
+        """Takes a command while there is no link; a stop is sent as soon as there is a link.
 
         Raises Overruled.
         """
@@ -76,14 +80,14 @@ class Dispatcher:
             self.authority.owe_stop_without_link(giver)
 
     def on_connected(self, now: float) -> None:
-        """Commands can be sent from now on."""
+        """The link is up: commands can be sent from now on."""
         self.authority.on_link(True, now)
 
     def cancel(self, execution: Execution, now: float, canceller: Giver = NO_GIVER) -> None:
-        """Ends a command: the unsent is dropped, the driving stopped, a query no longer awaited.
+        """Cancels a command: drops an unsent one, stops a drive, no longer waits for a query.
 
-        A driving command that has been replaced is left to the one that replaced it. A stop goes
-        to the robot anyway.
+        A driving command that was replaced is ended by its replacement. A stop is still sent to
+        the robot.
         """
         if execution.result is not None:
             return
@@ -98,7 +102,7 @@ class Dispatcher:
         self._stop_if_cancelled(now)
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """The next line to send, if one may go now; it counts as sent."""
+        """The next line that may be sent now, or None; its command counts as sent."""
         self._commands.now = now
         execution = self._commands.next_to_send(now)
         if execution is None:
@@ -108,22 +112,22 @@ class Dispatcher:
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a status of the robot would tell whether a drive or stop is over."""
+        """Whether a status of the robot would show whether a drive or stop is over."""
         return self._attribution.watch.in_doubt
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
-        """A line came."""
+        """Processes a line of the robot."""
         self._commands.now = now
         self._attribution.on_reply(reply, text, now)
         self._stop_if_cancelled(now)
         self._stop_if_owed(now)
 
     def on_time(self, now: float) -> None:
-        """Time has passed."""
+        """Processes the passage of time: timeouts, doubts and due stops."""
         self._commands.now = now
         self._attribution.watch.on_time(now)
         for execution in list(self._commands.sent):
-            if execution in self._commands.sent:  # not ended with another
+            if execution in self._commands.sent:  # it may have ended with another command
                 self._check_time(execution, now)
         self._stop_if_cancelled(now)
         self._stop_if_owed(now)
@@ -152,26 +156,27 @@ class Dispatcher:
             self._stop()
 
     def on_lost(self, reason: str) -> None:
-        """The link broke: nothing is sent again but a stop that is owed, everything ends."""
+        """The link broke: every command ends, and nothing is sent again except an owed stop."""
         self.authority.on_link(False, self._commands.now)
         for execution in self._commands.sent + self._commands.waiting:
             self._commands.end(execution, Outcome.LOST if execution.sent else Outcome.NEVER_SENT,
                                reason)
 
     def pop_callbacks(self) -> List[Callable[[], None]]:
-        """What is to be told, in order."""
+        """Returns and clears the callbacks of the waiting callers, in order."""
         return self._commands.pop_callbacks()
 
     def _stop_if_cancelled(self, now: float) -> None:
-        """Stops the robot when what it does, or is about to do, is no longer wanted.
+        """Stops the robot if its present or next drive was cancelled.
 
-        A newer driving command replaces a cancelled one; a stop would end that one, too. But it
-        must do so soon: the robot may have missed it.
+        If a newer driving command of the same giver replaces the cancelled one, a stop would also
+        end the newer one, so none is sent. If the replacement takes too long, the stop is sent
+        anyway: the robot may have missed the newer command.
         """
         waiting = any(e.command.spec.drives for e in self._commands.waiting)
         for drive in reversed(self._commands.drives):
             if drive.stopping:
-                return  # that stop is meant for the older ones, too
+                return  # that stop also ends the older drives
             if drive.cancel_requested is None:
                 continue
             newest = drive is self._commands.drives[-1] and not waiting

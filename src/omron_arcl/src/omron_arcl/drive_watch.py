@@ -1,10 +1,10 @@
-"""Whether a drive still goes on, by what the robot says of itself.
+"""Decides by the robot's reported activity whether a drive still goes on.
 
-Not every end of a drive is said in words that name it: a robot that another client stops may say no
-more than `Stopping`, `Stopped`, or name a point instead of the goal. So every line and status that
-tells what the robot does is held against what it was told to do. What contradicts a drive for some
-seconds ends it. One word to the contrary does not: right after a command the status may still be
-the one before, or `Stopping`, `Stopped` for an instant.
+The robot does not always name a drive that ends. If another client stops it, it may say no more
+than `Stopping`, `Stopped`, or name a point instead of the goal. Every line and status about the
+robot's activity is therefore compared with the drive that it was sent on. An activity that
+contradicts the drive for some seconds ends it. One contradiction is not enough: right after a
+command the status may be out of date, or be `Stopping`, `Stopped` for an instant.
 """
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from omron_arcl.execution import Doubt, Execution, Outcome
 from omron_arcl.replies import driving
 from omron_arcl.replies.reply import coordinates
 
-# s after which what was said at least twice to the contrary ends the command
+# s after which an activity that contradicted a command at least twice ends it
 SETTLE: Mapping[Course, float] = {
     Course.TO_A_PLACE: 4.0,
-    Course.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands, and is undocked
+    Course.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
     Course.OUT_OF_THE_DOCK: 10.0,
-    Course.OF_TASKS: 30.0,  # between two steps it may stand
+    Course.OF_TASKS: 30.0,  # between two steps the robot may stand
 }
-SETTLE_CERTAIN = 4.0  # s likewise for an arrival and for an emergency stop
-SETTLE_STOP = 2.0  # s for which the robot stands, until a stop without `Stopped` was obeyed
-SETTLE_OVERTAKEN = 6.0  # s for which it drives elsewhere, until a stop was overtaken
-SETTLE_ONCE = 5.0  # s more where it was said only once, for the robot answers no status
+SETTLE_CERTAIN = 4.0  # s, the same for an arrival and for an emergency stop
+SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
+SETTLE_OVERTAKEN = 6.0  # s of driving elsewhere after which a stop counts as overtaken
+SETTLE_ONCE = 5.0  # s more after a single contradiction: the robot answers no status requests
 LAG = 1.0  # s after sending in which a status may be older than the command
 
-# Of a drive that the robot has not acknowledged by its goal's name: so it leaves the dock for it,
-# or drives to the dock.
+# Activities of a drive that the robot has not acknowledged by its goal's name yet: the robot leaves
+# the dock for the drive, or drives to the dock.
 ABOUT_THE_DOCK = frozenset((ActivityKind.UNDOCKING, ActivityKind.DOCKING))
 
 
 class Sign(Enum):
-    """What an activity says of a command, beside how it ends."""
+    """What an activity says about a command that it does not end."""
 
     CONFIRMED = 'it is being carried out'
     NONE = 'nothing'
@@ -54,7 +54,7 @@ _STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
     _K.FAILED: Outcome.FAILED,
     _K.LOST: Outcome.FAILED,
 }
-# What an activity says of a drive that has begun, where the command's own predicates know nothing.
+# The verdict of an activity on a drive that has begun and whose own predicates do not match.
 _VERDICTS: Mapping[Course, Mapping[ActivityKind, Verdict]] = {
     Course.TO_A_PLACE: {
         **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED},
@@ -78,7 +78,7 @@ _POWERLESS: Mapping[ActivityKind, Verdict] = {
 
 
 class Observation(NamedTuple):
-    """What the robot says that it does: as a status, or as a line of its own when it changes."""
+    """An activity that the robot reports, in a status or in a line sent when it changes."""
 
     activity: Activity
     text: str
@@ -86,12 +86,12 @@ class Observation(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What the giver of the command is told."""
+        """The words for the giver of the command."""
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
 
 class DriveWatch:
-    """Holds what the robot does against the motions that a queue has sent."""
+    """Compares the robot's activity with the motions that a queue has sent."""
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
@@ -99,11 +99,11 @@ class DriveWatch:
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a status would tell more about a motion under way."""
+        """Whether another status would help to decide on a motion under way."""
         return any(execution.doubt for execution in self._commands.motion_executions)
 
     def observe(self, seen: Observation, now: float) -> None:
-        """The robot says what it does."""
+        """Processes an activity that the robot reports."""
         if seen.is_status:
             self.shown = seen.text
         for execution in self._commands.motion_executions:
@@ -115,10 +115,10 @@ class DriveWatch:
                 self._observe_drive(execution, seen, now)
 
     def on_time(self, now: float) -> None:
-        """Time has passed: ends what has been contradicted for long enough."""
+        """Ends the commands that have been contradicted for long enough."""
         for execution in self._commands.motion_executions:
             doubt = execution.doubt
-            if doubt is None or execution not in self._commands.sent:  # ended with another
+            if doubt is None or execution not in self._commands.sent:  # it ended with another
                 continue
             since, settle = now - doubt.since, _settle_time(execution, doubt)
             if since >= settle and (doubt.count > 1 or since >= settle + SETTLE_ONCE):
@@ -143,7 +143,7 @@ class DriveWatch:
             _doubt(execution, verdict, seen, now)
 
     def _observe_stop(self, stop: Execution, seen: Observation, now: float) -> None:
-        """A stop is obeyed once the robot stands, and overtaken once it drives elsewhere."""
+        """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
         kind = seen.activity.kind
         if not seen.is_status:
             return
@@ -157,7 +157,7 @@ class DriveWatch:
 
 
 def _judge(execution: Execution, seen: Observation) -> Verdict:
-    """What the robot's activity says of a drive."""
+    """The verdict of the robot's activity on a drive."""
     command, spec, activity = execution.command, execution.command.spec, seen.activity
     course = spec.course
     if activity.kind in _POWERLESS:
@@ -173,17 +173,20 @@ def _judge(execution: Execution, seen: Observation) -> Verdict:
         return _VERDICTS[course].get(activity.kind, Sign.NONE)
     if execution.set_out and activity.kind is ActivityKind.INTERRUPTED:
         return Outcome.INTERRUPTED
-    # The robot drives to its dock before it says that it docks.
+    # The robot drives to its dock before it reports that it docks.
     on_its_way = (course is Course.INTO_THE_DOCK and activity.kind in MOVING
                   or execution.set_out and activity.kind in ABOUT_THE_DOCK)
     return Sign.CONFIRMED if on_its_way else Sign.NONE
 
 
 def _judge_point(execution: Execution, seen: Observation) -> Verdict:
-    """Some robots show where a goal is, not its name (ARCL manual I617-E-02 p. 243)."""
+    """Judges an activity about a point.
+
+    Some robots show the coordinates of a goal, not its name (ARCL manual I617-E-02 p. 243).
+    """
     point = coordinates(getattr(seen.activity.reply, 'goal', ''))
     if point and not execution.command.goals:
-        return Outcome.INTERRUPTED  # the command names a point, and this is another
+        return Outcome.INTERRUPTED  # the command names a point, and the robot shows another one
     if seen.activity.kind is ActivityKind.GOING_TO_POINT:
         execution.points.add(point)
         return Sign.CONFIRMED

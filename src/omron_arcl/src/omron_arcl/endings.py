@@ -1,7 +1,7 @@
-"""What ends commands badly: refusals, failures, interruptions. Said in the same way for all.
+"""Refusals, failures and interruptions end commands; they have the same form for all commands.
 
-The robot's words for these differ between robots and manuals, and not all of them name what they
-are about. What is not certain ends nothing here: see `drive_watch`.
+Their words differ between robots and manuals, and not all of them name the command. A line whose
+command is uncertain ends no command here: see `drive_watch`.
 """
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from omron_arcl.replies import driving, refusals, safety
 from omron_arcl.replies.reply import Reply, UnknownLine, coordinates
 from omron_arcl.secret import redact_passwords
 
-_CUT_NAME = 16  # characters to which the robot cuts an unknown command's name
-# What some robots say in a word of their own instead of a docking state.
+_CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
+# Activities that some robots report with a word of their own instead of a docking state.
 _IN_WORDS = {ActivityKind.DOCKING: Course.INTO_THE_DOCK,
              ActivityKind.UNDOCKING: Course.OUT_OF_THE_DOCK}
 
@@ -36,23 +36,24 @@ class BadEndings:
         self._commands = commands
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
-        """A line came: what it means, and as it was said."""
+        """Processes a line of the robot: `reply` is its meaning, `text` its words."""
         handle = _HANDLERS.get(type(reply))
         if handle:
             handle(self, reply, text, now)
 
     def _end(self, execution: Execution, outcome: Outcome, text: str, now: float,
              words: str = '') -> None:
-        """The line ends the command; `words` where they are not the whole line."""
+        """The line ends the command. `words`: the robot's reason, if it is not the whole line."""
         self._commands.add_line(execution, text, now)
         self._commands.end(execution, outcome, words or text)
 
     # --- refusals ---------------------------------------------------------------------------------
 
     def _on_command_error(self, reply: refusals.CommandError, text: str, now: float) -> None:
-        """The robot repeats the line; the description follows, perhaps after other lines.
+        """The robot repeats the refused line; the description follows, possibly after others.
 
-        Passwords are redacted in what comes from the robot, so in what was sent they are too.
+        Passwords in the robot's lines are redacted, so they are also redacted in the sent lines
+        for the comparison.
         """
         open_to_it = [e for e in self._commands.sent if not e.begun and e.rejected_at is None]
         refused = _plain(reply.command)
@@ -67,7 +68,8 @@ class BadEndings:
 
     def _on_description(self, reply: refusals.CommandErrorDescription, text: str,
                         now: float) -> None:
-        """Of the oldest refused; one that comes without an error, of that whose goal it names."""
+        """Ends the oldest refused command. A "no goal" text without an error before it ends the
+        command whose goal it names."""
         rejected = [e for e in self._commands.sent if e.rejected_at is not None]
         no_goal = bool(_NO_GOAL.search(reply.text))
         if not rejected and no_goal:
@@ -86,7 +88,7 @@ class BadEndings:
                 return
 
     def _on_setup_error(self, reply: refusals.SetUpError, text: str, now: float) -> None:
-        """It names no command: the oldest that can still be refused is meant."""
+        """The line names no command: it ends the oldest command that can still be refused."""
         for execution in self._commands.sent:
             if not execution.begun:
                 self._end(execution, Outcome.REJECTED, text, now, reply.text)
@@ -99,12 +101,13 @@ class BadEndings:
                 self._end(execution, Outcome.REJECTED, text, now)
                 return
 
-    # --- what ends drives badly -------------------------------------------------------------------
+    # --- failures and interruptions of drives -----------------------------------------------------
 
     def _on_interrupted(self, reply: driving.Interrupted, text: str, now: float) -> None:
-        """It tells the status text of what ran; where that names no drive of ours, see the watch.
+        """The line repeats the status text of the interrupted motion.
 
-        Some robots name the point instead of the goal (ARCL manual I617-E-02 p. 243).
+        If that text names no drive of ours, `drive_watch` decides. Some robots name the point
+        instead of the goal (ARCL manual I617-E-02 p. 243).
         """
         ran = parse_line(reply.text)
         point = coordinates(getattr(ran, 'goal', ''))
@@ -122,7 +125,7 @@ class BadEndings:
             self._end(begun[-1], Outcome.INTERRUPTED, text, now)
 
     def _on_error(self, reply: driving.RobotError, text: str, now: float) -> None:
-        """It names no command: what drives, or else what was to drive first, has failed."""
+        """The line names no command: it fails the present drive, or else the first one to come."""
         if _EMERGENCY_STOP.search(reply.text):
             self._end_powerless(Outcome.EMERGENCY_STOPPED, text, now)
         else:
@@ -137,7 +140,7 @@ class BadEndings:
             self._fail_a_drive(text, now)
 
     def _on_failure(self, reply: driving.Failure, text: str, now: float) -> None:
-        """Free words: of a drive that has begun they end none at once, see the watch."""
+        """A text without a fixed form. It ends no drive that has begun: `drive_watch` decides."""
         localizing = [e for e in self._commands.sent if e.command.name.startswith('localize')]
         if localizing and _ABOUT_LOCALIZING.search(reply.text):
             self._end(localizing[0], Outcome.FAILED, text, now)
@@ -158,7 +161,7 @@ class BadEndings:
             self._end_powerless(Outcome.FAILED, text, now)
 
     def _end_powerless(self, outcome: Outcome, text: str, now: float) -> None:
-        """Without motors nothing drives, and the robot takes no goal up again by itself."""
+        """Ends all drives: the robot does not resume a goal by itself after its motors were off."""
         for execution in list(self._commands.sent):
             if execution.command.spec.drives or execution.command.name == 'enableMotors':
                 self._end(execution, outcome, text, now)
@@ -190,11 +193,11 @@ def _plain(command: str) -> str:
 
 
 def _is_cut_from(said: str, given: str) -> bool:
-    """Whether the robot repeats only the beginning of what it was given."""
+    """Whether the robot repeats only the beginning of the command."""
     return len(said) >= _CUT_NAME and given.startswith(said)
 
 
 def _mentions(text: str, names: Iterable[str]) -> bool:
-    """Whether one of the names stands in the text, as words of their own."""
+    """Whether one of the names is in the text, as separate words."""
     return any(re.search(rf'(?<!\w){re.escape(name)}(?!\w)', text, re.IGNORECASE)
                for name in names)

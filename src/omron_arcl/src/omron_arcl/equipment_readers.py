@@ -1,4 +1,4 @@
-"""Readers of what the robot carries: inputs and outputs, payload, range devices; see `readers`."""
+"""Readers of lines about inputs and outputs, payload and range devices; see `readers`."""
 from __future__ import annotations
 
 import re
@@ -17,7 +17,7 @@ _STATES = ('on', 'off', 'broken')
 
 
 def digital_input(text: str, output: bool) -> equipment.Input:
-    """`<name> on`, or the name alone (in the lists of some robots, by the manual)."""
+    """`<name> on`, or only the name (in the lists of some robots, by the manual)."""
     name, _, state = text.rpartition(' ')
     if state.lower() not in _STATES:
         name, state = text, ''
@@ -43,7 +43,7 @@ def external_io(text: str) -> equipment.ExternalIO:
 def external_io_update(text: str) -> equipment.ExternalIOUpdate:
     """`input <name> updated with 0x20 from 32`, `output <name> updated with 1 at bit 32 to 0x80`.
 
-    The value of the whole set comes first in the one, last in the other.
+    The value of the whole set is the first number in the one form, the last in the other.
     """
     what, _, change = text.partition(' updated with ')
     side, _, name = what.partition(' ')
@@ -55,7 +55,7 @@ def external_io_update(text: str) -> equipment.ExternalIOUpdate:
 
 
 def payload_slot(text: str) -> equipment.PayloadSlot:
-    """`1 "<content>" <date> <time> <echo>`; a fleet manager names the robot before it, quoted."""
+    """`1 "<content>" <date> <time> <echo>`; a fleet manager puts the robot's quoted name first."""
     fields = split_words(text)
     robot = fields.pop(0) if text.startswith('"') else ''
     slot, content, *_ = fields
@@ -69,7 +69,7 @@ def range_device(text: str) -> equipment.RangeDevice:
 
 
 def range_reading(text: str, cumulative: bool) -> equipment.RangeReading:
-    """`<device> x y x y ...`: whole mm in the map frame; a dangling last number is dropped."""
+    """`<device> x y x y ...`: whole mm in the map frame; an unpaired last number is dropped."""
     device, _, numbers = text.partition(' ')
     if not device:
         raise ValueError
@@ -80,10 +80,10 @@ def range_reading(text: str, cumulative: bool) -> equipment.RangeReading:
 
 
 def _integers(text: str) -> npt.NDArray[np.int64]:
-    """Blank-separated integers, read at once by numpy.
+    """Blank-separated integers, read by numpy in one call.
 
-    numpy stops silently at the first word that is no integer, so the text is checked before: only
-    digits, blanks and signs, each sign after a blank and before a digit.
+    numpy stops silently at the first word that is no integer. The text is therefore checked before:
+    it may contain only digits, blanks and signs, each sign after a blank and before a digit.
     """
     padded = f' {text} '.encode('ascii')
     if (padded.translate(None, b'0123456789 -') or b'- ' in padded

@@ -1,13 +1,13 @@
-"""What can go wrong, by whose fault.
+"""The errors of this package.
 
-InvalidCommand and NotConnected are the caller's, LinkError and its kinds the robot's or the
-network's. None of them ever holds the password.
+InvalidCommand and NotConnected are mistakes of the caller. LinkError and its subclasses are faults
+of the robot or the network. No error ever contains the password.
 """
 from __future__ import annotations
 
 
 class ArclError(Exception):
-    """Base of all errors of this package; its text is one sentence for people."""
+    """Base of all errors of this package; its text is one sentence for a person."""
 
 
 class InvalidCommand(ArclError):
@@ -20,7 +20,7 @@ class InvalidCommand(ArclError):
 
 
 class NotConnected(ArclError):
-    """A command was given without a login at the robot; `reason` tells why not."""
+    """A command was given without a login at the robot; `reason` says why there is none."""
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
@@ -28,19 +28,19 @@ class NotConnected(ArclError):
 
 
 class Busy(ArclError):
-    """More commands wait to be sent than the robot can be expected to take."""
+    """More commands wait to be sent than the queue accepts."""
 
 
 class LinkError(ArclError):
-    """The connection could not be made or ended."""
+    """The connection could not be made, or it ended."""
 
 
 class ConnectionFailed(LinkError):
-    """The robot could not be reached, or turned the connection down before the login."""
+    """The robot could not be reached, or it rejected the connection before the login."""
 
 
 class WrongPassword(LinkError):
-    """The robot closed the connection on the password, which it does without a word."""
+    """The robot refused the password. Robots often close the connection without a message."""
 
 
 class ConnectionLost(LinkError):
@@ -48,7 +48,7 @@ class ConnectionLost(LinkError):
 
 
 class PeerSilent(LinkError):
-    """Nothing came for too long; `seconds` is how long, `words` what came last in a login."""
+    """Nothing came for `seconds`; `words`: the last text that came in a login."""
 
     def __init__(self, seconds: float, words: str = '') -> None:
         self.seconds = seconds
@@ -57,7 +57,7 @@ class PeerSilent(LinkError):
 
 
 class LineTooLong(LinkError):
-    """The peer sent a line beyond all measure; `limit` is the most bytes that are taken."""
+    """The peer sent a line of more than `limit` bytes, the most that is accepted."""
 
     def __init__(self, limit: int) -> None:
         self.limit = limit

@@ -1,4 +1,4 @@
-"""A command under way, as its giver sees it."""
+"""A command that was given to the robot, as its giver sees it."""
 from __future__ import annotations
 
 import math
@@ -9,32 +9,32 @@ from typing import Callable, List, NamedTuple, Optional, Set, Tuple
 
 from omron_arcl.commands import ACKNOWLEDGE_TIMEOUT, Command
 
-MAXIMUM_LINES = 10_000  # kept of one command's lines,
-MAXIMUM_CHARACTERS = 4_000_000  # and of what they hold
+MAXIMUM_LINES = 10_000  # that are kept of one command's lines,
+MAXIMUM_CHARACTERS = 4_000_000  # and the most characters in them
 
 
 class Outcome(Enum):
     """How a command ended."""
 
     SUCCEEDED = 'succeeded'
-    REJECTED = 'rejected'  # the robot did not take the command
+    REJECTED = 'rejected'  # the robot did not accept the command
     NO_GOAL = 'no such goal'
     UNKNOWN_COMMAND = 'unknown command'
-    FAILED = 'failed'  # the robot tried, and said why it gave up
+    FAILED = 'failed'  # the robot tried and gave up, with a reason
     EMERGENCY_STOPPED = 'emergency stop'
-    INTERRUPTED = 'interrupted'  # another command, or a stop that was not ours
+    INTERRUPTED = 'interrupted'  # by another command, or by another client's stop
     CANCELLED = 'cancelled'  # we asked for it
-    TIMED_OUT = 'timed out'  # the robot fell silent about it
+    TIMED_OUT = 'timed out'  # the robot sent no more lines about it
     LOST = 'lost'  # the link broke; the robot may still be driving
-    NEVER_SENT = 'never sent'  # it certainly did not reach the robot
+    NEVER_SENT = 'never sent'  # it did not reach the robot, for certain
     OVERRULED = 'overruled'  # never sent: the command of another giver came first
 
 
 @dataclass(frozen=True)
 class Result:
-    """How a command ended: `words` are the robot's, or ours where it said nothing.
+    """How a command ended: `words` are the robot's, or ours if the robot gave none.
 
-    `lines` are those that belonged to the command; `left_out` counts the ones beyond what is kept.
+    `lines` are the lines that belonged to the command; `left_out` counts those beyond the limits.
     """
 
     outcome: Outcome
@@ -45,10 +45,11 @@ class Result:
 
 @dataclass
 class Doubt:
-    """The robot says something else than that it carries the command out.
+    """The robot reports an activity other than the command.
 
-    outcome, words: how the command ends if this holds. since: when it was said first, `count`:
-    how often since. broken_off: an `Interrupted` was said that names something unknown.
+    outcome, words -- how the command ends if the doubt persists
+    since -- when the robot first contradicted the command; `count`: how often since then
+    broken_off -- the robot sent an `Interrupted` that names something unknown
     """
 
     outcome: Outcome
@@ -59,7 +60,7 @@ class Doubt:
 
 
 class Giver(NamedTuple):
-    """A program that gives commands; `process` tells it from the one that had its name before."""
+    """A program that gives commands; `process` differs from that of an earlier one of its name."""
 
     name: str
     process: str = ''
@@ -69,7 +70,7 @@ NO_GIVER = Giver('')
 
 
 class Execution:
-    """A command given to the robot. `result` is None until it has ended; any thread may ask."""
+    """A command given to the robot. `result` is None until it has ended; readable by any thread."""
 
     def __init__(self, command: Command, timeout: Optional[float] = None,
                  on_line: Optional[Callable[[str], None]] = None,
@@ -82,24 +83,24 @@ class Execution:
         self.result: Optional[Result] = None
         self.on_line = on_line
         self.on_end = on_end
-        # Kept by the dispatcher, its queue, its attribution and its watch:
-        self.timeout = timeout or command.spec.timeout  # s without a word about it
+        # Maintained by the dispatcher, its queue, its attribution and its watch:
+        self.timeout = timeout or command.spec.timeout  # s without a line about it
         self.acknowledge_timeout = timeout or min(command.spec.timeout, ACKNOWLEDGE_TIMEOUT)
         self.stop_on_timeout = stop_on_timeout
-        self.epoch = 0  # in which it was taken
-        self.replaces = False  # a drive that was under way when it was taken
+        self.epoch = 0  # the epoch in which it was taken
+        self.replaces = False  # whether another drive was under way when it was taken
         self.over_at = -math.inf
         self.sent_at = 0.0
-        self.heard: Optional[float] = None  # when it was sent, or last heard of
-        self.order = 0  # of sending
+        self.heard: Optional[float] = None  # when it was sent, or when its last line came
+        self.order = 0  # its number in the order of sending
         self.begun = False  # the robot has acknowledged it
-        self.set_out = False  # it stood, and moves since: it leaves the dock, or drives to it
-        self.cancel_requested: Optional[float] = None  # when
-        self.stopping = False  # a stop was given because of that
-        self.rejected_at: Optional[float] = None  # CommandError came, its description is awaited
+        self.set_out = False  # the robot stood, and now leaves the dock or drives to it
+        self.cancel_requested: Optional[float] = None  # the time of the request
+        self.stopping = False  # a stop was given because of that request
+        self.rejected_at: Optional[float] = None  # when CommandError came; its description follows
         self.doubt: Optional[Doubt] = None
-        self.shown_when_sent = ''  # the robot's status text then
-        self.points: Set[Tuple[float, ...]] = set()  # that the robot showed for its goal
+        self.shown_when_sent = ''  # the robot's status text at that time
+        self.points: Set[Tuple[float, ...]] = set()  # coordinates that the robot showed as its goal
         self._lines: List[str] = []
         self._characters = 0
         self._left_out = 0
@@ -107,11 +108,11 @@ class Execution:
 
     @property
     def sent(self) -> bool:
-        """Whether the command has gone to the robot."""
+        """Whether the command was sent to the robot."""
         return self.heard is not None
 
     def add_line(self, text: str) -> None:
-        """A line that belongs to the command."""
+        """Adds a line that belongs to the command."""
         self._characters += len(text)
         if len(self._lines) < MAXIMUM_LINES and self._characters <= MAXIMUM_CHARACTERS:
             self._lines.append(text)
@@ -119,14 +120,14 @@ class Execution:
             self._left_out += 1
 
     def end(self, outcome: Outcome, words: str) -> bool:
-        """Sets the result, once; whether this was the time."""
+        """Sets the result once; returns whether this call set it."""
         if self.result is not None:
             return False
         self.result = Result(outcome, words, tuple(self._lines), self._left_out)
         return True
 
     def announce(self) -> None:
-        """Tells the waiting callers; called after `end`, without locks held."""
+        """Wakes and calls the waiting callers; called after `end`, without locks."""
         self._ended.set()
         if self.on_end and self.result:
             self.on_end(self.result)
@@ -134,6 +135,6 @@ class Execution:
     def wait(self, timeout: Optional[float] = None) -> Optional[Result]:
         """The result, or None if the command has not ended within `timeout` seconds.
 
-        Not from a callback: the thread that calls it is the one that would end the command.
+        Do not call it from a callback: the thread of the callbacks is the one that ends commands.
         """
         return self.result if self._ended.wait(timeout) else None

@@ -1,4 +1,4 @@
-"""Bytes to lines: CR, LF and CRLF end a line, blank lines are nothing, telnet bytes cut out."""
+"""Splits bytes into lines. CR, LF and CRLF end a line; blank lines and telnet bytes are dropped."""
 from __future__ import annotations
 
 import re
@@ -6,15 +6,15 @@ from typing import List
 
 LONGEST_LINE = 1 << 17  # bytes; a scan of 455 points has about 5,000
 
-# IAC WILL/WONT/DO/DONT <option>, or IAC <command>; perhaps cut short at the end of the line
+# IAC WILL/WONT/DO/DONT <option>, or IAC <command>; it may be incomplete at the end of the line
 _TELNET = re.compile(rb'\xff(?:[\xfb-\xfe].?|[^\xfb-\xfe])?', re.DOTALL)
 
 
 def decode(line: bytes) -> str:
     """A line as text.
 
-    ARCL is ASCII by its manual, but goals have the names that they have in the map, whose files are
-    UTF-8, or Latin-1 where older tools wrote them. What is no UTF-8 is read as Latin-1.
+    ARCL is ASCII by its manual, but goals have their names from the map. Map files are UTF-8, or
+    Latin-1 if an older tool wrote them. Bytes that are not valid UTF-8 are read as Latin-1.
     """
     try:
         return line.decode('utf-8')
@@ -23,10 +23,10 @@ def decode(line: bytes) -> str:
 
 
 class LineBuffer:
-    """Collects bytes however they are cut and gives out whole lines, without their ends.
+    """Collects bytes in pieces of any size and returns whole lines, without their ends.
 
-    A line of more than `limit` bytes sets `overflowed`; what came before it is still given out, it
-    and all that follows is dropped.
+    A line of more than `limit` bytes sets `overflowed`. The lines before it are still returned. The
+    line itself and all that follows are dropped.
     """
 
     def __init__(self, limit: int = LONGEST_LINE) -> None:
@@ -40,7 +40,7 @@ class LineBuffer:
         return bytes(self._tail)
 
     def take_tail(self) -> bytes:
-        """The same, as if it had ended here."""
+        """Returns and clears the tail, as if the line had ended here."""
         tail = bytes(self._tail)
         self._tail.clear()
         return tail

@@ -1,4 +1,4 @@
-"""Which commands may go to the robot, and which it may not understand."""
+"""Decides which commands may be sent to the robot, and which of them it may not understand."""
 from __future__ import annotations
 
 from typing import FrozenSet, Iterable, Optional
@@ -13,10 +13,10 @@ _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
 
 class Guard:
-    """Checks a command before it is sent. `stop` is always let through.
+    """Checks a command before it is sent. `stop` is always allowed.
 
-    `allowed` holds categories (`motion`, `query`, ...) and names of commands. `goals` are those
-    that the robot has listed, None while they are not known.
+    `allowed` contains categories (`motion`, `query`, ...) and names of commands. `goals` are the
+    goals that the robot has listed; None while they are unknown.
     """
 
     def __init__(self, allowed: Iterable[str]) -> None:
@@ -27,7 +27,7 @@ class Guard:
         self.goals: Optional[FrozenSet[str]] = None
 
     def list_goals(self, names: Iterable[str]) -> None:
-        """The robot has listed its goals; a list without any forbids nothing."""
+        """Stores the goals that the robot has listed; an empty list forbids nothing."""
         self.goals = frozenset(name.casefold() for name in names) or None
 
     def unknown_words(self) -> FrozenSet[str]:
@@ -35,7 +35,7 @@ class Guard:
         return frozenset(word for word in self.names if word not in COMMANDS)
 
     def check(self, command: Command) -> None:
-        """Raises InvalidCommand, with a reason for people, for what is not to be sent."""
+        """Raises InvalidCommand, with a reason for a person, if a command must not be sent."""
         if command.spec.stops:
             return
         reason = self._not_allowed(command) or self._no_such_goal(command)
@@ -58,7 +58,7 @@ class Guard:
 
 
 def is_unlisted(command: Command, help_list: HelpList) -> bool:
-    """Whether the robot's own help list lacks a command. The robot may still take it."""
+    """Whether the robot's own help list lacks a command. The robot may still accept it."""
     return bool(help_list.descriptions) and not (
         help_list.full_name(command.name)
         or help_list.full_name(command.text.split(' ', 1)[0]))

@@ -1,19 +1,19 @@
-"""The commands that the robot says it has."""
+"""The list of commands that the robot sends at the login."""
 from __future__ import annotations
 
 import re
 from typing import Mapping, Optional, Tuple
 
 _SHORTCUT = re.compile(r'\[(\w+)\]\s*$')
-# Names begin with a small letter; one that is too long for its column touches its description.
+# Names begin with a letter; a name that is too long for its column touches its description.
 _ENTRY = re.compile(r'\s*([A-Za-z]\w*)(?:\s+(\S.*))?$')
 
 
 class HelpList:
     """The robot's own help list; names are compared without case.
 
-    It informs and forbids nothing: a robot may take commands that it does not list, and lists may
-    be laid out in ways that are read in part only. `complete` tells whether its end was seen.
+    The list informs and forbids nothing: a robot may accept commands that it does not list, and
+    the layout of a list may be only partly readable. `complete`: whether its end was received.
     """
 
     def __init__(self, descriptions: Mapping[str, str], complete: bool = True) -> None:
@@ -34,9 +34,9 @@ class HelpList:
 
 
 def read_entry(text: str) -> Optional[Tuple[str, str]]:
-    """Name and description in a line of the list, however it is laid out; None if it is none.
+    """Name and description in a line of the list, in any layout; None if it is no entry.
 
-    By the robots known it is a name right-aligned in 15 columns, 10 blanks, and the description.
+    The known robots write a name right-aligned in 15 columns, 10 blanks, and the description.
     """
     match = _ENTRY.match(text)
     return (match.group(1), match.group(2) or '') if match else None

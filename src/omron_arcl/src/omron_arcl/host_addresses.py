@@ -1,4 +1,4 @@
-"""Which addresses a host has, looked up in a thread of its own: a name server may take long."""
+"""Looks up the addresses of a host in a separate thread, because a name server may be slow."""
 from __future__ import annotations
 
 import ipaddress
@@ -9,23 +9,23 @@ from typing import Callable, FrozenSet, Optional
 
 from omron_arcl.connection import reason_of, resolve
 
-AGAIN = 5.0  # s after a failure
+AGAIN = 5.0  # s until the next look-up after a failure
 _log = logging.getLogger(__name__)
 
 
 class HostAddresses:
     """The addresses of `host`, from `start` until `close`.
 
-    They are looked up at the start, after every failure, and where `belongs` is asked. What was
-    known stays known while the name server does not answer. `on_answer` runs after each look-up, in
-    the thread that made it. A host given by its address is not looked up.
+    They are looked up at the start, after every failure, and when `belongs` needs a newer answer.
+    Known addresses stay valid while the name server does not answer. `on_answer` runs after each
+    look-up, in the look-up thread. A host given by its address is not looked up.
     """
 
     def __init__(self, host: str, on_answer: Callable[[], None]) -> None:
         self._host = host
         self._on_answer = on_answer
         self._known: FrozenSet[str] = frozenset()
-        self._answered = -1.0  # when the last look-up that has ended began
+        self._answered = -1.0  # when the last finished look-up began
         self._is_asked = True
         self._is_closed = False
         self._change = threading.Condition()
@@ -36,19 +36,19 @@ class HostAddresses:
             self._thread = threading.Thread(target=self._run, name='host addresses', daemon=True)
 
     def start(self) -> None:
-        """Looks them up for the first time."""
+        """Starts the first look-up."""
         if self._thread:
             self._thread.start()
 
     def close(self) -> None:
-        """Ends the thread, which may be waiting for a name server until then."""
+        """Ends the thread; if it waits for a name server, it ends after that."""
         with self._change:
             self._is_closed = True
             self._change.notify()
 
     def belongs(self, address: str, since: float) -> Optional[bool]:
-        """Is this an address of the host? None: a look-up begun after `since` (s, monotonic) has
-        to tell, and `on_answer` will be called."""
+        """Whether `address` is an address of the host. None: unknown until a look-up that begins
+        after `since` (s, monotonic) has ended; `on_answer` is called then."""
         with self._change:
             if self._thread is None or self._answered >= since:
                 return address in self._known

@@ -1,4 +1,4 @@
-"""The state of a connection as data, and how long to wait before the next try."""
+"""The state of a connection, and the waiting time before the next attempt to connect."""
 from __future__ import annotations
 
 import random
@@ -9,7 +9,7 @@ from omron_arcl.errors import LinkError, WrongPassword
 
 
 class LinkPhase(Enum):
-    """Where a link is."""
+    """The phase of a link."""
 
     DISCONNECTED = 'disconnected'
     CONNECTING = 'connecting'
@@ -20,7 +20,7 @@ class LinkPhase(Enum):
 
 @dataclass(frozen=True)
 class Link:
-    """State of a link: `peer` is host:port, `reason` why it is not connected."""
+    """State of a link. `peer`: host:port; `reason`: why it is not connected."""
 
     phase: LinkPhase
     peer: str
@@ -28,15 +28,15 @@ class Link:
 
     @property
     def connected(self) -> bool:
-        """Whether commands and lines go through."""
+        """Whether commands and lines can be exchanged."""
         return self.phase is LinkPhase.CONNECTED
 
 
 class Backoff:
-    """Seconds until the next try: doubling from `first` to `cap`, spread by `jitter` (a share).
+    """Seconds until the next attempt: doubling from `first` to `cap`, varied by the share `jitter`.
 
-    A wrong password is tried again after `wrong_password` s: a person has to mend it first, and
-    robots may count the tries.
+    After a wrong password the next attempt follows after `wrong_password` s: a person has to
+    correct the password first, and robots may count the attempts.
     """
 
     def __init__(self, first: float = 0.5, cap: float = 10.0, jitter: float = 0.2,
@@ -48,7 +48,7 @@ class Backoff:
         self._next = first
 
     def after(self, cause: LinkError) -> float:
-        """The wait after a connection that ended, or did not come about, for `cause`."""
+        """The waiting time in s after a connection that ended or failed because of `cause`."""
         if isinstance(cause, WrongPassword):
             return self.wrong_password
         delay = self._next * random.uniform(1.0 - self.jitter, 1.0 + self.jitter)
@@ -56,6 +56,6 @@ class Backoff:
         return min(delay, self.cap)
 
     def reset(self) -> None:
-        """A connection worked."""
+        """A connection succeeded: the next waiting time is `first` again."""
         self._next = self.first
 

@@ -1,4 +1,4 @@
-"""The connection that the robot opens to us: take it, keep it alive, hand on its lines."""
+"""The connection that the robot opens to us: accepts it, keeps it alive, passes on its lines."""
 from __future__ import annotations
 
 import contextlib
@@ -17,14 +17,14 @@ from omron_arcl.session_log import SessionLog
 from omron_arcl.transport import Transport
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
-RETRY = 1.0  # s between two tries to listen on a port, or to take a connection
+RETRY = 1.0  # s between two attempts to listen on a port, or to accept a connection
 _MAXIMUM_UNSENT = 64  # bytes of keep-alive to a robot that does not read
-_MAXIMUM_GUESTS = 4  # connections that wait until it is known whose they are
+_MAXIMUM_GUESTS = 4  # connections that wait until the addresses of the robot are known
 _log = logging.getLogger(__name__)
 
 
 class _Guest(NamedTuple):
-    """A connection of which it is not known yet whether the robot opened it."""
+    """A connection for which it is not yet known whether the robot opened it."""
 
     socket: socket.socket
     host: str
@@ -33,13 +33,13 @@ class _Guest(NamedTuple):
 
 
 class Listener(Transport):
-    """Waits for the robot's outgoing connection until `close`; the last connection counts.
+    """Waits for the robot's outgoing connection until `close`; a new one replaces the last one.
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
-    on_link(Link): the link changed. on_refused(str): another peer, with this address, was turned
-    away. timeout: seconds without a line after which the connection counts as dead.
-    A port that another program has is tried again until it is free, and the link says so meanwhile.
-    Raises OSError where it can never listen at (bind, port).
+    on_link(Link): the link changed. on_refused(str): a peer with this other address was rejected.
+    timeout: seconds without a line after which the connection counts as dead.
+    If another program uses the port, the listener tries again until the port is free, and says so
+    in the reason of the link. Raises OSError if it can never listen at (bind, port).
     """
 
     def __init__(self, bind: str, port: int, robot: str, *,
@@ -58,7 +58,7 @@ class Listener(Transport):
         self._socket: Optional[socket.socket] = None
         self._peer: Optional[Peer] = None
         self._guests: List[_Guest] = []
-        self._due = time.monotonic() + RETRY  # when to listen again
+        self._due = time.monotonic() + RETRY  # time of the next attempt to listen
         self._spoken = 0.0
         reason = 'the robot has not connected yet'
         try:
@@ -66,8 +66,8 @@ class Listener(Transport):
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 raise
-            reason = (f'another program has port {port}: end it or choose another port; it is '
-                      'tried again every second')
+            reason = (f'another program has port {port}: end it or choose another port; the next '
+                      'attempt follows every second')
         super().__init__('ARCL listener', Link(LinkPhase.DISCONNECTED, robot, reason), on_link)
         self._addresses = HostAddresses(robot, self._waker.wake)
 
@@ -114,20 +114,20 @@ class Listener(Transport):
         if now < self._due:
             return
         self._due = now + RETRY
-        with contextlib.suppress(OSError):  # why has been said
+        with contextlib.suppress(OSError):  # the link already says why
             self._socket = self._listen()
             selector.register(self._socket, selectors.EVENT_READ)
             self._set_link(LinkPhase.DISCONNECTED, self._robot, f'port {self.port} is free now, '
-                           'the robot has not connected yet')
+                           'but the robot has not connected yet')
 
     def _accept(self, listening: socket.socket, selector: selectors.BaseSelector,
                 now: float) -> None:
         try:
             accepted, address = listening.accept()
-        except BlockingIOError:  # it was gone again
+        except BlockingIOError:  # the peer has closed it already
             return
-        except OSError as error:  # no descriptors are left: it would fail again at once
-            _log.warning('A connection could not be taken: %s.', reason_of(error))
+        except OSError as error:  # no descriptors are left: a retry at once would fail, too
+            _log.warning('A connection could not be accepted: %s.', reason_of(error))
             selector.unregister(listening)
             self._due = now + RETRY
             return
@@ -150,10 +150,10 @@ class Listener(Transport):
     def _admit(self, guest: _Guest, selector: selectors.BaseSelector, now: float) -> None:
         try:
             connection = Connection(guest.socket)
-        except OSError:  # gone already
+        except OSError:  # closed by the peer already
             guest.socket.close()
             return
-        self._drop(selector, 'the robot connected anew')
+        self._drop(selector, 'the robot opened a new connection')
         self._peer = Peer(connection, Session(None, trace=self._trace), self._timeout)
         self._spoken = now
         selector.register(guest.socket, selectors.EVENT_READ)
@@ -168,7 +168,7 @@ class Listener(Transport):
                 self._spoken = now
                 unsent = len(peer.connection.unsent)
                 peer.connection.send(b'\n' if unsent < _MAXIMUM_UNSENT else b'')
-        except Exception as error:  # a thread that died of it could never listen again
+        except Exception as error:  # without this the thread would end and never listen again
             self._drop(selector, str(self._cause(error)))
 
     def _drop(self, selector: selectors.BaseSelector, reason: str) -> None:

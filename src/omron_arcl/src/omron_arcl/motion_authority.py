@@ -1,13 +1,14 @@
-"""The driver of the robot, its obedience, and the stop that is owed: one owner.
+"""The motion authority: which giver drives the robot, whether the robot obeys, and the owed stop.
 
-Every command that moves or stops the robot passes `take`, in the order in which commands are given;
-what the robot says passes `on_reply`. From both comes the *epoch*: a random number, another one
-whenever another giver than the present one drives, stops or cancels, and whenever the robot acts on
-the command of another client. A drive names the epoch that its giver knows, so that it cannot pass
-a stop or a drive of which its giver has not heard. No timer orders two commands that were taken
-here.
+Every command that moves or stops the robot passes `take`, in the order in which commands are given.
+The robot's lines pass `on_reply`. Both determine the *epoch*, a random number. A new epoch begins
+when
+- another giver than the present one drives, stops or cancels,
+- the robot acts on the command of another client.
+A drive names the epoch that its giver knows. So it cannot overtake a stop or a drive that its giver
+does not know of. No timer decides on the order of two commands that were taken here.
 
-The limits of what can be known stand in docs/reference/omron_controller.md.
+docs/reference/omron_controller.md states the limits of what can be known.
 """
 from __future__ import annotations
 
@@ -26,16 +27,16 @@ from omron_arcl.replies import Motors, Stopped, Stopping
 from omron_arcl.replies.reply import Reply
 from omron_arcl.replies.safety import EStop
 
-AT_ONCE = 1.0  # s from sending in which a line or status may be from before the command
-LATE = 0.5  # s after a stop, or once the motors are on, in which the robot may say `Stopping`
-LOOK = 2.0  # s of a new connection in which a status may show that an old stop is out of date
-RETRY = 1.0  # s between two attempts at an owed stop
+AT_ONCE = 1.0  # s after sending in which a line or status may be older than the command
+LATE = 0.5  # s after a stop or after enabling the motors in which the robot may say `Stopping`
+LOOK = 2.0  # s of a new connection to wait for a status that may make an owed stop unnecessary
+RETRY = 1.0  # s between two attempts to send an owed stop
 _KEPT_EPOCHS = 100
 _KEPT_GOALS = 20
 
 
 class Cause(IntEnum):
-    """Why the epoch is another one than before; as in omron_ld90_msgs/Motion."""
+    """Why a new epoch began; as in omron_ld90_msgs/Motion."""
 
     OTHER_GIVER = 1
     STOP = 2
@@ -47,7 +48,7 @@ class Cause(IntEnum):
 
 
 class MotionState(IntEnum):
-    """What the robot does; as in omron_ld90_msgs/Motion."""
+    """The motion of the robot; as in omron_ld90_msgs/Motion."""
 
     UNKNOWN = 0
     STANDING = 1
@@ -60,24 +61,24 @@ class MotionState(IntEnum):
 
 
 class Overruled(ArclError):
-    """A command whose giver does not know what was given, or what the robot did, before it."""
+    """The giver of a command does not know of an earlier command or motion of the robot."""
 
     def __init__(self, why: str) -> None:
         super().__init__(f'Not sent, another command came first: {why}.')
 
 
 class Unclear(ArclError):
-    """A drive for a robot whose obedience is unknown at this moment."""
+    """A drive was refused because it is unknown at this moment whether the robot obeys."""
 
 
 @dataclass(frozen=True)
 class Memory:
-    """What outlives a restart, and what is published but for `goals`.
+    """The state that survives a restart; all of it except `goals` is published.
 
     giver -- the program that drove or stopped the robot last; empty: another client, or the robot
     drives -- whether the last command that moved or stopped the robot was a drive
-    goals -- where our commands have sent the robot, as far as it may still go there
-    newer_goals -- those of drives that came after the stop that is owed
+    goals -- the goals of our commands to which the robot may still drive
+    newer_goals -- the goals of drives that came after the owed stop
     """
 
     epoch: int
@@ -93,14 +94,14 @@ class Memory:
 
 
 class Motion(NamedTuple):
-    """What is published."""
+    """The published state."""
 
     memory: Memory
     state: MotionState
 
 
 class _Change(NamedTuple):
-    """An epoch ended."""
+    """The end of an epoch: its number, the giver that ended it, and whether by a drive."""
 
     before: int
     by: Optional[Giver]
@@ -118,21 +119,22 @@ _DOCK = 'dock'
 
 
 def _goals_of(command: Command) -> Tuple[str, ...]:
-    """Names by which the robot may show that it obeys a drive; an empty one where it needs none."""
+    """The names by which the robot may confirm a drive; ('',) if it needs no name."""
     return tuple(goal.casefold() for goal in command.goals) or (
         (_DOCK,) if command.spec.course is Course.INTO_THE_DOCK else ('',))
 
 
 def draw_epoch() -> int:
-    """A new epoch: never 0, and never one of before."""
+    """A new random epoch, never 0."""
     return secrets.randbits(64) or 1
 
 
 class MotionAuthority:
-    """No I/O and no clock. The caller holds one lock over this and over sending.
+    """Knows the giver that drives the robot, and the owed stop. No I/O and no clock.
 
-    stored -- what the process before this one knew
-    store -- keeps what a restart must know; called before a command is sent that changes it
+    The caller holds one lock over this object and over sending.
+    stored -- the memory of the process before this one
+    store -- saves the memory for a restart; called before a command that changes it is sent
     """
 
     def __init__(self, stored: Optional[Memory] = None,
@@ -141,39 +143,39 @@ class MotionAuthority:
         self._store, self._draw = store, draw
         self._changes: Deque[_Change] = deque(maxlen=_KEPT_EPOCHS)
         self._memory = stored or Memory(0)
-        self._drive: Optional[Execution] = None  # the newest
-        self._stop: Optional[Execution] = None  # the newest, until it is over
-        self._stop_passed = False  # by a drive, which comes to the robot after it
-        self._stop_too_old = False  # that drive is to be stopped, too
+        self._drive: Optional[Execution] = None  # the newest drive
+        self._stop: Optional[Execution] = None  # the newest stop, until it is over
+        self._stop_passed = False  # a drive that reaches the robot after `_stop` was taken
+        self._stop_too_old = False  # a further stop is needed for that drive
         self._connected = False
-        self._activity: Optional[Activity] = None  # by the last status of this connection
+        self._activity: Optional[Activity] = None  # from the last status of this connection
         self._emergency = False
         self._stopped_at = self._powered_at = self._strange_since = -math.inf
-        self._replaces_since = -math.inf  # the robot stops, perhaps to replace a drive of ours
+        self._replaces_since = -math.inf  # when the robot began to stop, perhaps for a new drive
         self._look_until = self._retry_at = -math.inf
         self._begin_epoch(None, Cause.RESTART, 'the controller was started', self._memory.drives)
 
-    # --- what is known ----------------------------------------------------------------------------
+    # --- the present state ------------------------------------------------------------------------
 
     @property
     def motion(self) -> Motion:
-        """What is published now."""
+        """The state to publish now."""
         return Motion(self._memory, self._state())
 
     def knows(self, giver: Giver, epoch: int) -> bool:
-        """Whether `giver`, which knows of `epoch`, has itself done all that came after it."""
+        """Whether only `giver`, which knows `epoch`, has given commands since that epoch."""
         return epoch == self._memory.epoch or self._others_since(giver, epoch) == ()
 
     def stop_due(self, now: float) -> bool:
-        """Whether the owed stop is to be sent now; a drive that came after it may end it."""
+        """Whether the owed stop must be sent now; a later drive under way may make it needless."""
         return (self._memory.stop_owed and self._connected and self._stop is None
                 and now >= max(self._look_until, self._retry_at)
                 and not (self._drive and self._drive.result is None and self._memory.drives))
 
-    # --- what is given ----------------------------------------------------------------------------
+    # --- commands ---------------------------------------------------------------------------------
 
     def check(self, giver: Giver, command: Command, known_epoch: int) -> None:
-        """Raises Overruled or Unclear for a command that must not be sent."""
+        """Raises Overruled or Unclear if a command must not be sent."""
         if not known_epoch:
             return
         if command.spec.drives:
@@ -187,7 +189,7 @@ class MotionAuthority:
                 raise Overruled(self._memory.reason)
 
     def take(self, execution: Execution) -> None:
-        """Takes a command that `check` has let pass, before it is sent."""
+        """Takes a command that `check` has accepted, before it is sent."""
         command, giver = execution.command, execution.giver
         if command.spec.drives:
             memory, goals = self._memory, _goals_of(command)
@@ -204,14 +206,15 @@ class MotionAuthority:
         execution.epoch = self._memory.epoch
 
     def take_cancellation(self, execution: Execution, canceller: Giver) -> None:
-        """A giver cancels a drive; one that a newer drive has replaced stops nothing."""
+        """A giver cancels a drive; cancelling a drive that was replaced stops nothing."""
         if execution is self._drive and execution.sent:
             self._owe_stop(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
 
     def take_word(self, canceller: Giver, now: float) -> None:
-        """A giver cancels everything: a drive that is not known yet must not pass that.
+        """A giver cancels everything before, including drives that have not arrived here yet.
 
-        Nor may one go on whose outcome is unknown, or that may still come to the robot.
+        The robot must also stop if a drive is under way, if its outcome is unknown, or if it may
+        still reach the robot.
         """
         if self._memory.drives and self._may_go_on() or self._crosses(now):
             self._owe_stop(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
@@ -219,21 +222,21 @@ class MotionAuthority:
             self._given(canceller, Cause.CANCEL, False, f'a cancellation of {canceller.name}')
 
     def take_own_stop(self, stop: Execution) -> None:
-        """A stop that is owed, or follows a cancellation, is sent: no new command of a giver."""
+        """Takes a stop that is owed or that follows a cancellation; no giver gave it just now."""
         self._begin_stop(stop)
         if not self._memory.stop_owed:
             self._owe_stop(stop.giver, Cause.CANCEL, 'a cancellation')
 
     def owe_stop_without_link(self, giver: Giver) -> None:
-        """A stop is given while the robot cannot be reached: it is sent when it can."""
+        """A stop is given while the robot cannot be reached: it is sent when it can be."""
         self._owe_stop(giver, Cause.STOP, f'"stop" of {giver.name}')
 
     def may_send(self, execution: Execution) -> bool:
-        """Whether a drive that was taken may go to the robot, now that it could."""
+        """Whether a drive that was taken may still be sent to the robot now."""
         return (not execution.known_epoch or not execution.command.spec.drives
                 or self.knows(execution.giver, execution.epoch))
 
-    # --- what becomes of it -----------------------------------------------------------------------
+    # --- progress of commands ---------------------------------------------------------------------
 
     def on_begun(self, execution: Execution) -> None:
         """The robot obeys a command."""
@@ -261,17 +264,17 @@ class MotionAuthority:
                 elif outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
                     self._owe_stop(execution.giver, Cause.STOP, words)
 
-    # --- what the robot says ----------------------------------------------------------------------
+    # --- lines of the robot -----------------------------------------------------------------------
 
     def on_link(self, connected: bool, now: float) -> None:
-        """The robot can be reached, or can be no more."""
+        """The link to the robot came up, or broke."""
         self._connected = connected
         self._activity = None
         self._strange_since = self._replaces_since = -math.inf
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def on_reply(self, reply: Reply, now: float) -> None:
-        """A line came that is no status; to be called before it ends commands."""
+        """Processes a line that is no status; called before the line ends commands."""
         if isinstance(reply, Stopping):
             self._on_stopping(now)
         elif isinstance(reply, Stopped):
@@ -287,8 +290,8 @@ class MotionAuthority:
     def on_set_out(self, reply: Reply, text: str, now: float) -> None:
         """The robot begins a motion that no command of ours asked for.
 
-        Where a drive that we no longer want may come to the robot after that, the stop that is
-        owed ends both.
+        If a cancelled drive of ours may still reach the robot after that, the owed stop stays: it
+        ends both motions.
         """
         activity = activity_of(reply)
         if not self._may_be_ours(activity) or not (activity.goal or self._stands_by()):
@@ -301,7 +304,7 @@ class MotionAuthority:
                 self._foreign(cause, True, text)
 
     def on_status(self, activity: Activity, text: str, now: float) -> None:
-        """The robot shows what it does."""
+        """Processes a status of the robot."""
         before, self._activity = self._activity, activity
         kind = activity.kind
         if kind is ActivityKind.EMERGENCY_STOP:
@@ -320,7 +323,7 @@ class MotionAuthority:
 
     def _look_at_idle(self, before: Optional[Activity], activity: Activity, elsewhere: bool,
                       text: str, now: float) -> None:
-        """No command of ours is under way: what the robot does now, another client wants."""
+        """No command of ours is under way: another client caused the robot's motion."""
         if (before is not None and before.kind is ActivityKind.ARRIVED_AT_GOAL
                 and self._memory.drives and before.goal.casefold() in self._memory.goals
                 and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING)):
@@ -334,20 +337,20 @@ class MotionAuthority:
             self._foreign(Cause.OTHER_CLIENT, True, text)
 
     def _on_stopping(self, now: float) -> None:
-        """The robot stops; another client stopped it, unless one of ours asked for it."""
+        """The robot stops: because of another client, unless a command of ours explains it."""
         drive = self._drive
         if (self._stop is not None or now < max(self._stopped_at, self._powered_at) + LATE
                 or drive and self._stops_about_the_dock(drive, now)):
             return
         if (drive and drive.result is None and not drive.begun and drive.replaces
                 and now < drive.sent_at + AT_ONCE):
-            self._replaces_since = now  # some robots stop for an instant to replace a drive
+            self._replaces_since = now  # some robots stop for an instant when a drive is replaced
         else:
             self._foreign_stop('another client of the robot stopped it', now)
 
     @staticmethod
     def _stops_about_the_dock(drive: Execution, now: float) -> bool:
-        """Whether a robot may stop by itself: between two attempts to dock, or once it has
+        """Whether the robot may stop by itself: between two attempts to dock, or after it has
         undocked (ARCL manual I617-E-01 p. 245)."""
         course = drive.command.spec.course
         if drive.result is not None:
@@ -356,14 +359,14 @@ class MotionAuthority:
             drive.set_out and not drive.begun)
 
     def _foreign_stop(self, words: str, now: float) -> None:
-        """A drive that was sent a moment ago may come to the robot after that stop."""
+        """Another client stopped the robot; a drive sent just before may reach it after that."""
         crosses = self._crosses(now)
         self._foreign(Cause.OTHER_CLIENT, False, words)
         if crosses:
             self._keep(replace(self._memory, stop_owed=True, newer_goals=()))
 
     def _crosses(self, now: float) -> bool:
-        """Whether the robot may have said its last line before our drive came to it."""
+        """Whether the robot may have sent its last line before our drive reached it."""
         drive = self._drive
         return (drive is not None and drive.sent and not drive.begun
                 and now < drive.sent_at + AT_ONCE
@@ -372,7 +375,7 @@ class MotionAuthority:
     # --- epochs -----------------------------------------------------------------------------------
 
     def _given(self, giver: Giver, cause: Cause, drives: bool, reason: str) -> None:
-        """A program drives, stops or cancels; a new epoch unless it just drives on."""
+        """A giver drives, stops or cancels. A new epoch begins, unless the same giver drives on."""
         memory = self._memory
         if drives and (giver, cause, drives) == (memory.giver, memory.cause, memory.drives):
             self._keep(memory)
@@ -385,12 +388,12 @@ class MotionAuthority:
 
     def _owe_stop(self, giver: Giver, cause: Cause, reason: str) -> None:
         self._stop_too_old = self._stop_too_old or self._stop_passed
-        self._retry_at = -math.inf  # this stop is new: it does not wait for an older one's turn
+        self._retry_at = -math.inf  # the stop is new, so it need not wait for a retry
         self._memory = replace(self._memory, stop_owed=True, newer_goals=())
         self._given(giver, cause, False, reason)
 
     def _foreign(self, cause: Cause, drives: bool, words: str) -> None:
-        """The robot acts on the command of another client. Its drive ends a stop that is owed."""
+        """The robot acts on another client's command. If that is a drive, no stop is owed now."""
         if drives:
             self._memory = replace(self._memory, stop_owed=False, goal='', goals=())
         self._begin_epoch(None, cause, words, drives)
@@ -412,7 +415,7 @@ class MotionAuthority:
         self._store(memory)
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
-        """What others did since `epoch`; None where it is not known any more."""
+        """What other givers did since `epoch`; None if that epoch is not remembered any more."""
         if epoch == self._memory.epoch:
             return ()
         others = []
@@ -423,7 +426,7 @@ class MotionAuthority:
                 return tuple(others)
         return None
 
-    # --- what the robot does ----------------------------------------------------------------------
+    # --- the robot's motion -----------------------------------------------------------------------
 
     def _state(self) -> MotionState:
         if not self._connected or self._activity is None:
@@ -441,10 +444,10 @@ class MotionAuthority:
         return self._stop is None and (self._drive is None or self._drive.result is not None)
 
     def _may_be_ours(self, activity: Activity) -> bool:
-        """Whether the robot may move so because of us.
+        """Whether a command of ours may have caused this motion of the robot.
 
-        By its goal; a motion without a name may be ours while a drive of ours is under way, or
-        where it is not known what became of it.
+        Decides by the motion's goal. A motion without a name may be ours while a drive of ours is
+        under way, or while the outcome of our last drive is unknown.
         """
         if activity.kind is ActivityKind.TELEOPERATED:
             return False

@@ -1,8 +1,8 @@
-"""From a line of the robot to a reply, by one table.
+"""Turns a line of the robot into a reply, with one table.
 
-A row is a phrase that the line begins with and the reader of what follows it. The first row whose
-phrase fits, and whose reader does not raise ValueError, wins; words are compared without case. A
-line that fits no row is an UnknownLine. Nothing here raises, for any line.
+A row is a phrase at the beginning of a line, and the reader of the text after it. The first row
+whose phrase matches and whose reader does not raise ValueError wins. Case is ignored. A line that
+matches no row is an UnknownLine. Nothing here raises an exception, for any line.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from omron_arcl.replies.reply import Reply, UnknownLine
 
 
 def parse_line(text: str) -> Reply:
-    """The reply that a line (without its end) is."""
+    """The reply that a line (without its end) represents."""
     line = text.strip()
     head, _, rest = line.partition(' ')
     for tail, length, reader in _RULES.get(head.lower(), ()):
@@ -38,7 +38,7 @@ def parse_line(text: str) -> Reply:
     return UnknownLine(text)
 
 
-# %15s%10s%s: a name, ten blanks, what it does
+# %15s%10s%s: a name, ten blanks, a description
 _HELP_ENTRY = re.compile(r'\s*(\S+) {10}\s*(.*)$')
 
 
@@ -156,7 +156,7 @@ _TABLE: Tuple[Row, ...] = (
         'EndPayloadQuery', 'EndPayloadQueryLocal', 'EndPayloadSlotCount',
         'EndPayloadSlotCountLocal', 'EndQueueShow', 'EndQueueShowCompleted', 'EndQueueShowRobot',
         'EndQueueShowRobotLocal', 'EndQueueQuery', 'EndQueueQueryLocal', 'EndQueueMulti')),
-    # said once it is done, or said to all clients
+    # confirmations, and lines that are sent to all clients
     ('Map changed', read.exactly(site.MapChanged())),
     ('Configuration changed', read.exactly(site.ConfigurationChanged())),
     ('Config had errors parsing:', site.ConfigErrors),
@@ -192,7 +192,7 @@ _TABLE: Tuple[Row, ...] = (
 
 
 def _index(table: Tuple[Row, ...]) -> Dict[str, List[Tuple[str, int, Reader]]]:
-    """The table by first word, so that a line meets only the few rows it can fit."""
+    """The table by first word, so that a line is compared with few rows only."""
     rules: Dict[str, List[Tuple[str, int, Reader]]] = {}
     for phrase, reader in table:
         head, _, tail = phrase.lower().partition(' ')

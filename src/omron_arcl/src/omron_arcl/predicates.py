@@ -1,4 +1,4 @@
-"""Predicates on replies, for the table of commands: is this line what the command awaits?"""
+"""Predicates on replies for the table of commands: is this the line that the command awaits?"""
 from __future__ import annotations
 
 import re
@@ -10,64 +10,64 @@ from omron_arcl.replies.reply import Reply, coordinates
 
 
 def never(command: Command, reply: Reply) -> bool:
-    """No line: what goes on until it is stopped."""
+    """Matches no line: for a command that goes on until it is stopped."""
     return False
 
 
 def is_one_of(*kinds: type) -> Predicate:
-    """A reply of one of these kinds, with any content."""
+    """Matches a reply of one of these kinds, with any content."""
     return lambda command, reply: isinstance(reply, kinds)
 
 
 def names(kind: type, field: str = 'goal') -> Predicate:
-    """A reply of this kind about the command's own goal, route, ... which it has in `field`."""
+    """Matches a reply of this kind whose `field` names the command's own goal, route, ..."""
     return lambda command, reply: (isinstance(reply, kind)
                                    and command.is_for(getattr(reply, field)))
 
 
 def docking_is(*states: driving.DockingState) -> Predicate:
-    """The docking state has come to be one of these."""
+    """Matches a docking state that is one of these."""
     return lambda command, reply: (isinstance(reply, driving.DockingStatus)
                                    and reply.docking in states)
 
 
 def is_scan(cumulative: bool) -> Predicate:
-    """A reading of a range device: what it sees now, or what it has gathered."""
+    """Matches a reading of a range device: the current one, or the cumulative one."""
     return lambda command, reply: (isinstance(reply, equipment.RangeReading)
                                    and reply.cumulative is cumulative)
 
 
 def says(phrase: str) -> Predicate:
-    """A confirmation that begins with this phrase."""
+    """Matches a confirmation that begins with this phrase."""
     return lambda command, reply: (isinstance(reply, general.Done)
                                    and reply.text.startswith(phrase))
 
 
 def end_of(what: str) -> Predicate:
-    """The end of this list; of the robot's own list, by the names of a fleet manager, too."""
+    """Matches the end of this list, also with the suffix `local` that a fleet manager uses."""
     ends = (what.lower(), f'{what.lower()}local')
     return lambda command, reply: isinstance(reply, general.EndOf) and reply.what in ends
 
 
 def items(*prefixes: str) -> Predicate:
-    """An item of a list, by its prefix."""
+    """Matches an item of a list by its prefix."""
     return lambda command, reply: isinstance(reply, general.Item) and reply.prefix in prefixes
 
 
 def notices(kind: str) -> Predicate:
-    """News of this kind."""
+    """Matches a notice of this kind."""
     return lambda command, reply: isinstance(reply, general.Notice) and reply.kind == kind
 
 
 def any_of(*predicates: Predicate) -> Predicate:
-    """What fits one of these."""
+    """Matches a line that one of these predicates matches."""
     return lambda command, reply: any(fits(command, reply) for fits in predicates)
 
 
 def at_the_point(kind: type) -> Predicate:
-    """A reply of this kind about the command's own point.
+    """Matches a reply of this kind about the command's own point.
 
-    Some robots name it by its coordinates, as if it were a goal (ARCL manual I617-E-02 p. 243).
+    Some robots write the coordinates as the name of a goal (ARCL manual I617-E-02 p. 243).
     """
     def fits(command: Command, reply: Reply) -> bool:
         if not isinstance(reply, kind) or not isinstance(reply, _NAMING_A_GOAL):
@@ -79,7 +79,7 @@ def at_the_point(kind: type) -> Predicate:
 
 
 def same_task(*kinds: type) -> Predicate:
-    """The robot repeats a task and its arguments, as typed or as it understood them."""
+    """Matches the robot's repetition of a task and its arguments, as typed or as understood."""
     def fits(command: Command, reply: Reply) -> bool:
         return (isinstance(reply, kinds) and isinstance(reply, _NAMING_A_TASK)
                 and _same_task(_words(reply.task), _words(command.rest)))
@@ -95,7 +95,7 @@ def _words(task: str) -> List[str]:
 
 
 def _same_task(said: List[str], given: List[str]) -> bool:
-    """Equal, but for numbers written otherwise and for variables, which the robot fills in."""
+    """Equal, except for the notation of numbers and for variables, which the robot replaces."""
     return (said == given or any('$' in word for word in given) and said[:1] == given[:1]
             or len(said) == len(given) and all(map(_same_word, said, given)))
 

@@ -1,6 +1,6 @@
-"""Readers of what stands behind a line's phrase, for the rows of the parser's table.
+"""Readers of the text after a line's phrase, for the rows of the parser's table.
 
-Each takes that text and gives the reply, or raises ValueError where the text does not fit.
+Each takes that text and returns the reply, or raises ValueError if the text does not fit.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Row = Tuple[str, Reader]
 
 
 def named(kind: Callable[[str], Reply]) -> Reader:
-    """A name or text, which must be there; quotes around all of it are not part of it."""
+    """Reads a name or text that must not be empty; quotes around all of it are removed."""
     def read(text: str) -> Reply:
         if not text:
             raise ValueError
@@ -26,13 +26,13 @@ def named(kind: Callable[[str], Reply]) -> Reader:
 
 
 def unquoted(text: str) -> str:
-    """`text` without the quotes around all of it, which some robots put around names."""
+    """`text` without the quotes around all of it that some robots put around names."""
     inner = text[1:-1]
     return inner if text == f'"{inner}"' and inner and '"' not in inner else text
 
 
 def exactly(reply: Reply) -> Reader:
-    """Nothing more: the phrase is the whole line."""
+    """Reads nothing more: the phrase is the whole line."""
     def read(text: str) -> Reply:
         if text:
             raise ValueError
@@ -41,14 +41,14 @@ def exactly(reply: Reply) -> Reader:
 
 
 def number(text: str, minimum: float = -1e15, maximum: float = 1e15) -> float:
-    """A decimal number within `minimum` and `maximum`."""
+    """A decimal number within `minimum` and `maximum`; raises ValueError otherwise."""
     value = float(text)
     if not minimum <= value <= maximum or '_' in text:
         raise ValueError
     return value
 
 
-# What can be measured; anything else is no measurement. All fits into a message's float32.
+# Limits of possible measurements; values outside are rejected. All fit into a message's float32.
 _PERCENT = (0.0, 100.0)
 _VOLTS = (0.0, 1000.0)
 _SCORE = (0.0, 1.0)
@@ -58,7 +58,7 @@ _MAXIMUM_DEGREES = 360.0
 
 
 def measured(kind: Callable[[float], Reply], limits: Tuple[float, float]) -> Reader:
-    """One number within `limits`."""
+    """Reads one number within `limits`."""
     minimum, maximum = limits
     return lambda text: kind(number(text, minimum, maximum))
 
@@ -79,7 +79,7 @@ def location(text: str) -> status.Location:
 
 
 def temperature(text: str) -> status.Temperature:
-    """Degrees Celsius; -127 and -128 stand for no sensor."""
+    """Degrees Celsius; -127 and -128 mean that there is no sensor."""
     celsius = number(text, *_CELSIUS)
     return status.Temperature(None if celsius in (-127.0, -128.0) else celsius)
 
@@ -98,9 +98,9 @@ _STATUS_KEYWORD = re.compile(
 
 
 def one_line_status(first: str) -> Reader:
-    """Several status fields on one line, in any order. The status text may itself hold colons.
+    """Reads several status fields on one line, in any order. The status text may contain colons.
 
-    A field whose value cannot be is left out, as if it had not been sent.
+    A field with an impossible value is omitted, as if it had not been sent.
     """
     def read(text: str) -> Reply:
         if ':' not in text:
@@ -137,7 +137,7 @@ def estop(text: str) -> safety.EStop:
 
 
 def to_point(reply: Reply) -> Reader:
-    """`point`, perhaps with coordinates; a goal may be called `point 7`, but not `point 1 2`."""
+    """`point`, with or without coordinates; a goal may be named `point 7`, but not `point 1 2`."""
     def read(text: str) -> Reply:
         if text and not coordinates(text):
             raise ValueError
@@ -163,7 +163,7 @@ _QUOTED_WORDS = re.compile(r'"([^"]*)"|(\S+)')
 
 
 def split_words(text: str) -> List[str]:
-    """The words of a line; one in double quotes may hold blanks."""
+    """The words of a line; a word in double quotes may contain blanks."""
     return [quoted or bare for quoted, bare in _QUOTED_WORDS.findall(text)]
 
 
@@ -211,7 +211,7 @@ def map_object_coord(text: str) -> site.MapObjectCoord:
 
 
 def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
-    """`<key> <value>`; the value may be missing, or hold blanks."""
+    """Reads `<key> <value>`; the value may be missing, or contain blanks."""
     def read(text: str) -> Reply:
         key, _, value = text.partition(' ')
         return named(lambda key: kind(key, value))(key)
@@ -219,17 +219,17 @@ def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
 
 
 def localizing(done: bool, head: str) -> Reader:
-    """Any rest of the line: the wording varies between robots."""
+    """Reads any rest of the line, because the wording differs between robots."""
     return lambda text: driving.Localizing(done, f'{head} {text}'.strip())
 
 
 def said(phrase: str, kind: Callable[[str], Reply] = general.Done) -> Row:
-    """A row whose reply keeps the line as a whole."""
+    """A row whose reply keeps the whole line."""
     return phrase, lambda text: kind(f'{phrase} {text}'.strip())
 
 
 def item(prefix: str) -> Row:
-    """A row for list items that are kept as text."""
+    """A row for list items, which are kept as text."""
     return f'{prefix}:', partial(general.Item, prefix)
 
 

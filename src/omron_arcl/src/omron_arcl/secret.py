@@ -1,7 +1,7 @@
-"""Passwords are redacted wherever lines are kept or handed on.
+"""Redacts passwords in lines that are stored or passed on.
 
-Besides our own in the login, the robot's configuration holds some: `getConfigSectionValues ARCL
-server setup` prints the very password of the login.
+Besides the password of our own login, the robot's configuration contains passwords:
+`getConfigSectionValues ARCL server setup` prints the password of the login.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _READS_OR_WRITES = re.compile(rb'\s*(commanderror:\s*)?'
 
 
 def redact_passwords(line: bytes) -> bytes:
-    """`line`, without the value where it reads or writes a password of the configuration."""
+    """`line`, with the value redacted if it reads or writes a password of the configuration."""
     if not _READS_OR_WRITES.match(line):
         return line
     return _CONFIGURED.sub(rb'\g<1>' + REDACTED + rb'\g<3>', line)

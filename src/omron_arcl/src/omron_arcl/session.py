@@ -1,15 +1,17 @@
-"""One connection as a state machine without I/O: bytes and time in, events out.
+"""One connection as a state machine without I/O: takes bytes and time, returns events.
 
-There are two kinds. On port 7171 the robot asks for a password and lists its commands first; the
-connection that the robot opens itself (7179) speaks at once. In both, `read` takes what came from
-the socket and gives what it means, `on_time` tells the time during the login, and `take_output`
-gives what is to be sent for the session's own part: the password, and `echo off`.
+There are two kinds of connection. On port 7171 the robot first asks for a password and lists its
+commands. On the connection that the robot opens itself (7179) it sends lines at once. In both,
+`read` takes the bytes of the socket and returns their meaning. `on_time` passes the time during
+the login. `take_output` returns the lines that the session itself sends: the password and
+`echo off`.
 
-The login of a real LD-90 is a prompt on a line of its own, `Welcome to the server.` and a help list
-with an end line; after a wrong password it closes the connection without a word. Others do it
-otherwise, so each line that asks for a password is a prompt, and each line after the password and
-neither asks again nor complains is a welcome. Where a line that is expected does not come, the
-login goes on without it.
+The login of a real LD-90 consists of a prompt on a separate line, `Welcome to the server.` and a
+help list with an end line. After a wrong password the robot closes the connection without a
+message. Other robots differ, so these rules apply:
+- Each line that asks for a password is a prompt.
+- A line after the password that neither asks again nor complains is a welcome.
+- If an expected line does not come, the login goes on without it.
 """
 from __future__ import annotations
 
@@ -34,13 +36,13 @@ from omron_arcl.replies.reply import Reply, UnknownLine
 from omron_arcl.replies.site import ConfigValue
 from omron_arcl.secret import REDACTED, redact_passwords
 
-PROMPT_TIMEOUT = 1.0  # s of silence until the password is sent without having been asked for
-WELCOME_TIMEOUT = 1.0  # s of silence after the password until the robot is asked for a line
+PROMPT_TIMEOUT = 1.0  # s of silence after which the password is sent without a prompt
+WELCOME_TIMEOUT = 1.0  # s of silence after the password until a status is requested
 HELP_TIMEOUT = 1.5  # s of silence in the help list until it counts as read
 LONGEST_HELP = 10.0  # s from the welcome until the help list counts as read
 _PROBE = b'oneLineStatus'
 _MAXIMUM_ENTRIES = 2000
-_MAXIMUM_WORDS = 150  # characters of what is told of a failed login
+_MAXIMUM_WORDS = 150  # characters of the robot's words in the reason for a failed login
 
 _ASKS = re.compile(rb'passw', re.IGNORECASE)
 _COMPLAINS = re.compile(
@@ -51,7 +53,7 @@ _MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)  # an echoed
 
 
 class State(Enum):
-    """Where a session is."""
+    """The state of a session."""
 
     AWAITING_PROMPT = 'awaiting the prompt'
     LOGGING_IN = 'logging in'
@@ -67,9 +69,9 @@ class LoggedIn(NamedTuple):
 
 
 class Received(NamedTuple):
-    """A line of the robot: exactly as received, and what it means.
+    """A line of the robot: exactly as received, and its meaning.
 
-    `late`: it may have been sent some time ago, and waited here while this process stood still.
+    `late`: the line may be old, because it waited here while this process was suspended.
     """
 
     raw: bytes
@@ -83,7 +85,7 @@ class Received(NamedTuple):
 
 
 class Closed(NamedTuple):
-    """The session is over, always the last event."""
+    """The session is over; always the last event."""
 
     cause: LinkError
 
@@ -93,9 +95,9 @@ Trace = Callable[[str, bytes], None]  # side, 'C' (client) or 'S' (server), and 
 
 
 class Session:
-    """The client's end of one connection; with `password` None the kind without login.
+    """The client's end of one connection; `password` None: a connection without a login.
 
-    `lines_read` counts the lines that came: only a whole line is a sign of life.
+    `lines_read` counts the received lines: only a complete line is a sign of life.
     """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,
@@ -110,24 +112,24 @@ class Session:
         self._help_begun = False
         self._prompted = False
         self._probed = False
-        self._said: List[str] = []  # by the robot, of late
-        self._stirred = True  # something came since `on_time` looked last
+        self._said: List[str] = []  # the robot's last lines
+        self._stirred = True  # something came since the last `on_time`
         self._quiet_since = 0.0
         self._welcomed_at: Optional[float] = None
 
     @property
     def words(self) -> str:
-        """What the robot said in the login so far, for the reason why that failed."""
+        """The robot's words in the login so far, for the reason of a failure."""
         said = ' / '.join(self._said)
         if self._lines.tail:
             said = f'{said} / {self._shown(self._lines.tail)}'.lstrip(' /')
         return printable(said, _MAXIMUM_WORDS)
 
     def read(self, data: bytes) -> Iterator[Event]:
-        """What `data` from the socket means, event by event; to be read to its end.
+        """The events in `data` from the socket, one by one; iterate to the end.
 
-        One line is read when the one before it has been dealt with, so that it need not wait for
-        those behind it.
+        A line is read only when the caller has processed the line before it. So no line waits for
+        the lines behind it.
         """
         self._stirred = True
         for raw in self._lines.feed(data):
@@ -143,17 +145,17 @@ class Session:
             yield self._close(LineTooLong(self._lines.limit))
 
     def receive(self, data: bytes) -> List[Event]:
-        """All that `data` from the socket means."""
+        """All events in `data` from the socket."""
         return list(self.read(data))
 
     def receive_eof(self) -> List[Event]:
-        """What it means that the peer closed the connection now."""
+        """The events when the peer closes the connection."""
         if self.state is State.CLOSED:
             return []
         return [self._close(self._cause_of_eof())]
 
     def on_time(self, now: float) -> List[Event]:
-        """It is `now` (s, any clock): in the login, what does not come is not waited for."""
+        """Passes the time `now` (s, any clock). In the login, missing lines time out."""
         if self.state in (State.READY, State.CLOSED):
             return []
         if self._stirred:
@@ -172,7 +174,7 @@ class Session:
         return []
 
     def take_output(self) -> bytes:
-        """What the session itself has to say to the robot; empties it."""
+        """Returns and clears the bytes that the session itself sends to the robot."""
         output = bytes(self._output)
         self._output.clear()
         return output
@@ -180,12 +182,12 @@ class Session:
     # --- the login --------------------------------------------------------------------------------
 
     def _asks_in_the_tail(self) -> bool:
-        """A prompt need not be a whole line."""
+        """Whether the unfinished line is a prompt: a prompt need not end its line."""
         tail = self._lines.tail.rstrip()
         return bool(tail) and tail.endswith(_PROMPT_ENDS) and bool(_ASKS.search(tail))
 
     def _log_in(self, raw: bytes) -> Iterator[Event]:
-        """A line of the login."""
+        """Processes a line of the login."""
         if self._trace:
             self._trace('S', self._redacted(raw))
         if self.state is State.AWAITING_PROMPT:
@@ -205,7 +207,7 @@ class Session:
         self._say(self._password, REDACTED)
 
     def _read_verdict(self, raw: bytes) -> Iterator[Event]:
-        """The first line after the password, which may be echoed before."""
+        """Processes the first line after the password and its echo."""
         if raw.strip() == self._password:
             return
         self._remember(raw)
@@ -214,13 +216,13 @@ class Session:
         elif _ASKS.search(raw):
             if self._prompted:
                 yield self._close(WrongPassword('the robot refused the password, and asked again'))
-            self._prompted = self._probed = True  # it asks late, and has the password already
+            self._prompted = self._probed = True  # a late prompt: the password was sent
         else:
             self.state = State.DRAINING_HELP_LIST
             yield from self._read_help(raw)
 
     def _read_help(self, raw: bytes) -> Iterator[Event]:
-        """An entry of the help list, or a line of another client's doings between two entries."""
+        """Processes an entry of the help list; lines about other clients may come in between."""
         text = decode(raw)
         heading = text.strip().lower()
         if heading in ('commands:', 'end of commands'):
@@ -248,7 +250,7 @@ class Session:
             self._say(b'echo off')
         return LoggedIn(help_list)
 
-    # --- after it ---------------------------------------------------------------------------------
+    # --- after the login --------------------------------------------------------------------------
 
     def _received(self, raw: bytes, traced: bool = False) -> Received:
         reply = parse_line(decode(raw))
@@ -278,17 +280,17 @@ class Session:
         if self.state is State.LOGGING_IN and self._prompted:
             return WrongPassword(f'the robot refused the password{self._quoted()}')
         if self.state is State.LOGGING_IN:
-            return ConnectionFailed('the robot closed the connection on the password, for which '
-                                    f'it had not asked{self._quoted()}')
+            return ConnectionFailed('the robot closed the connection after the password, which '
+                                    f'it had not asked for{self._quoted()}')
         if self.state is State.DRAINING_HELP_LIST:
-            return ConnectionLost('the robot closed the connection in the login')
+            return ConnectionLost('the robot closed the connection during the login')
         return ConnectionLost(f'the robot closed the connection{self._quoted()}')
 
     def _quoted(self) -> str:
         return f', saying "{self.words}"' if self.words else ''
 
     def _remember(self, raw: bytes) -> None:
-        """Keeps what the robot says, for the reason why the connection ended."""
+        """Keeps the robot's last lines, for the reason why the connection ended."""
         self._said = [*self._said, self._shown(raw)][-5:]
 
     def _shown(self, raw: bytes) -> str:

@@ -1,4 +1,4 @@
-"""A file with all that both sides said, and when, in the format that the simulator replays."""
+"""A file with all lines of both sides and their times, in the format that the simulator replays."""
 from __future__ import annotations
 
 import contextlib
@@ -9,7 +9,7 @@ import threading
 import time
 from typing import Callable, TextIO
 
-SIZE = 50_000_000  # bytes of a file
+SIZE = 50_000_000  # bytes, the most in one file
 OUTGOING = 0  # number of the connection that the robot opens itself
 
 _ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
@@ -17,12 +17,12 @@ _ESCAPED[ord('\\')] = '\\\\'
 
 
 class SessionLog:
-    """Writes what both sides say, in the format of docs/reference/session_log.md, times since 1970.
+    """Writes the lines of both sides in the format of docs/reference/session_log.md.
 
-    Passwords come redacted already. A file that is there is kept as `<path>.old`, and so is one
-    that has grown to `size` bytes: both together never take more than twice that. Raises OSError
-    where the file cannot be opened, or is no regular file. A full disk ends the log, not the
-    session: `failure` says so.
+    Times are seconds since 1970. Passwords are already redacted in the lines. An existing file is
+    kept as `<path>.old`. A file that has grown to `size` bytes is kept in the same way, so both
+    together never take more than twice `size`. Raises OSError if the file cannot be opened or is no
+    regular file. A full disk ends the log, not the session: `failure` then has the reason.
     """
 
     def __init__(self, path: str, size: int = SIZE) -> None:
@@ -33,23 +33,23 @@ class SessionLog:
         self._connections = 0
         self._lock = threading.Lock()
         if os.path.exists(path) and not stat.S_ISREG(os.stat(path).st_mode):
-            raise OSError(errno.EINVAL, 'it is there already, and is no regular file', path)
+            raise OSError(errno.EINVAL, 'it exists and is no regular file', path)
         self._file = self._begin()
 
     def _begin(self) -> TextIO:
-        """A new file; the last one becomes the old one."""
+        """Opens a new file; the last one becomes the old one."""
         if os.path.exists(self.path):
             os.replace(self.path, f'{self.path}.old')
         self._written = 0
         return open(self.path, 'w', encoding='ascii', buffering=1)
 
     def connection(self) -> Callable[[str, bytes], None]:
-        """The trace of a new connection to the robot."""
+        """The trace function of a new connection to the robot."""
         self._connections += 1
         return self._trace('' if self._connections == 1 else str(self._connections))
 
     def outgoing(self) -> Callable[[str, bytes], None]:
-        """The trace of a connection that the robot opened."""
+        """The trace function of a connection that the robot opened."""
         return self._trace(str(OUTGOING))
 
     def close(self) -> None:
@@ -72,6 +72,6 @@ class SessionLog:
                     self._written += len(entry)
                 except OSError as error:
                     self.failure = f'{self.path} ends here: {error.strerror or error}'
-                    with contextlib.suppress(OSError):  # it would write what is left
+                    with contextlib.suppress(OSError):  # closing writes the rest, which may fail
                         self._file.close()
         return write

@@ -1,7 +1,7 @@
-"""From single status lines to whole statuses.
+"""Combines single status lines into whole statuses.
 
-`status` prints its fields on lines of their own, in an order and number that differ between robots,
-and without an end line.
+`status` prints its fields on separate lines. Their order and number differ between robots, and
+there is no end line.
 """
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _FIELDS: Dict[Type[Reply], Tuple[str, Callable[[Any], Any]]] = {
 
 
 class StatusAssembler:
-    """Collects status lines; each whole status comes out once, as a OneLineStatus.
+    """Collects status lines; returns each whole status once, as a OneLineStatus.
 
-    A field that comes again begins the next status; that teaches which fields there are. From then
-    on a status is whole when it has the fields that the last one had. `located` is when the
+    A field that comes again begins the next status; so the assembler learns which fields there are.
+    From then on a status is whole when it has the fields of the last one. `located`: when the
     location of the last whole status came, by the caller's clock.
     """
 
@@ -47,7 +47,7 @@ class StatusAssembler:
         self._expected: Optional[Set[str]] = None
 
     def add(self, reply: Reply, now: Any = None) -> Optional[OneLineStatus]:
-        """Takes a line; returns the status that is whole with it, or was whole before it."""
+        """Adds a line; returns the status that this line completes, or shows to be complete."""
         if isinstance(reply, OneLineStatus):
             self.located = now
             return reply
@@ -64,7 +64,7 @@ class StatusAssembler:
         return whole
 
     def drop(self) -> None:
-        """Forgets the lines of the status that is not whole yet."""
+        """Forgets the lines of the incomplete status."""
         self._status, self._fields = OneLineStatus(''), set()
 
     def _finish(self) -> OneLineStatus:

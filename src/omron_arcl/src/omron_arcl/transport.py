@@ -1,4 +1,4 @@
-"""The thread that serves connections, and how it tells what they do: for both transports."""
+"""The thread that serves connections and reports their state; the base of both transports."""
 from __future__ import annotations
 
 import contextlib
@@ -32,7 +32,7 @@ class Waker:
             self._writer.send(b'\0')
 
     def drain(self) -> None:
-        """Takes the wakes that have been."""
+        """Clears the wakes so far."""
         with contextlib.suppress(OSError):
             self.reader.recv(1024)
 
@@ -45,8 +45,8 @@ class Waker:
 class Transport:
     """A thread that serves connections from `start` until `close`; also a context manager.
 
-    `link` is the state of the connection, also told to `on_link`. A kind of transport is its
-    methods `_run`, which ends soon after `_closing` is set, for `_waker` wakes it, and `_free`.
+    `link` is the state of the connection; `on_link` is called when it changes. A subclass defines
+    `_run` and extends `_free`. `_run` must end soon after `_closing` is set; `_waker` wakes it.
     """
 
     def __init__(self, name: str, link: Link, on_link: Optional[Callable[[Link], None]]) -> None:
@@ -61,7 +61,7 @@ class Transport:
         self._ready: Set[object] = set()
 
     def start(self: _Own) -> _Own:
-        """Begins to connect, or to listen; once, and not after `close`."""
+        """Begins to connect or to listen; works once, and not after `close`."""
         with self._starting:
             if not (self._started or self._closing.is_set()):
                 self._started = True
@@ -75,7 +75,7 @@ class Transport:
         self.close()
 
     def close(self) -> None:
-        """Ends the connection; what is under way ends as lost. Takes well under a second."""
+        """Ends the connection; commands under way end as lost. Takes well under a second."""
         with self._starting:
             first = not self._closing.is_set()
             self._closing.set()
@@ -97,11 +97,11 @@ class Transport:
         raise NotImplementedError
 
     def _free(self) -> None:
-        """Gives back what was taken at construction."""
+        """Releases the resources that were taken at construction."""
         self._waker.close()
 
     def _wait(self, selector: selectors.BaseSelector) -> float:
-        """Waits for something to do; for how long. What is ready is in `_ready` then."""
+        """Waits for an event; returns the waiting time in s. The ready sockets are in `_ready`."""
         begun = time.monotonic()
         self._ready = {key.fileobj for key, _ in selector.select(TICK)}
         self._waker.drain()
@@ -112,16 +112,16 @@ class Transport:
         self._call(self._on_link, self.link)
 
     def _cause(self, error: Exception) -> LinkError:
-        """Why a connection ended on `error`. Our own mistakes are logged, and end it too."""
+        """Why a connection ended on `error`. An internal error is logged, and ends it, too."""
         if isinstance(error, LinkError):
             return error
         if isinstance(error, OSError):
             return ConnectionLost(f'the connection broke: {reason_of(error)}')
         _log.error('The %s failed.', self._name, exc_info=error)
-        return ConnectionLost(f'an error of our own: {error!r}')
+        return ConnectionLost(f'an internal error: {error!r}')
 
     def _call(self, callback: Optional[Callable[..., None]], *arguments: Any) -> None:
-        """A caller's mistake in a callback must not end the connection: it is logged."""
+        """Calls a callback; an error in it is logged and does not end the connection."""
         if callback:
             try:
                 callback(*arguments)

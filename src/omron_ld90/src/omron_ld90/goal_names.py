@@ -1,9 +1,9 @@
-"""What the vertices of a graph are called on the robot: for the converter and the bridge alike."""
+"""The names of a graph's vertices on the robot, for the converter and the bridge."""
 from __future__ import annotations
 
 from trajectory_graph import Vertex
 
 
 def goal_name(vertex: Vertex) -> str:
-    """The name under which ARCL's `goto` knows the vertex."""
+    """The name of the vertex in ARCL's `goto`."""
     return str(vertex.id)

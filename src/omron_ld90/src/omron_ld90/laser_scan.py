@@ -1,7 +1,7 @@
-"""Ranges by angle, as a laser measures them, from hits in the map. No ROS; metres, radians.
+"""Computes the ranges that a laser measured from its hits in the map. No ROS; metres, radians.
 
-ARCL gives a scan's hits in the map frame, already put there by the robot's localisation. What a
-range finder measured is found by looking at them from where the laser was.
+ARCL sends a scan's hits in the map frame, already transformed with the robot's localization. The
+measured ranges follow from the hits and the pose of the laser.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from omron_ld90 import robot_model
 
-INCREMENT = math.radians(1.0)  # wider than the laser's own step, so that no beam falls between
+INCREMENT = math.radians(1.0)  # wider than the laser's own step, so that each beam has a hit
 BEAMS = round(robot_model.LASER_FIELD_OF_VIEW / INCREMENT) + 1
 FIRST_ANGLE = -robot_model.LASER_FIELD_OF_VIEW / 2.0
 NEAREST = 0.02  # m
@@ -20,7 +20,7 @@ NEAREST = 0.02  # m
 
 @dataclass(frozen=True)
 class LaserPlace:
-    """Where a laser is, and which way it looks, in the map (m, rad)."""
+    """The pose of a laser in the map (m, rad)."""
 
     x: float
     y: float
@@ -30,7 +30,7 @@ class LaserPlace:
 def ranges_of(hits: np.ndarray, laser: LaserPlace) -> np.ndarray:
     """(BEAMS,) ranges from right to left: the nearest of the `hits` (N, 2) in each direction.
 
-    Infinite where there is none. Hits outside the field of view or the range are left out.
+    Infinite if there is none. Hits outside the field of view or the range are ignored.
     """
     right, up = (np.asarray(hits, float).reshape(-1, 2) - (laser.x, laser.y)).T
     distances = np.hypot(right, up)

@@ -1,8 +1,8 @@
-"""How a robot moves, told from its successive locations. No ROS; metres, radians, seconds.
+"""Estimates a robot's motion from its successive locations. No ROS; metres, radians, seconds.
 
-A robot of ARCL sends where its own localisation finds it, some two to ten times a second, and no
-wheel counts. Between two locations it drove an arc: its mean speed and turn rate are known, not
-what it does at this moment. The variances say so: they grow with the time between locations.
+An ARCL robot sends the pose of its own localization, two to ten times a second, and no wheel
+counts. Between two locations it drove an arc. Its mean speed and turn rate are known, but not its
+present motion. The variances express this: they grow with the time between locations.
 """
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from typing import Optional
 
 from omron_ld90 import robot_model
 
-MAX_GAP = 2.0  # s between two locations; farther apart they tell of no velocity
+MAX_GAP = 2.0  # s between two locations; a longer gap gives no velocity
 
-#: Standard deviations of one location: the localisation's own (data sheet: 100 mm, taken as two
-#: sigma), and what differs from one location to the next, with rounding to 1 mm and 1 degree.
+#: Standard deviations of one location: the localization's own (data sheet: 100 mm, taken as two
+#: sigma), and the change from one location to the next, with rounding to 1 mm and 1 degree.
 POSITION_SIGMA, HEADING_SIGMA = 0.05, math.radians(1.0)
 STEP_SIGMA, TURN_SIGMA = 0.005, math.radians(0.5)
-SIDEWAYS = 0.1  # m that a robot may seem to move to the side, which it cannot
+SIDEWAYS = 0.1  # m that a robot may appear to move sideways, which it cannot do
 TURN_ACCELERATION = math.radians(180.0)  # rad/s2
 
 
 @dataclass(frozen=True)
 class Location:
-    """Where a robot was at a time: s, m and rad in the map."""
+    """The pose of a robot at a time: s, m and rad in the map."""
 
     time: float
     x: float
@@ -34,10 +34,10 @@ class Location:
 
 @dataclass(frozen=True)
 class Motion:
-    """How a robot got to its last location: means since the one before, and their variances."""
+    """The motion since the location before: mean values and their variances."""
 
     speed: float
-    """m/s ahead, negative backwards; to the side it cannot drive."""
+    """m/s ahead, negative backwards; the robot cannot drive sideways."""
     turn_rate: float
     """rad/s, counter-clockwise."""
     speed_variance: float
@@ -48,7 +48,7 @@ class Motion:
 
 
 class Odometer:
-    """Tells the motion at each location that follows another one."""
+    """Computes the motion at each location that follows another one."""
 
     def __init__(self) -> None:
         self._last: Optional[Location] = None
@@ -56,8 +56,8 @@ class Odometer:
     def add(self, location: Location) -> Optional[Motion]:
         """The motion since the location before.
 
-        None where there is none within MAX_GAP, and where the robot cannot have driven from there:
-        then it was relocalised.
+        None if there was no location within MAX_GAP. None also if the robot cannot have driven
+        here from there: it was relocalized.
         """
         last, self._last = self._last, location
         if last is None or not 0.0 < location.time - last.time <= MAX_GAP:
@@ -76,7 +76,7 @@ def _between(last: Location, location: Location) -> Optional[Motion]:
         return None
     arc = chord * (turn / 2.0) / math.sin(turn / 2.0) if turn else chord
     speed, turn_rate = arc / interval, turn / interval
-    # Within the interval the robot may have gained or lost what its acceleration allows, and the
+    # Within the interval the speed may have changed as far as the acceleration allows, and the
     # location may be as old as the interval is long.
     motion = Motion(
         speed, turn_rate,
@@ -90,7 +90,7 @@ def _between(last: Location, location: Location) -> Optional[Motion]:
 
 
 def _uniform(width: float) -> float:
-    """The variance of what lies anywhere in a range of `width`."""
+    """The variance of a uniform distribution over a range of `width`."""
     return width ** 2 / 12.0
 
 

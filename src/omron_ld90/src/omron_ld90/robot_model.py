@@ -1,8 +1,8 @@
-"""The OMRON LD-90 in figures: the one place that converter, bridge and pictures take them from.
+"""The dimensions of the OMRON LD-90; converter, bridge and pictures take them from here.
 
-Metres, radians, seconds. Sizes, speeds and the laser's reach are the data sheet's; accelerations
-stand in the configurations of real robots. `urdf/ld90.urdf` and the simulator, which does not
-depend on this package, say the same: a test compares them.
+Metres, radians, seconds. Sizes, speeds and the laser's range are from the data sheet; accelerations
+are from the configurations of real robots. `urdf/ld90.urdf` and the simulator, which does not
+depend on this package, have the same values: a test compares them.
 """
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ ACCELERATION = 0.5  # m/s2
 BRAKING_TO_GOAL = 0.2  # m/s2
 
 LASER_HEIGHT = 0.203  # above the floor
-LASER_AHEAD = 0.280  # of the turning centre; not published: as it is drawn in the URDF
+LASER_AHEAD = 0.280  # of the turning centre; not published, taken from the URDF
 LASER_FIELD_OF_VIEW = math.radians(240.0)
 LASER_RANGE = 15.0

@@ -1,4 +1,4 @@
-"""The border between the robot's millimetres (ARCL, `.map`) and the metres of ROS and graphs."""
+"""Converts between the robot's millimetres (ARCL, `.map`) and the metres of ROS and graphs."""
 from __future__ import annotations
 
 MM_PER_M = 1000.0
@@ -10,5 +10,5 @@ def metres(millimetres: float) -> float:
 
 
 def millimetres(length: float) -> int:
-    """Length in metres as the whole millimetres that ARCL and `.map` files hold."""
+    """Length in metres as the whole millimetres of ARCL and `.map` files."""
     return int(round(length * MM_PER_M))

@@ -27,7 +27,7 @@ from trajectory_graph.route_protocol import (
 NANOSECONDS = 1_000_000_000
 PATIENCE = 3.5
 OFF_GRAPH = Reason(ReasonCode.OFF_GRAPH, 'off the graph')
-NO_LOCATION = Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
+NO_LOCATION = Reason(ReasonCode.NO_LOCATION, 'the robot has not reported its location')
 NO_GRAPH = Reason(ReasonCode.NOT_READY, 'there is no graph')
 
 

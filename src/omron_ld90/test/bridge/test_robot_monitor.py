@@ -94,7 +94,7 @@ def test_only_what_others_do_ends_a_route(told, fails):
 
 def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():
     robot = monitor()
-    assert 'the driver of the robot' in robot.why_unknown(0.0).text
+    assert 'the motion of the robot' in robot.why_unknown(0.0).text
     robot.update(MotionTold(1), 0.0)
     assert not robot.why_unknown(0.0)
 
@@ -105,7 +105,7 @@ def test_a_location_is_overdue_only_while_its_link_stands():
         for link in Link:
             robot.update(LinkReported(link, True), time)
     robot.check(5.0)
-    assert why_failed(robot, 5.5) == 'the robot has not told where it is for 5 s'
+    assert why_failed(robot, 5.5) == 'the robot has not reported its location for 5 s'
     robot = monitor()  # the receiver stands still
     robot.update(LinkReported(Link.COMMANDS, True), 5.0)
     robot.check(5.5)

@@ -44,7 +44,7 @@ class TestRobotLinks:
 
     def test_a_link_of_which_nothing_is_known_cannot_be_used_and_is_not_lost(self):
         links = RobotLinks([Link.COMMANDS], 2.0, 20.0)
-        assert links.why_unusable(9.0).text == 'nothing is known of the link commands'
+        assert links.why_unusable(9.0).text == 'no report has arrived about the link commands'
         assert links.why_lost(9.0).text == ''
 
     def test_a_link_that_is_down_is_lost_after_the_timeout(self):

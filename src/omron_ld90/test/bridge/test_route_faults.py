@@ -155,7 +155,7 @@ def test_the_end_of_a_drive_that_we_replaced_means_nothing():
 def test_a_robot_that_no_longer_tells_where_it_is_fails_the_route():
     bench = under_way(location_timeout=5.0)
     bench.wait(5.5)
-    assert_failed(bench, 'the robot has not told where it is for 5 s')
+    assert_failed(bench, 'the robot has not reported its location for 5 s')
 
 def test_no_progress_fails_the_route():
     bench = under_way(stall_timeout=10.0)

@@ -84,7 +84,7 @@ def test_a_complete_route_cannot_be_extended_from_elsewhere():
     commands = len(bench.commands)
     bench.order(7, 1, 4, 5)
     assert refusals(bench, 7)[-1].reason.text == (
-        'route 7 ended at vertex 7, where the robot no longer is')
+        'route 7 ended at vertex 7, but the robot is no longer there')
     assert len(bench.commands) == commands
 
 
@@ -335,7 +335,7 @@ def test_an_order_waits_no_longer_than_the_location_may_take():
     assert follower.tick(3.9) == []
     refusal, report, _ = follower.tick(4.1)
     assert isinstance(report, RouteReport)
-    assert refusal.reason.text == report.reason.text == 'the robot has not told where it is'
+    assert refusal.reason.text == report.reason.text == 'the robot has not reported its location'
 
 
 def test_an_old_location_starts_no_route():

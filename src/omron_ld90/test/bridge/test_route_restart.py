@@ -342,4 +342,4 @@ def test_a_robot_that_stays_silent_fails_the_route():
     bench.wait(19.0)
     assert bench.follower.running
     bench.wait(2.0)
-    assert bench.follower.report().reason.text == 'the robot has not told where it is'
+    assert bench.follower.report().reason.text == 'the robot has not reported its location'

@@ -81,7 +81,7 @@ def test_the_dock_is_a_vertex_of_the_graph(given):
     assert read_settings(None).dock_vertex == DOCK, 'the graph comes later'
     given['dock_vertex'] = 48
     assert message() == ('~dock_vertex is 48, which is no vertex of the graph: set it to the id of '
-                         'the dock, or to 0 where there is none.')
+                         'the dock, or to 0 if there is none.')
     given['dock_vertex'] = 0
     assert read_settings(GRAPH).dock_vertex is None
 

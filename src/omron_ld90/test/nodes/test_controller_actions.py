@@ -200,7 +200,7 @@ def test_the_end_of_the_command_is_that_of_the_goal(bench, outcome, ending, told
 def test_lines_that_were_left_out_are_counted(bench):
     handle = bench.give('getGoals')
     bench.end(handle, Result(Outcome.SUCCEEDED, 'End of goals', ('Goal: 1',), 5))
-    assert handle.ended[2] == 'End of goals (5 more lines were left out)'
+    assert handle.ended[2] == 'End of goals (5 more lines were omitted)'
 
 
 def test_lines_of_the_robot_are_feedback_of_the_goal_that_they_belong_to(bench):

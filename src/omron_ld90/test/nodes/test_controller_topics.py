@@ -114,7 +114,7 @@ def test_a_pose_in_another_frame_or_that_is_none_is_told_and_not_given(bench):
         ('gotoPoint', '/person',
          'The goal was not sent: the pose is in the frame "odom", not in "map".'),
         ('localizeToPoint', '/person',
-         'The pose was not sent: the pose holds a number that is not finite.')]
+         'The pose was not sent: the pose contains a number that is not finite.')]
 
 
 def test_while_a_fleet_drives_the_robot_clicks_do_not_and_commands_do(bench):

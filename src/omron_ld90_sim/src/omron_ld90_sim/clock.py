@@ -1,7 +1,7 @@
-"""The simulated clock: callbacks at points of simulated time, run in order.
+"""The simulated clock: runs callbacks at points of simulated time, in order.
 
-Nothing in the simulator reads the wall clock except the transport, which decides how far to
-advance. A run is therefore a function of its inputs and their times alone.
+Nothing in the simulator reads the wall clock, except the transport, which decides how far to
+advance. So a run depends only on its inputs and their times.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Timer:
         return self._callback is not None
 
     def cancel(self) -> None:
-        """Forgets the callback; harmless when it has run already."""
+        """Drops the callback; has no effect after it has run."""
         self._callback = None
 
     def run(self) -> None:
@@ -34,7 +34,7 @@ class Timer:
 
 
 class Clock:
-    """Simulated seconds since the start, and what is due when."""
+    """Simulated seconds since the start, and the waiting callbacks."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -42,7 +42,7 @@ class Clock:
         self._count = 0
 
     def at(self, time: float, callback: Callable[[], None]) -> Timer:
-        """Runs `callback` at `time` (s), or at once on the next advance when that is past."""
+        """Runs `callback` at `time` (s), or on the next advance if that time has passed."""
         timer = Timer(callback)
         self._count += 1
         heapq.heappush(self._queue, (max(time, self.now), self._count, timer))
@@ -54,13 +54,13 @@ class Clock:
 
     @property
     def next_time(self) -> Optional[float]:
-        """When the next callback is due; None when nothing is waiting."""
+        """The time of the next callback; None if none is waiting."""
         while self._queue and not self._queue[0][2].waiting:
             heapq.heappop(self._queue)
         return self._queue[0][0] if self._queue else None
 
     def advance(self, until: float) -> None:
-        """Runs everything due up to `until`, in order of time, then stands at `until`."""
+        """Runs all callbacks due up to `until`, in order of time, then sets the time to `until`."""
         while True:
             due = self.next_time
             if due is None or due > until:
@@ -72,9 +72,9 @@ class Clock:
 
 
 class Ticker:
-    """Calls back at every whole multiple of `period` seconds: it does not drift.
+    """Calls back at every whole multiple of `period` seconds, so it does not drift.
 
-    The multiples are the clock's own, so that it does not matter when exactly a client connects.
+    The multiples are those of the clock, so the exact time of a client's connection has no effect.
     """
 
     def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:

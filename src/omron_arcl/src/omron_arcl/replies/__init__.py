@@ -1,4 +1,4 @@
-"""What the robot says: one frozen dataclass per kind of line, by families.
+"""The lines of the robot: one frozen dataclass per kind of line, grouped by subject.
 
     from omron_arcl import parse_line, replies
     reply = parse_line('Going to 12')

@@ -1,4 +1,4 @@
-"""The robot drives, docks, stops, and finds its place."""
+"""Replies about driving, docking, stopping and localizing."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -45,40 +45,41 @@ class Stopping(Reply):
 
 @dataclass(frozen=True)
 class Stopped(Reply):
-    """The robot halted. No proof of one's own `stop`: undocking and enabling motors end so too."""
+    """The robot halted. This does not prove that a `stop` was obeyed: undocking and enabling the
+    motors end in the same way."""
 
 
 @dataclass(frozen=True)
 class Parking(Reply):
-    """The robot is parking (`parked`: has parked) of its own accord."""
+    """The robot parks by its own decision (`parked`: it has parked)."""
 
     parked: bool
 
 
 @dataclass(frozen=True)
 class Interrupted(Reply):
-    """What ran was replaced or stopped; `text` is the status text it had, e.g. `Going to 12`."""
+    """A motion was replaced or stopped; `text` is the status text it had, e.g. `Going to 12`."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class RobotError(Reply):
-    """`Error: <text>`: something failed while running; names no command."""
+    """`Error: <text>`: something failed while it ran; the line names no command."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Failure(Reply):
-    """Something could not be done, said in free words: `Cannot find path`, `Failed to localize`."""
+    """A failure in free words: `Cannot find path`, `Failed to localize`."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Patrolling(Reply):
-    """The robot drives the goals of a route, for ever or (`once`) one time."""
+    """The robot drives to the goals of a route, endlessly or (`once`) one time."""
 
     route: str
     once: bool
@@ -86,18 +87,18 @@ class Patrolling(Reply):
 
 @dataclass(frozen=True)
 class FinishedPatrolling(Reply):
-    """The last goal of a route patrolled once was reached."""
+    """The robot reached the last goal of a route that it patrolled once."""
 
     route: str
 
 
 @dataclass(frozen=True)
 class LapCompleted(Reply):
-    """A patrol begins again (older robots say so)."""
+    """A patrol begins again (sent by older robots)."""
 
 
 class DockingState(Enum):
-    """Where the robot is between its path and its charging station."""
+    """The state of the robot between its path and its charging station."""
 
     UNDOCKED = 'Undocked'
     DOCKING = 'Docking'
@@ -107,9 +108,9 @@ class DockingState(Enum):
 
 @dataclass(frozen=True)
 class DockingStatus(Reply):
-    """Docking state; `charge` is the charger's word: Not, Bulk, Overcharge, Float, Unknowable.
+    """The docking state; `charge`: the charger's state, Not, Bulk, Overcharge, Float, Unknowable.
 
-    Only `docking` tells whether the robot is docked: `charge` wavers while undocking.
+    Only `docking` says whether the robot is docked: `charge` is unreliable while undocking.
     """
 
     docking: DockingState
@@ -119,7 +120,7 @@ class DockingStatus(Reply):
 
 @dataclass(frozen=True)
 class Localizing(Reply):
-    """The robot looks for its place (`done`: has found it) where it was told."""
+    """The robot searches for its position (`done`: it has found it) at the given place."""
 
     done: bool
     text: str

@@ -1,4 +1,4 @@
-"""What the robot carries: range devices, inputs and outputs, payload."""
+"""Replies about range devices, inputs and outputs, and payload."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RangeDevice(Reply):
-    """A range device of the robot, e.g. `Laser_1`, and what kind it is."""
+    """A range device of the robot, e.g. `Laser_1`, and its kind."""
 
     name: str
     kind: str
@@ -42,7 +42,7 @@ class RangeReading(Reply):
 
 @dataclass(frozen=True)
 class Input(Reply):
-    """A digital input or output (`output`); `state` is on, off or broken, or '' in a mere list."""
+    """A digital input or output (`output`). `state`: on, off or broken; '' in a list of names."""
 
     name: str
     state: str
@@ -51,7 +51,7 @@ class Input(Reply):
 
 @dataclass(frozen=True)
 class ExternalIO(Reply):
-    """A set of external inputs and outputs: how many, and their values as bits."""
+    """A set of external inputs and outputs: their numbers, and their values as bits."""
 
     name: str
     inputs: int
@@ -71,9 +71,9 @@ class ExternalIOUpdate(Reply):
 
 @dataclass(frozen=True)
 class PayloadSlot(Reply):
-    """What a slot of the robot carries: `Empty` is the robot's word for nothing.
+    """The content of a payload slot; the robot writes `Empty` for nothing.
 
-    `robot` is named by a fleet manager only.
+    Only a fleet manager names the `robot`.
     """
 
     slot: int

@@ -1,4 +1,4 @@
-"""Lists, confirmations and news that need no closer reading, and the connection itself."""
+"""List items, confirmations and notices that are not parsed further, and the connection itself."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from omron_arcl.replies.reply import Reply
 
 @dataclass(frozen=True)
 class Item(Reply):
-    """An item of a list that needs no closer reading; `prefix` is what stands before the colon."""
+    """An item of a list, not parsed further; `prefix` is the text before the colon."""
 
     prefix: str
     text: str
@@ -38,7 +38,7 @@ class Done(Reply):
 
 @dataclass(frozen=True)
 class Notice(Reply):
-    """News that asks nothing of a client: `kind` QueueUpdate, PayloadUpdate, Charge, ..."""
+    """A notice that needs no action by a client: `kind` QueueUpdate, PayloadUpdate, Charge, ..."""
 
     kind: str
     text: str
@@ -46,13 +46,13 @@ class Notice(Reply):
 
 @dataclass(frozen=True)
 class Echo(Reply):
-    """Whether the server echoes what it is sent."""
+    """Whether the server echoes the commands that it receives."""
 
     on: bool
 
 
 @dataclass(frozen=True)
 class ServerClosing(Reply):
-    """The server is about to close the connection, and says why."""
+    """The server is about to close the connection; `text` has the reason."""
 
     text: str

@@ -1,4 +1,4 @@
-"""The robot does not take a command."""
+"""Replies by which the robot refuses a command."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from omron_arcl.replies.reply import Reply
 
 @dataclass(frozen=True)
 class CommandError(Reply):
-    """The robot refused a command line; `CommandErrorDescription` follows, perhaps not at once."""
+    """The robot refused a command line; `CommandErrorDescription` follows, possibly later."""
 
     command: str
 
@@ -22,20 +22,20 @@ class CommandErrorDescription(Reply):
 
 @dataclass(frozen=True)
 class UnknownCommand(Reply):
-    """The robot has no such command; `name` may be cut short."""
+    """The robot has no such command; `name` may be shortened."""
 
     name: str
 
 
 @dataclass(frozen=True)
 class SetUpError(Reply):
-    """A command came in the wrong order, or what it needs is not set up or not there."""
+    """A command came in the wrong order, or something that it needs is missing or not set up."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Usage(Reply):
-    """A command lacked arguments; `syntax` is the robot's, the command's name first."""
+    """A command lacked arguments; `syntax` is the robot's syntax, with the command's name first."""
 
     syntax: str

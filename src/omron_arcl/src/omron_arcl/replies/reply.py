@@ -1,8 +1,8 @@
-"""What every kind of line has in common.
+"""The common base of all kinds of lines.
 
-Lengths are mm, angles degrees, in the robot's map frame, as ARCL gives them (the ROS nodes turn
-them into SI). Names (goals, routes, ...) are spelt as the robot spelt them: compare them with
-`same_name`, for the robot itself does not respect case.
+Lengths are in mm, angles in degrees, in the robot's map frame, as in ARCL (the ROS nodes convert
+them to SI). Names (goals, routes, ...) are spelt as the robot spelt them. Compare them with
+`same_name`, because the robot ignores case.
 """
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from typing import Tuple
 
 
 class Reply:
-    """Base of every kind of line. `isinstance` tells them apart."""
+    """Base of every kind of line. Distinguish them with `isinstance`."""
 
     __slots__ = ()
 
 
 def readable(name: str) -> str:
-    """A name as people read it, and as the robot's lines give it.
+    """A name as people read it, and as the robot's lines contain it.
 
-    Names out of files may hold bytes that are no UTF-8 as surrogates (`surrogateescape`): such a
-    name is read as Latin-1, as `framing.decode` does.
+    Names from files may contain bytes that are not valid UTF-8 as surrogates (`surrogateescape`).
+    Such a name is read as Latin-1, as in `framing.decode`.
     """
     if name.isascii():
         return name
@@ -29,17 +29,17 @@ def readable(name: str) -> str:
         return name.encode('utf-8', 'surrogateescape').decode('utf-8')
     except UnicodeDecodeError:
         return name.encode('utf-8', 'surrogateescape').decode('latin-1')
-    except UnicodeEncodeError:  # surrogates of another kind, which stand for nothing
+    except UnicodeEncodeError:  # other surrogates, which represent no bytes
         return name
 
 
 def same_name(one: str, other: str) -> bool:
-    """Whether two names mean the same object to the robot, which respects neither case nor ends."""
+    """Whether two names mean the same object to the robot, which ignores case and outer blanks."""
     return readable(one).strip().casefold() == readable(other).strip().casefold()
 
 
 def coordinates(name: str) -> Tuple[float, ...]:
-    """The two or three numbers (mm, mm, degrees) that `name` consists of; empty if it does not."""
+    """The two or three numbers (mm, mm, degrees) that `name` consists of; else empty."""
     words = name.replace(',', ' ').split()
     try:
         numbers = tuple(map(float, words)) if len(words) in (2, 3) and '_' not in name else ()
@@ -50,6 +50,6 @@ def coordinates(name: str) -> Tuple[float, ...]:
 
 @dataclass(frozen=True)
 class UnknownLine(Reply):
-    """A line of no known kind: free text of another client, of a newer robot, or garbage."""
+    """A line of no known kind: text of another client, a line of a newer robot, or garbage."""
 
     text: str

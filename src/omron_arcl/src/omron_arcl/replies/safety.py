@@ -1,4 +1,4 @@
-"""Emergency stop, motors and faults."""
+"""Replies about the emergency stop, the motors and faults."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from omron_arcl.replies.reply import Reply
 class EStop(Reply):
     """The emergency stop; after its release the motors stay off until they are enabled.
 
-    The manual spells it in four ways; `text` is the robot's.
+    The manual spells it in four ways; `text` is the robot's own wording.
     """
 
     pressed: bool
@@ -26,7 +26,7 @@ class Motors(Reply):
 
 @dataclass(frozen=True)
 class Fault(Reply):
-    """A fault was raised (`cleared`: is over), told at the event or as an item of a fault list."""
+    """A fault was raised (`cleared`: has ended); sent when it happens, or as an item of a list."""
 
     kind: str
     name: str

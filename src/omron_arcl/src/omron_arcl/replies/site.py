@@ -1,4 +1,4 @@
-"""The map in use, what is on it, and the robot's settings."""
+"""Replies about the map in use, its objects, and the robot's settings."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class MapObjectCoord(Reply):
 
 @dataclass(frozen=True)
 class MapChanged(Reply):
-    """Another map is in use: goals changed, and the robot may not know where it is."""
+    """Another map is in use: its goals differ, and the robot may not know its position."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The fields of a status, on lines of their own or on one line, and what the robot counts."""
+"""The fields of a status, on separate lines or on one line, and the robot's counters."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class ExtendedStatus(Reply):
 
 @dataclass(frozen=True)
 class StatusText(Reply):
-    """What the robot does; another line in itself, to be read with `parse_line`."""
+    """The robot's activity, in the form of another line; parse it with `parse_line`."""
 
     text: str
 
@@ -46,21 +46,21 @@ class Location(Reply):
 
 @dataclass(frozen=True)
 class LocalizationScore(Reply):
-    """How well the laser fits the map, 0..1."""
+    """How well the laser scan fits the map, 0..1."""
 
     score: float
 
 
 @dataclass(frozen=True)
 class Temperature(Reply):
-    """Degrees Celsius; None where the robot has no sensor (it says -127 or -128)."""
+    """Degrees Celsius; None if the robot has no sensor (it sends -127 or -128)."""
 
     celsius: Optional[float]
 
 
 @dataclass(frozen=True)
 class OneLineStatus(Reply):
-    """`oneLineStatus`: several status fields on one line; None is a field that was not sent."""
+    """`oneLineStatus`: several status fields on one line; None: the field was not sent."""
 
     status: str
     extended_status: Optional[str] = None
@@ -82,14 +82,14 @@ class Odometer(Reply):
 
 @dataclass(frozen=True)
 class DateTime(Reply):
-    """The robot's clock, as it writes it (MM/DD/YYYY HH:MM:SS)."""
+    """The robot's clock, in the robot's format (MM/DD/YYYY HH:MM:SS)."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class DataStoreValue(Reply):
-    """A field of the robot's data store (statistics), with its value as the robot writes it."""
+    """A field of the robot's data store (statistics), with its value in the robot's format."""
 
     field: str
     value: str

@@ -1,4 +1,4 @@
-"""Tasks, macros and task lists begin and end."""
+"""Replies about the beginning and the end of tasks, macros and task lists."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ class DoingTask(Reply):
 
 @dataclass(frozen=True)
 class CompletedTask(Reply):
-    """A task ended well."""
+    """A task ended successfully."""
 
     task: str
 
 
 @dataclass(frozen=True)
 class CompletedInstantTask(Reply):
-    """A task that does not interrupt driving was done."""
+    """A task that does not interrupt driving is done."""
 
     task: str
 
@@ -43,7 +43,7 @@ class ExecutingMacro(Reply):
 
 @dataclass(frozen=True)
 class CompletedMacro(Reply):
-    """A macro ended well."""
+    """A macro ended successfully."""
 
     macro: str
 
@@ -55,7 +55,7 @@ class ExecutingList(Reply):
 
 @dataclass(frozen=True)
 class FinishedList(Reply):
-    """The task list ended well."""
+    """The task list ended successfully."""
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""Routes of a fleet manager, driven by one LD-90: orders in, commands and reports out. No ROS."""
+"""Drives one LD-90 along the routes of a fleet manager: takes orders, gives commands, reports."""

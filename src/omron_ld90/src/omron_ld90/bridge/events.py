@@ -1,6 +1,6 @@
-"""What the bridge is told, what it does about it, and what it remembers.
+"""The events and actions of the bridge, and the record that it keeps.
 
-Metres; stamps in nanoseconds of the ROS clock. Orders and reports are those of
+Lengths are in m; stamps in nanoseconds of the ROS clock. Orders and reports are those of
 `trajectory_graph.route_protocol`.
 """
 from __future__ import annotations
@@ -21,25 +21,25 @@ from trajectory_graph.route_protocol import (
 
 @dataclass(frozen=True)
 class RouteRecord:
-    """What a restarted bridge must remember of the last route, running or ended."""
+    """The state of the last route, running or ended, that a restarted bridge needs."""
 
     route_id: int
     edges: Tuple[int, ...]
     stamp: int
     phase: Phase
     reason: Reason
-    completed: int           # edges driven
+    completed: int           # number of edges driven
     target: Optional[int]    # index of the edge to whose end the robot was sent
     goal: str                # name of the goal that the robot was sent to last; empty: none
-    owes_stop: bool = False  # the controller has not taken the stop that the end of it demanded
-    epoch: int = 0           # of the motion, that the bridge knew
+    owes_stop: bool = False  # the controller has not taken the stop that ended the route
+    epoch: int = 0           # the last epoch that the bridge knew
     past: Tuple[Tuple[int, int], ...] = ()  # orders that were driven: id, and a hash of the edges
 
 
-# --- what the robot was seen to do ----------------------------------------------------------------
+# --- the robot ------------------------------------------------------------------------------------
 
 class Motion(Enum):
-    """What the robot's status says that it does."""
+    """The motion that the robot's status shows."""
 
     UNKNOWN = 'unknown'
     GOING = 'going to a goal'
@@ -54,7 +54,7 @@ class Motion(Enum):
 
 
 class Docking(Enum):
-    """Where the robot is between its path and its charging station."""
+    """The state of the robot between its path and its charging station."""
 
     UNDOCKED = 'Undocked'
     DOCKING = 'Docking'
@@ -64,7 +64,7 @@ class Docking(Enum):
 
 @dataclass(frozen=True)
 class RobotSeen:
-    """One status of the robot. `goal` is empty where it names none, e.g. on its way to a point."""
+    """One status of the robot. `goal` is empty if it names none, e.g. on the way to a point."""
 
     stamp: int
     motion: Motion = Motion.UNKNOWN
@@ -72,13 +72,13 @@ class RobotSeen:
     docking: Optional[Docking] = None
     emergency_stop: bool = False
     place: Optional[Tuple[float, float]] = None  # m, map frame
-    heading: float = math.nan  # rad, of that place
+    heading: float = math.nan  # rad, at that place
 
 
-# --- what became of our commands ------------------------------------------------------------------
+# --- our commands ---------------------------------------------------------------------------------
 
 class Ending(Enum):
-    """How a command that the bridge gave has ended."""
+    """How a command of the bridge ended."""
 
     SUCCEEDED = 'succeeded'
     FAILED = 'failed'
@@ -87,28 +87,28 @@ class Ending(Enum):
     EMERGENCY_STOPPED = 'emergency stop'
     OVERRULED = 'overruled'                  # never sent: another giver's command came first
     LOST = 'lost'                            # it is unknown whether the robot obeys it
-    NEVER_SENT = 'never sent'                # it certainly did not reach the robot
+    NEVER_SENT = 'never sent'                # it did not reach the robot, for certain
 
 
 @dataclass(frozen=True)
 class CommandEnded:
-    """A command given as `Give` has ended; `text` is the robot's words or the controller's."""
+    """A command given as `Give` has ended; `text` are the robot's words or the controller's."""
 
     number: int
     ending: Ending
     text: str = ''
 
 
-# --- what others did ------------------------------------------------------------------------------
+# --- other givers, and the links ------------------------------------------------------------------
 
 @dataclass(frozen=True)
 class MotionTold:
-    """The controller tells the driver of the robot (omron_ld90_msgs/Motion).
+    """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
-    is_ours -- the bridge itself began the epoch, or an emergency stop did, which ends routes anyway
+    is_ours -- the bridge itself began the epoch, or an emergency stop, which ends routes anyway
     by_robot -- the robot did something that no command of ours asked for
-    goes_on -- the controller was restarted, and no giver did anything meanwhile as far as it knows
-    reason -- why there is another epoch, for people
+    goes_on -- the controller was restarted, and knows of no giver that did anything meanwhile
+    reason -- why the epoch is a new one, for a person
     """
 
     epoch: int
@@ -121,7 +121,7 @@ class MotionTold:
 
 
 class Link(Enum):
-    """The two connections to the robot, by the names that omron_ld90_msgs/LinkState has."""
+    """The two connections to the robot, by their names in omron_ld90_msgs/LinkState."""
 
     COMMANDS = 'commands'
     OUTGOING = 'outgoing'
@@ -129,7 +129,7 @@ class Link(Enum):
 
 @dataclass(frozen=True)
 class LinkReported:
-    """The node that has this link says how it stands; it does so at least once a second."""
+    """The report on a link by the node that owns it; sent at least once a second."""
 
     link: Link
     up: bool
@@ -139,13 +139,13 @@ class LinkReported:
 Event = Union[RouteOrder, RobotSeen, CommandEnded, MotionTold, LinkReported]
 
 
-# --- what is to be done ---------------------------------------------------------------------------
+# --- actions --------------------------------------------------------------------------------------
 
 @dataclass(frozen=True)
 class Give:
-    """Give the robot this ARCL command, and tell by `CommandEnded` with this number how it ends.
+    """Give the robot this ARCL command; a `CommandEnded` with this number must report its end.
 
-    known_epoch -- of the motion, in which the command makes sense; 0: any
+    known_epoch -- the epoch in which the command is valid; 0: any
     """
 
     number: int
@@ -155,7 +155,7 @@ class Give:
 
 @dataclass(frozen=True)
 class Note:
-    """Tell the people who watch."""
+    """A message for a person."""
 
     text: str
 

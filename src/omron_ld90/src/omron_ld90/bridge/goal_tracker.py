@@ -1,7 +1,7 @@
-"""The goal that the robot was last sent to by us, and what is known of its way there.
+"""The goal that we last sent the robot to, and whether the robot obeys.
 
-Normally the controller tells how a command ends. Where it cannot (its link or the controller itself
-was lost, or this program was restarted), the robot's status says what the robot does, and only a
+Normally the controller reports how a command ended. It cannot do so if its link or the controller
+itself was lost, or if this program was restarted. Then the robot's status decides, and only a
 command that did not reach the robot is given again.
 """
 from __future__ import annotations
@@ -15,25 +15,25 @@ from omron_ld90.bridge.own_goals import DOCK, OwnGoals
 from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
 
 STOP = 'stop'
-REASON_DELAY = 0.5  # s for an emergency stop to be told after the motion that it interrupted
-UNMOVED = 0.1       # m, that a standing robot may seem to move
-STATUS_LAG = 1.0    # s that a status may be older than what the robot was told
+REASON_DELAY = 0.5  # s after an interruption in which an emergency stop may be its reason
+UNMOVED = 0.1       # m by which the location of a standing robot may vary
+STATUS_LAG = 1.0    # s by which a status may be older than the last command
 
-_UNCLEAR = (Motion.UNKNOWN, Motion.STOPPING)  # what comes next is not to be seen
+_UNCLEAR = (Motion.UNKNOWN, Motion.STOPPING)  # these do not show what the robot does next
 _AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, *_UNCLEAR)
 
 
 class Knowledge(Enum):
-    """How the end of the command will be known."""
+    """How the end of the command becomes known."""
 
     NOTHING = 'no goal was sent'
-    AWAITED = 'the controller will tell how it ends'
+    AWAITED = 'the controller will report how it ends'
     DOUBTFUL = 'it is not known yet whether the robot obeys it'
-    WATCHED = 'the robot is on its way; its status will tell'
+    WATCHED = 'the robot is on its way; its status will show the end'
 
 
 class RouteFailed(Exception):
-    """The route cannot go on; `reason` is for the fleet manager, `detail` for people here."""
+    """The route cannot go on; `reason` is for the fleet manager, `detail` for a person here."""
 
     def __init__(self, reason: Reason, detail: str = '') -> None:
         super().__init__(reason, detail)
@@ -45,29 +45,29 @@ class RouteFailed(Exception):
 
 
 class TakenOver(RouteFailed):
-    """The robot obeys another giver already, so that it is not ours to stop."""
+    """The robot already obeys another giver, so the bridge must not stop it."""
 
     def __init__(self, how: str) -> None:
         super().__init__(TAKEN_OVER, how)
 
 
 class GoalTracker:
-    """The last goal, from the command to the arrival."""
+    """Tracks the last goal from the command to the arrival."""
 
     def __init__(self) -> None:
         self.goals = OwnGoals()
         self.reached = False
-        """Whether the robot has said that it is there."""
+        """Whether the robot has reported its arrival."""
         self.knowledge = Knowledge.NOTHING
         self.command = ''
-        self.number: Optional[int] = None  # of the command whose end is to come
+        self.number: Optional[int] = None  # of the command whose end is awaited
         self.give_again = False
         """Whether the command did not reach the robot."""
         self.failure: Optional[RouteFailed] = None
-        """What the robot did with the command instead of obeying it."""
+        """Why the robot does not obey the command, if it does something else."""
         self.rested_at_goal = 0
-        """So many locations in a row, after it said that it is there, show the robot unmoved."""
-        # The last status before the command; None where it says nothing, as after a stop since.
+        """How many locations in a row since its arrival show the robot at the same place."""
+        # The last status before the command; None if it does not help, e.g. after a later stop.
         self._before: Optional[RobotSeen] = None
         self._last: Optional[RobotSeen] = None
         self._place: Optional[Tuple[float, float]] = None
@@ -75,27 +75,27 @@ class GoalTracker:
         self._doubted_at = -math.inf
         self._interruption: Optional[Tuple[float, str]] = None
         self._never_sent = False
-        self._strange_since: Optional[float] = None  # since then each status contradicts the goal
+        self._strange_since: Optional[float] = None  # since when each status contradicts the goal
 
     @property
     def goal(self) -> Optional[str]:
-        """Name of the goal last sent; DOCK for the dock, None when we have sent it nowhere."""
+        """Name of the goal last sent; DOCK for the dock, None if we sent the robot nowhere."""
         return self.goals.current
 
     @property
     def has_docked(self) -> bool:
-        """Whether the robot has said that it is docked, because we sent it there."""
+        """Whether the robot has reported that it is docked after we sent it to the dock."""
         return self.goal == DOCK and self.reached
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether it is not known if the robot obeys the last command, or why it no longer does."""
+        """Whether it is unknown if the robot obeys the last command, or why it no longer does."""
         return self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
 
-    # --- what we do ------------------------------------------------------------------------------
+    # --- our commands ----------------------------------------------------------------------------
 
     def send(self, goal: str, command: str, via: Iterable[str] = ()) -> None:
-        """The robot is to go to `goal` (a goal's name, or DOCK), over the goals `via`."""
+        """Sends the robot to `goal` (a goal's name, or DOCK), over the goals `via`."""
         self.goals.send(goal, via)
         self._reset()
         self.command = command
@@ -109,18 +109,18 @@ class GoalTracker:
         self.knowledge = Knowledge.AWAITED
 
     def resume(self, goal: Optional[str], now: float) -> None:
-        """Before a restart of this program the robot was sent to `goal`: see whether it goes."""
+        """The robot was sent to `goal` before a restart of this program: checks if it obeys."""
         self.goals.resume(goal)
         self._reset()
         if goal is not None:
             self._doubt(now)
 
     def forget(self) -> None:
-        """What ended the last route does not count any more."""
+        """Forgets why the last route ended."""
         self.failure = self._interruption = None
 
     def end(self) -> None:
-        """We have no more business with the robot."""
+        """The robot need not drive to a goal of ours any more."""
         self.goals.end()
         self._reset()
 
@@ -135,10 +135,10 @@ class GoalTracker:
         self._never_sent = False
         self._strange_since = None
 
-    # --- what becomes of it ----------------------------------------------------------------------
+    # --- how the command goes on -----------------------------------------------------------------
 
     def ended(self, event: CommandEnded, now: float) -> None:
-        """A command has ended; only the last one counts."""
+        """A command has ended; all but the last one are ignored."""
         if event.number != self.number:
             return
         self.number = None
@@ -158,7 +158,7 @@ class GoalTracker:
             self._doubt(now)
 
     def located(self, place: Tuple[float, float], motion: Motion = Motion.UNKNOWN) -> None:
-        """The robot was seen at a place (m); one that still goes was seen before it arrived."""
+        """Takes a location (m); while the robot still drives, it dates from before the arrival."""
         stands = (motion is not Motion.GOING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place
@@ -166,7 +166,7 @@ class GoalTracker:
             self.rested_at_goal = self.rested_at_goal + 1 if stands else 0
 
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
-        """The robot's status; `link_stands_since` is infinite while no command can reach it."""
+        """Takes a status; `link_stands_since` is infinite while no command can reach the robot."""
         self._last = status
         if status.motion is Motion.STOPPING and not self._is_as_before(status):
             self._before = None
@@ -177,19 +177,19 @@ class GoalTracker:
             self._watch(status, now)
 
     def interrupted(self, now: float, words: str) -> None:
-        """The robot does something else, perhaps for an emergency stop that is told next."""
+        """The robot does something else; an emergency stop reported next may be the reason."""
         self.give_again = False
         self._interruption = self._interruption or (now, words)
 
     def goes_on(self, now: float) -> None:
-        """No other giver did anything: a drive that was refused for its epoch can be given
-        again."""
+        """No other giver did anything, so a drive that was refused because of its epoch may be
+        given again."""
         if self._never_sent and self._interruption is not None:
             self._interruption = None
             self._doubt(now)
 
     def check_clock(self, now: float) -> None:
-        """An interruption whose cause was not told in time was another giver's doing."""
+        """If no reason for an interruption came in time, another giver caused it."""
         if self._interruption is not None and now - self._interruption[0] > REASON_DELAY:
             self.failure = TakenOver(self._interruption[1] or 'The motion was interrupted.')
 
@@ -203,7 +203,7 @@ class GoalTracker:
         self._doubted_at = now
 
     def _resolve(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
-        """Finds out what became of a command whose end was lost."""
+        """Decides from the status whether the robot obeys a command whose end was lost."""
         if status.motion in _UNCLEAR and not self._is_as_before(status):
             return
         settled = now >= self._doubted_at + STATUS_LAG
@@ -218,7 +218,7 @@ class GoalTracker:
             self.give_again = True
 
     def _watch(self, status: RobotSeen, now: float) -> None:
-        """Takes the robot's status for the end of the command that no other message will tell."""
+        """Takes the end of the command from the robot's status: no other message will report it."""
         if status.motion in _UNCLEAR:
             return
         if (status.motion is Motion.ARRIVED and status.goal == self.goal) or (
@@ -233,9 +233,9 @@ class GoalTracker:
             self._contradict(status, now)
 
     def _contradict(self, status: RobotSeen, now: float) -> None:
-        """The robot does something else: for an instant that may be, for longer it is not ours.
+        """The robot does something else: allowed for an instant, but not for longer.
 
-        A goal that is neither ours nor shown since before our command is another giver's at once.
+        A new goal that is not ours belongs to another giver at once.
         """
         shown_before = self._before is not None and self._before.goal == status.goal
         foreign = (status.motion is Motion.GOING and status.goal not in self.goals
@@ -246,7 +246,7 @@ class GoalTracker:
             self.failure = TakenOver(_what_it_does(status))
 
     def _is_as_before(self, status: RobotSeen) -> bool:
-        """Whether the robot does what it did before the command, so that it never heard it."""
+        """Whether the robot does the same as before the command, so that it did not receive it."""
         if self.goals.is_earlier_obeyed(status):
             return True
         before, now = self._place_before, self._place
@@ -256,7 +256,7 @@ class GoalTracker:
 
 
 def _rests_as(before: RobotSeen, status: RobotSeen) -> bool:
-    """Whether the robot rests as it did `before`: one that was stopped meanwhile says so."""
+    """Whether the robot rests as `before`; the status of a robot stopped since then differs."""
     if before.motion in _UNCLEAR:
         return status.motion in _AT_REST
     return before.motion in _AT_REST and status.motion in (before.motion, Motion.UNKNOWN)

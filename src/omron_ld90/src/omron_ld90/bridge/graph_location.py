@@ -1,4 +1,4 @@
-"""Where a robot is on the graph: which routes may begin there, and its symbolic pose."""
+"""The location of a robot on the graph: which routes may begin there, and its symbolic pose."""
 from __future__ import annotations
 
 import math
@@ -14,7 +14,7 @@ DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outsi
 
 @dataclass(frozen=True)
 class GraphLocation:
-    """A location (m) on a graph, judged by the widths and tolerances of the bridge."""
+    """A location (m) on a graph, judged with the widths and tolerances of the bridge."""
 
     graph: Graph
     position: Tuple[float, float]
@@ -25,25 +25,25 @@ class GraphLocation:
 
     @property
     def _dock(self) -> Optional[int]:
-        """The dock vertex, where the graph has it."""
+        """The dock vertex; None if the graph does not have it."""
         return self.dock_vertex if self.dock_vertex in self.graph.vertices else None
 
     @property
     def is_docked(self) -> bool:
-        """A docked robot counts as standing on the dock vertex."""
+        """Whether the robot is docked; it then counts as standing on the dock vertex."""
         return self._dock is not None and self.docking is Docking.DOCKED
 
     @property
     def is_about_the_dock(self) -> bool:
-        """Docked, or near the dock, where the robot's own manoeuvre decides where it is."""
+        """Whether the robot is docked or near the dock, where it may leave the corridors."""
         return self._dock is not None and (
             self.is_docked or self._distance_to(self._dock) <= DOCK_ZONE)
 
     def why_not_from(self, edge: int, being_driven: bool) -> str:
-        """Why a route cannot begin here with `edge`; empty when it can.
+        """The reason why a route cannot begin here with `edge`; empty if it can.
 
-        It can from the edge's first vertex and from anywhere on the edge. From its last vertex only
-        while the edge is `being_driven`: the order may have crossed with our report.
+        A route can begin at the edge's first vertex and anywhere on the edge. It can begin at the
+        last vertex only while the edge is `being_driven`: the order may have crossed our report.
         """
         start, end = self.graph.start_vertex(edge).id, self.graph.end_vertex(edge).id
         curve = self.graph.curve(edge)
@@ -65,7 +65,7 @@ class GraphLocation:
         return ''
 
     def nearest_of(self, edges: Sequence[int]) -> Optional[int]:
-        """Index of the nearest edge in whose corridor this location is; the first of equals."""
+        """Index of the nearest edge whose corridor contains this location; the first of equals."""
         distances = [self.graph.curve(edge).project(*self.position).distance for edge in edges]
         if not distances or min(distances) > self.corridor_width / 2.0:
             return None
@@ -73,7 +73,7 @@ class GraphLocation:
                     if distance <= min(distances) + 0.01)
 
     def symbolic_pose(self) -> SymbolicPose:
-        """The nearest edge, driven forwards; edge 0 when it is in no corridor."""
+        """The nearest edge, driven forwards; edge 0 if the location is in no corridor."""
         if self._dock is not None and self.is_docked and self.graph.edges:
             way_out = self.graph.edges_from(self._dock)[0]
             return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)

@@ -1,4 +1,4 @@
-"""What the robot's activity is to a route: one table."""
+"""The table from the robot's activity to a motion of the bridge."""
 from __future__ import annotations
 
 from typing import Dict, Tuple
@@ -33,5 +33,5 @@ _NAMING_A_GOAL = (ActivityKind.GOING_TO_GOAL, ActivityKind.ARRIVED_AT_GOAL, Acti
 
 
 def motion_of(kind: ActivityKind, goal: str) -> Tuple[Motion, str]:
-    """The motion, and the goal where it names one: not the name of a task, or of a route."""
+    """The motion and its goal; the goal is empty if the name is that of a task or a route."""
     return MOTIONS[kind], goal if kind in _NAMING_A_GOAL else ''

@@ -1,8 +1,8 @@
-"""Which orders of the fleet manager are taken up, and when.
+"""Decides which orders of the fleet manager are accepted, and when.
 
-One that came late, that was on its way when another giver took the robot over, or that was refused
-before is not; one that comes before the robot is known waits for that. What an order must be by
-itself, and beside the route that runs, is in `route_orders`.
+These orders are not accepted: one that came late, one that was under way when another giver took
+the robot over, and one that was refused before. An order waits until the robot's state is known.
+`route_orders` checks an order against the graph and the running route.
 """
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ from trajectory_graph.route_protocol import (
     RouteOrder,
 )
 
-LATE_ORDER = 2.0  # s that an order may be on its way
+LATE_ORDER = 2.0  # s that an order may take to arrive
 _LATCHED = Reason(ReasonCode.OTHER, 'it has no stamp, and was published before its connection '
-                                    'began: give it again')
+                                    'began: send it again')
 _KEPT_ORDERS = 200
 
 
 def key_of(order: RouteOrder) -> Tuple[int, int]:
-    """By which an order is known when it comes again, however long afterwards."""
+    """The key by which a repeated order is recognised, however long afterwards."""
     return order.route_id, zlib.crc32(repr(order.edges).encode())
 
 
 class OrderIntake:
     """Sorts orders, and keeps the one that waits.
 
-    patience -- s that an order may wait; the route protocol sets a limit to it
-    tell_refusal -- called with an order that is refused, and why
-    note -- called with what people should know
+    patience -- s that an order may wait; the route protocol limits it
+    tell_refusal -- called with a refused order and the reason
+    note -- called with a message for a person
     """
 
     def __init__(self, robot: RobotMonitor, patience: float,
@@ -50,20 +50,23 @@ class OrderIntake:
         self._patience = min(patience, ANSWERED_WITHIN)
         self._tell_refusal = tell_refusal
         self._note = note
-        self._waiting: Optional[Tuple[RouteOrder, float]] = None  # to be judged; give up
-        self._refused: Optional[Tuple[RouteOrder, Reason]] = None    # the last one, and why
-        self._overruled_at = -math.inf  # another giver stopped or drove the robot
+        self._waiting: Optional[Tuple[RouteOrder, float]] = None  # the order; time to give it up
+        self._refused: Optional[Tuple[RouteOrder, Reason]] = None    # the last one, and the reason
+        self._overruled_at = -math.inf  # when another giver last stopped or drove the robot
         self.past: Tuple[Tuple[int, int], ...] = ()
-        """The orders that were driven, the last ones at the end; see `key_of`."""
-        self._explained: Optional[int] = None  # route of which a duplicate was explained
-        self._emergency_told = False  # a refusal in the emergency stop was noted
+        """The orders that were driven, the latest at the end; see `key_of`."""
+        self._explained: Optional[int] = None  # the route whose duplicate was already noted
+        self._emergency_told = False  # whether a refusal in the emergency stop was noted
 
-    # --- what comes ------------------------------------------------------------------------------
+    # --- incoming orders -------------------------------------------------------------------------
 
     def take(self, order: RouteOrder, route: Optional[RouteRun], now: float) -> bool:
-        """Takes an order of edges; `route` is the last one. Whether it may be driven, once due."""
+        """Takes an order of edges and returns whether it may be driven later.
+
+        `route` is the last route.
+        """
         if route and is_late(order, route.order):
-            self._note(f'Route {order.route_id} came late and was left out: route '
+            self._note(f'Route {order.route_id} came late and is ignored: route '
                        f'{route.order.route_id} was sent after it.')
         elif route and order.is_repeat_of(route.order):
             self._explain_duplicate(route)
@@ -79,18 +82,18 @@ class OrderIntake:
         elif not order.known_epoch and self._is_overruled(order, now):
             self.refuse(order, TAKEN_OVER)
         elif self._waiting and order.is_repeat_of(self._waiting[0]):
-            return True  # a repeated order waits no longer than the first one
+            return True  # a repeated order does not prolong the wait of the first one
         else:
             self._waiting = (order, now + self._patience)
             return True
         return False
 
     def drop(self) -> None:
-        """No giver wants what waits any more."""
+        """Drops the order that waits: it was cancelled."""
         self._waiting = None
 
     def overrule(self, now: float) -> None:
-        """Another giver stops or drives the robot: no order given before may pass that."""
+        """Another giver stops or drives the robot: refuses all orders given before that."""
         self._overruled_at = now
         if self._waiting:
             order, _ = self._waiting
@@ -98,24 +101,23 @@ class OrderIntake:
             self.refuse(order, OVERRULED if order.known_epoch else TAKEN_OVER)
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Whether the order came after a take-over of which its sender could not know yet."""
+        """Whether the sender could not yet know of a take-over when it sent the order."""
         age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
         return now - age < self._overruled_at and now < self._overruled_at + LATE_ORDER
 
     def _explain_duplicate(self, route: RouteRun) -> None:
-        """Nothing is done; a fleet manager that orders a route once more that is over is told so,
-        once."""
+        """Notes once that a route which is over was ordered again; does nothing else."""
         if not route.running and self._explained != route.order.route_id:
             self._explained = route.order.route_id
             self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
                        f'{route.phase.value}. Another drive needs another id.')
 
-    # --- what becomes of it ----------------------------------------------------------------------
+    # --- accepting and refusing ------------------------------------------------------------------
 
     def due(self, why_unknown: Callable[[float], Reason], now: float) -> Optional[RouteOrder]:
-        """The order that waited and can be judged now; it is refused here when it is too old.
+        """The waiting order if it can be judged now; refuses it here if it waited too long.
 
-        `why_unknown` tells why it is unknown whether the robot could drive it, or nothing.
+        `why_unknown` returns why it is unknown whether the robot could drive it, or no reason.
         """
         if self._waiting is None:
             return None
@@ -136,7 +138,7 @@ class OrderIntake:
         return order
 
     def refuse(self, order: RouteOrder, reason: Reason) -> None:
-        """Says so. In an emergency stop once: a giver that waits for its end tries on."""
+        """Reports the refusal. In an emergency stop it is noted only once, as givers repeat."""
         self._refused = (order, reason)
         self._tell_refusal(order, reason)
         if not (self._robot.emergency and self._emergency_told):
@@ -144,7 +146,7 @@ class OrderIntake:
         self._emergency_told = self._robot.emergency
 
     def accepted(self, order: RouteOrder) -> None:
-        """The order that was due is driven."""
+        """The order that was due is driven now."""
         self.past = (*self.past, key_of(order))[-_KEPT_ORDERS:]
         if self._emergency_told:
             self._emergency_told = False

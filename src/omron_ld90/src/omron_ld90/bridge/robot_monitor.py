@@ -1,4 +1,4 @@
-"""The robot's side of a route: what the robot, its links and others do, and what we told it."""
+"""The state of the robot, its links and other givers, and the commands that we gave."""
 from __future__ import annotations
 
 import math
@@ -15,10 +15,10 @@ _KEPT_EPOCHS = 100
 
 
 class RobotMonitor:
-    """Takes every event but orders; `check` raises what must end the running route."""
+    """Takes every event except orders; `check` raises when the running route must end."""
 
     def __init__(self, settings: Settings, links: Iterable[p.Link] = ()) -> None:
-        """`links` are those that must stand before the robot can be driven."""
+        """`links`: the links that must be up before the robot can be driven."""
         self.location = RobotLocation()
         self.links = RobotLinks(links, settings.link_timeout, settings.restart_timeout)
         self.tracker = GoalTracker()
@@ -30,41 +30,40 @@ class RobotMonitor:
         """The last status."""
         self._settings = settings
         self.epoch = 0
-        """Of the motion, that is known here; 0: none was heard of yet."""
-        self._own_epochs: Tuple[int, ...] = ()  # in which no other giver did anything
+        """The last known epoch; 0: none is known yet."""
+        self._own_epochs: Tuple[int, ...] = ()  # epochs since which no other giver did anything
         self._taken_over: Optional[TakenOver] = None
-        self._count = 0  # of commands given
+        self._count = 0  # number of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
             p.MotionTold: self._on_motion, p.LinkReported: self._on_link,
         }
 
-    # --- what we do ------------------------------------------------------------------------------
+    # --- our commands ----------------------------------------------------------------------------
 
     def stop(self, epoch: int) -> None:
-        """Stops the robot in what it does in this epoch, as soon as it can be reached; 0: in any.
-        """
+        """Stops the motion of this epoch as soon as the robot can be reached; 0: any epoch."""
         self.tracker.end()
         self.stop_duty.require(epoch)
 
     def leave(self) -> None:
-        """The robot belongs to another giver: this route has no claim to it."""
+        """Another giver drives the robot: this route does not control it any more."""
         self.tracker.end()
 
     def begin(self) -> None:
-        """A new route begins: what happened before does not count any more."""
+        """A new route begins: earlier failures and stops do not count any more."""
         self.stop_duty.forgive()
         self._taken_over = None
         self.tracker.forget()
 
     def go_on(self) -> None:
-        """A route that was complete gets longer: a giver that drove the robot meanwhile took
-        nothing over.
+        """A complete route gets longer. A giver that drove the robot meanwhile does not count as a
+        take-over.
         """
         self._taken_over = None
 
     def due_commands(self, now: float) -> List[p.Give]:
-        """The commands to give now; each counts as given."""
+        """The commands to give now; they count as given."""
         given: List[p.Give] = []
         stands = self.links.stands(p.Link.COMMANDS, now)
         if self.stop_duty.is_due(stands, now):
@@ -80,34 +79,34 @@ class RobotMonitor:
         return p.Give(self._count, command, epoch)
 
     def resume(self, epoch: int) -> None:
-        """Before a restart of this program it knew of this epoch."""
+        """Takes the epoch that was known before a restart of this program."""
         self.epoch, self._own_epochs = epoch, (epoch,) if epoch else ()
 
     def knows(self, epoch: int) -> bool:
-        """Whether only this bridge has done anything since an epoch."""
+        """Whether no other giver did anything since this epoch."""
         return epoch in self._own_epochs
 
-    # --- what is to be known ----------------------------------------------------------------------
+    # --- judging the robot's state ----------------------------------------------------------------
 
     def why_unknown(self, now: float) -> Reason:
-        """Facts that are missing to tell whether the robot can drive."""
+        """The reason why it is unknown whether the robot can drive; empty if it is known."""
         if self.location.last is None:
-            return Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
+            return Reason(ReasonCode.NO_LOCATION, 'the robot has not reported its location')
         unusable = self.links.why_unusable(now)
         if not unusable and not self.epoch and self.links.are_expected:
             return Reason(ReasonCode.NOT_READY,
-                          'omron_controller has not told the driver of the robot')
+                          'omron_controller has not reported the motion of the robot')
         if not unusable and self.is_location_overdue(now):
             return _no_location(now - self.location.heard)
         return unusable
 
     def is_location_overdue(self, now: float) -> bool:
-        """Whether the last location is too old, given that its link stands for as long."""
+        """Whether the last location is too old, provided that its link was up for that long."""
         heard = max(self.location.heard, self.links.up_since(p.Link.OUTGOING))
         return now - heard > self._settings.location_timeout
 
     def check(self, now: float) -> None:
-        """Raises RouteFailed, or TakenOver, where something has ended the running route."""
+        """Raises RouteFailed or TakenOver if something has ended the running route."""
         self.tracker.check_clock(now)
         if self.emergency:
             raise RouteFailed(EMERGENCY_STOP)
@@ -120,10 +119,10 @@ class RobotMonitor:
         if self.links.stands(p.Link.OUTGOING, now) and self.is_location_overdue(now):
             raise RouteFailed(_no_location(self._settings.location_timeout))
 
-    # --- what happens ----------------------------------------------------------------------------
+    # --- events ----------------------------------------------------------------------------------
 
     def update(self, event: p.Event, now: float) -> bool:
-        """Takes an event; whether the robot has been seen at a new place."""
+        """Takes an event; returns whether a new location of the robot came with it."""
         before = self.location.heard
         self._handlers[type(event)](event, now)
         return self.location.heard != before
@@ -166,4 +165,4 @@ class RobotMonitor:
 
 def _no_location(seconds: float) -> Reason:
     return Reason(ReasonCode.NO_LOCATION,
-                  f'the robot has not told where it is for {seconds:.0f} s')
+                  f'the robot has not reported its location for {seconds:.0f} s')

@@ -1,6 +1,6 @@
-"""What is known of the robot: where it was last seen, and how its links and their nodes stand.
+"""The last location of the robot, and the state of its links and their nodes.
 
-Times are seconds of a monotonic clock, stamps nanoseconds of ROS time, lengths metres.
+Times are in seconds of a monotonic clock, stamps in nanoseconds of ROS time, lengths in m.
 """
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from omron_ld90.bridge.events import Link, LinkReported
 from trajectory_graph.route_protocol import NO_REASON, Reason, ReasonCode
 
 NANOSECONDS = 1e-9
-CLOCK_SET_BACK = 5_000_000_000  # ns: an older stamp than the last by more than this is no late one
-USUAL_PERIOD = 0.5              # s, of the robot's status, until it has been seen
-NODE_SILENCE = 2.0              # s without a report, which comes every second: the node is away
+CLOCK_SET_BACK = 5_000_000_000  # ns: a stamp older by more than this is not late: the clock was set
+USUAL_PERIOD = 0.5              # s between two statuses of the robot, until it is measured
+NODE_SILENCE = 2.0              # s without a report, due every second: the node counts as gone
 
 
 @dataclass(frozen=True)
 class Located:
-    """A place (m, map frame) that the robot reported; `heading` is NaN where it told none."""
+    """A location (m, map frame) that the robot reported; `heading` is NaN if it reported none."""
 
     stamp: int
     x: float
@@ -33,19 +33,19 @@ class Located:
 
 
 class RobotLocation:
-    """The last location, how fast the robot goes, and how often it tells."""
+    """The last location, the speed of the robot, and the period of its locations."""
 
     def __init__(self) -> None:
         self.last: Optional[Located] = None
         self.heard = -math.inf
-        """When the last location came."""
+        """When the last location came, s."""
         self.speed = 0.0
-        """m/s between the last two locations."""
+        """Speed between the last two locations, m/s."""
         self.period = USUAL_PERIOD
-        """Seconds between the last two locations."""
+        """Time between the last two locations, s."""
 
     def update(self, location: Located, now: float) -> bool:
-        """Takes a location; False for one that comes late or twice, which is left out."""
+        """Takes a location; returns False if it came late or twice and is ignored."""
         if self.last is not None:
             step = location.stamp - self.last.stamp
             if -CLOCK_SET_BACK < step <= 0:
@@ -65,9 +65,9 @@ class _LinkState:
     def __init__(self) -> None:
         self.up = False
         self.reason = ''
-        self.heard: Optional[float] = None   # the last report
-        self.changed = -math.inf             # it went up or down
-        self.spared_until = -math.inf        # its node was away: so long the link may be down
+        self.heard: Optional[float] = None   # time of the last report
+        self.changed = -math.inf             # when the link last went up or down
+        self.spared_until = -math.inf        # until then a link may be down: its node was gone
 
     def update(self, report: LinkReported, now: float, restart_timeout: float) -> None:
         if self.heard is not None and now - self.heard > NODE_SILENCE:
@@ -84,8 +84,8 @@ class _LinkState:
 class RobotLinks:
     """The links to the robot.
 
-    A link that its node reports as down is lost after `link_timeout` (s). A node that no longer
-    reports is being restarted or stands still: it, and its link after it, get `restart_timeout`.
+    A link that its node reports as down counts as lost after `link_timeout` (s). A node that stops
+    reporting is being restarted or is suspended: it and then its link get `restart_timeout` (s).
     """
 
     def __init__(self, expected: Iterable[Link], link_timeout: float,
@@ -96,7 +96,7 @@ class RobotLinks:
 
     @property
     def are_expected(self) -> bool:
-        """Whether the robot is driven over any of them."""
+        """Whether the robot is driven over at least one link."""
         return bool(self._links)
 
     def update(self, report: LinkReported, now: float) -> None:
@@ -105,7 +105,7 @@ class RobotLinks:
             self._links[report.link].update(report, now, self._restart_timeout)
 
     def stands(self, link: Link, now: float) -> bool:
-        """Whether the link is up and its node alive; a link that is not expected always is."""
+        """Whether the link is up and its node alive; always True for a link not expected."""
         state = self._links.get(link)
         return state is None or (state.up and not state.node_is_away(now))
 
@@ -115,11 +115,11 @@ class RobotLinks:
         return -math.inf if state is None else state.changed
 
     def why_unusable(self, now: float) -> Reason:
-        """Why the robot cannot be driven at this moment."""
+        """The reason why the robot cannot be driven at this moment; empty if it can."""
         for link, state in self._links.items():
             if state.heard is None:
                 return Reason(ReasonCode.NOT_READY,
-                              f'nothing is known of the link {link.value}')
+                              f'no report has arrived about the link {link.value}')
             if state.node_is_away(now) and state.up:
                 return _node_is_away(link, now - state.heard)
             if not state.up:
@@ -127,7 +127,7 @@ class RobotLinks:
         return NO_REASON
 
     def why_lost(self, now: float) -> Reason:
-        """Why a link must be given up."""
+        """The reason why a link counts as lost; empty if none does."""
         for link, state in self._links.items():
             if state.heard is None:
                 continue

@@ -1,9 +1,9 @@
-"""The bridge's mind: routes and robot events in, commands and reports out.
+"""The core of the bridge: turns orders and robot events into commands and reports.
 
-Neither ROS nor sockets nor a clock: every event comes with the time at which it happened (s,
-monotonic), and every answer is a list of actions. Metres, the map frame. Events change what is
-known (`robot_monitor`); then the running route is judged and driven on by that (`route_run`).
-Orders are sorted in `order_intake`; here they become routes, and the fleet manager is told.
+It uses neither ROS nor sockets nor a clock: every event comes with its time (s, monotonic), and
+every answer is a list of actions. Lengths are in m, in the map frame. Events update the known state
+(`robot_monitor`). The running route is then judged and driven on (`route_run`). `order_intake`
+sorts orders; here they become routes, and the fleet manager gets reports.
 """
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from trajectory_graph.route_protocol import (
     SymbolicPose,
 )
 
-_SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot is silent')
+_SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot has sent no status')
 
 
 class RouteFollower:
@@ -49,39 +49,39 @@ class RouteFollower:
 
     def __init__(self, settings: Settings, graph: Optional[Graph] = None,
                  links: Iterable[p.Link] = ()) -> None:
-        """`links` are those that must stand before an order is taken up."""
+        """`links`: the links that must be up before an order is accepted."""
         self.settings = settings
         self.graph = graph
-        self._next_graph: Optional[Graph] = None  # refused until the running route has ended
+        self._next_graph: Optional[Graph] = None  # it waits until the running route has ended
         self.robot = RobotMonitor(settings, links)
         self.route: Optional[RouteRun] = None
         """The running route, or the last one."""
-        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to go on with; give up
+        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to continue; time to give up
         self._orders = OrderIntake(self.robot, settings.location_timeout, self._tell_refusal,
                                    self._note)
         self._last_reported: Tuple[object, ...] = ()
         self._out: List[p.Action] = []
 
-    # --- what goes in and out ---------------------------------------------------------------------
+    # --- interface --------------------------------------------------------------------------------
 
     def handle(self, event: p.Event, now: float) -> List[p.Action]:
-        """Takes an event; commands in the answer come before anything told about them."""
+        """Takes an event; the answer lists commands before reports and notes about them."""
         if isinstance(event, RouteOrder):
             return self._answer(partial(self._on_order, event, now), now)
         return self._answer(partial(self._on_event, event, now), now)
 
     def tick(self, now: float) -> List[p.Action]:
-        """Looks at the clock; to be called about ten times a second."""
+        """Passes the time; to be called about ten times a second."""
         return self._answer(partial(self._go_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
-        """Replaces the graph; one that changes edges of the running route waits for its end."""
+        """Replaces the graph; if it changes edges of the running route, waits for the end of it."""
         return self._answer(partial(self._use_graph, graph, now), now)
 
     def restore(self, record: p.RouteRecord, is_recent: bool, now: float) -> None:
-        """What the bridge knew of the last route when it last ran.
+        """Takes the record of the last route from before a restart.
 
-        The bridge continues a route that ran, unless it was away for too long.
+        The bridge continues a route that was running, unless it did not run for too long.
         """
         order = RouteOrder(record.route_id, record.edges, record.stamp)
         self.route = RouteRun(order, self.settings, self.robot.tracker, self.robot.location, None,
@@ -107,8 +107,8 @@ class RouteFollower:
 
     @property
     def record(self) -> Optional[p.RouteRecord]:
-        """What `restore` is to be given after a restart; None before the first route."""
-        if self._restored:  # died again before it knew more
+        """The record for `restore` after a restart; None before the first route."""
+        if self._restored:  # nothing newer is known yet
             record = self._restored[0]
         elif self.route:
             record = self.route.record()
@@ -118,7 +118,7 @@ class RouteFollower:
                        past=self._orders.past)
 
     def report(self) -> RouteReport:
-        """What the fleet manager is to know now."""
+        """The present report for the fleet manager."""
         route = self.route
         if route is None:
             return RouteReport(self._stamp, 0, (), (), self._pose(), location=self._location,
@@ -127,8 +127,8 @@ class RouteFollower:
                            self._pose(), self._reason, self._location, self.robot.epoch)
 
     def _answer(self, handle: Callable[[], None], now: float) -> List[p.Action]:
-        """What a handler makes of an event: commands, notes, a report where more than a
-        percentage has changed."""
+        """Runs a handler; returns commands, notes, and a report if more than the percentage of the
+        pose has changed."""
         try:
             handle()
             if self._next_graph is not None and not self.running:
@@ -147,7 +147,7 @@ class RouteFollower:
 
     @property
     def _reason(self) -> Reason:
-        """Why the route has failed, or why a stop has not been obeyed yet."""
+        """The reason why the route has failed, or why a stop has not been obeyed yet."""
         duty = self.robot.stop_duty
         if self.route and not self.route.reason and duty.owed and duty.problem:
             return Reason(ReasonCode.STOP_OWED,
@@ -166,7 +166,7 @@ class RouteFollower:
 
     @property
     def _here(self) -> GraphLocation:
-        """Where the robot is on the graph, both of which must be known."""
+        """The robot's location on the graph; requires that both are known."""
         last = self.robot.location.last
         assert self.graph is not None and last is not None
         return GraphLocation(self.graph, last.position, self.robot.docking,
@@ -193,14 +193,14 @@ class RouteFollower:
             self._go_on(now)
 
     def _stop(self, order: RouteOrder, now: float) -> None:
-        """An empty order is obeyed whenever it comes, late or twice."""
+        """Obeys an empty order at once, even one that is late or repeated."""
         self._orders.drop()
         self._restored = None
         self.robot.stop(0)
         self.route = self._run(order, None, now, Phase.STOPPED)
 
     def _consider_order(self, now: float) -> None:
-        """Takes up the order that waits, or refuses it, once it can be judged."""
+        """Accepts or refuses the waiting order, once it can be judged."""
         order = self._orders.due(self._why_unknown, now)
         if order is None:
             return
@@ -215,7 +215,7 @@ class RouteFollower:
         return self.robot.why_unknown(now)
 
     def _take_up(self, order: RouteOrder, now: float) -> None:
-        """Changes the route, or begins another one; raises RouteRefused."""
+        """Changes the route or begins a new one; raises RouteRefused."""
         here, route = self._here, self.route
         check_edges(here.graph, order.edges)
         if route and is_change(route, order):
@@ -229,7 +229,7 @@ class RouteFollower:
         self._orders.accepted(order)
 
     def _begin(self, order: RouteOrder, now: float) -> None:
-        """Drives a new route."""
+        """Begins to drive a new route."""
         driven = self._driven
         under_way = driven.edges_under_way if driven else ()
         self._restored = None
@@ -250,7 +250,7 @@ class RouteFollower:
                         now, phase)
 
     def _tell_refusal(self, order: RouteOrder, reason: Reason) -> None:
-        """Where the id is not that of the route in the reports, a report tells of it, too."""
+        """Sends a refusal; also a report, if the order is not about the route in the reports."""
         self._out.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
             self._out.append(RouteReport(
@@ -258,11 +258,11 @@ class RouteFollower:
                 (EdgeState.FAILED,) * len(order.edges), self._pose(), reason,
                 self._location, self.robot.epoch))
 
-    # --- what happens to the route ----------------------------------------------------------------
+    # --- progress of the route --------------------------------------------------------------------
 
     @property
     def _driven(self) -> Optional[RouteRun]:
-        """The route, while it is driven and its edges are those of a graph."""
+        """The route if it is running and its edges belong to a graph, else None."""
         route = self.route
         return route if route and route.running and route.is_on_graph else None
 
@@ -276,7 +276,7 @@ class RouteFollower:
         self._go_on(now)
 
     def _go_on(self, now: float) -> None:
-        """Judges what is known now, and drives on."""
+        """Judges the known state, and drives on."""
         self._consider_restored(now)
         self._consider_order(now)
         driven = self._driven
@@ -285,7 +285,7 @@ class RouteFollower:
             self._note(driven.go_on(now, self.robot.docking_changed))
 
     def _consider_restored(self, now: float) -> None:
-        """Goes on with the route that ran before a restart, once the robot is seen."""
+        """Continues the route from before a restart, once the robot's state is known."""
         route, seen = self.route, self.robot.seen
         if self._restored is None or route is None:
             return
@@ -317,7 +317,7 @@ class RouteFollower:
         self._go_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
-        """Ends the route; with a stop, unless the robot obeys another giver already."""
+        """Ends the route, and stops the robot unless it already obeys another giver."""
         route = self.route
         assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):

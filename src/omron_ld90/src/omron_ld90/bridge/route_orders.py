@@ -1,4 +1,4 @@
-"""Which orders can be driven, and as what."""
+"""Checks orders against the graph and the last route."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -11,23 +11,23 @@ from trajectory_graph.route_protocol import Phase, Reason, ReasonCode, RouteOrde
 
 
 def is_change(route: RouteRun, order: RouteOrder) -> bool:
-    """Does the order have the id of a route that was not stopped?"""
+    """Whether the order has the id of a route that was not stopped."""
     return route.order.route_id == order.route_id and route.phase is not Phase.STOPPED
 
 
 def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> None:
-    """Raises RouteRefused where the route cannot become what the order of the same id says."""
+    """Raises RouteRefused if the route cannot be changed as the order with its id demands."""
     if route.phase is Phase.FAILED:
         raise _refused(ReasonCode.WRONG_CHANGE,
-                       f'route {order.route_id} has failed: another one needs another id')
+                       f'route {order.route_id} has failed: a new route needs a new id')
     if not route.is_on_graph or route.progress.graph is not here.graph:
         raise _refused(ReasonCode.GRAPH_CHANGED,
                        f'the graph was replaced, and edges of route {order.route_id} are not '
-                       'what they were: another one needs another id')
+                       'what they were: a new route needs a new id')
     if not route.decides_pose(here):
         raise _refused(ReasonCode.STARTS_ELSEWHERE,
                        f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
-                       'where the robot no longer is')
+                       'but the robot is no longer there')
     kept = route.edges[:route.progress.current + 1]
     if order.edges[:len(kept)] != kept:
         raise _refused(ReasonCode.WRONG_CHANGE,
@@ -36,7 +36,7 @@ def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> Non
 
 
 def check_start(order: RouteOrder, route: Optional[RouteRun], here: GraphLocation) -> None:
-    """Raises RouteRefused where a new route does not start `here`; `route` is the one before."""
+    """Raises RouteRefused if a new route does not start `here`; `route` is the one before."""
     first = order.edges[0]
     why_not = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
     if why_not:
@@ -48,7 +48,9 @@ def _refused(code: ReasonCode, text: str) -> RouteRefused:
 
 
 def first_change(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> str:
-    """How the first of these edges of `other` that `graph` changes is another one, a clause;
-    empty: they are the same, but for their speeds."""
+    """A clause that says how `graph` changes the first changed edge of these `edges` of `other`.
+
+    Empty if all are the same, except for their speeds.
+    """
     return next((f'edge {abs(edge)} {change}' for edge in edges
                  for change in [change_of(other, graph, edge)] if change), '')

@@ -1,6 +1,6 @@
-"""How far a robot is along a route, from where it is seen.
+"""The progress of a robot along a route, computed from its locations.
 
-Metres, map frame. Knows neither commands nor time: only geometry, and the order of the edges.
+Metres, map frame. Uses only geometry and the order of the edges: no commands, no time.
 """
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from trajectory_graph.route_protocol import SymbolicPose
 
 Point = Tuple[float, float]
 
-SLACK = 0.5  # m, beyond twice the way it was seen to go, that a robot may be farther on a curve
-MOST = 99.9  # per cent, of an edge that is not complete
+SLACK = 0.5  # m on the curve that the robot may advance beyond twice its observed movement
+MOST = 99.9  # per cent, the most on an edge that is not complete
 
 
 class RouteProgress:
-    """The current edge of a route and the place on it; both only ever go forward."""
+    """The current edge of a route and the position on it; both only move forward."""
 
     def __init__(self, graph: Graph, edges: Sequence[int], tolerance: float, by_word: Sequence[int],
                  place: Point, current: int = 0) -> None:
         """Begins on `edges[current]`, at its point nearest to `place`.
 
-        tolerance -- m, how near the robot must come to a vertex to pass it
-        by_word   -- vertices that are only passed by `complete_current` (the dock)
+        tolerance -- m, distance to a vertex within which the robot passes it
+        by_word   -- vertices that only `complete_current` passes (the dock)
         """
         self.graph = graph
         self.edges = tuple(edges)
@@ -47,7 +47,7 @@ class RouteProgress:
 
     @property
     def pose(self) -> SymbolicPose:
-        """The place on the route; 100 % on the last edge when, and only when, it is complete."""
+        """The position on the route; 100 % on the last edge only if that edge is complete."""
         if self.done:
             return SymbolicPose(self.edges[-1], 100.0)
         fraction = self._arc / self._curve().length
@@ -55,7 +55,7 @@ class RouteProgress:
 
     @property
     def travelled(self) -> float:
-        """Length of the route driven, m."""
+        """Length of the route that was driven, m."""
         return self._lengths(0, self.current) + (0.0 if self.done else self._arc)
 
     @property
@@ -75,13 +75,15 @@ class RouteProgress:
         return self._lengths(self.current, index + 1) - self._arc
 
     def move_to(self, x: float, y: float) -> None:
-        """The robot was seen at x, y: passes vertices in order, then moves along the current edge.
+        """Takes the location x, y: passes vertices in order, then moves along the current edge.
 
-        A vertex is passed when the segment from the last place to this one comes within the
-        tolerance of it, no sooner than the one before, and not before the edge that leads to it has
-        been driven. An edge shorter than two tolerances counts a tolerance of half its length, so
-        that being near two vertices at once skips no edge. The last vertex is never passed: only
-        the robot can say that it has arrived (`complete_current`).
+        A vertex is passed under these conditions:
+        - The segment from the last location to this one comes within the tolerance of the vertex.
+        - It does so no sooner than at the vertex before.
+        - The edge that leads to the vertex has been driven.
+        An edge shorter than two tolerances uses a tolerance of half its length, so that a location
+        near two vertices skips no edge. The last vertex is never passed here: only the robot can
+        report that it has arrived (`complete_current`).
         """
         before, self._place = self._place, (x, y)
         from_t = 0.0
@@ -96,16 +98,16 @@ class RouteProgress:
             self._arc = self._arc_at(self._place, math.dist(begin, self._place))
 
     def complete_current(self) -> None:
-        """The end of the current edge is reached."""
+        """The robot has reached the end of the current edge."""
         self.current += 1
         self._arc = 0.0
 
     def replace_edges(self, edges: Sequence[int]) -> None:
-        """Goes on with other edges, which must begin with those driven and the current one."""
+        """Continues with other edges, which begin with those driven and the current one."""
         self.edges = tuple(edges)
 
     def has_overshot(self) -> bool:
-        """Whether the robot left the current edge for the next one without passing the vertex."""
+        """Whether the robot went on to the next edge without passing the vertex between."""
         if self.current + 1 >= len(self.edges) or self.end(self.current).id in self._by_word:
             return False
         vertex = self.end(self.current)
@@ -115,7 +117,7 @@ class RouteProgress:
                 and math.dist(self._place, vertex.position) > 2.0 * self.tolerance)
 
     def _entry(self, before: Point, from_t: float) -> Optional[float]:
-        """Where (0..1) on the segment from `before` the vertex ahead is passed, None if nowhere."""
+        """The fraction (0..1) of the segment from `before` at which the next vertex is passed."""
         length = self._curve().length
         tolerance = min(self.tolerance, length / 2.0)
         vertex = self.end(self.current).position

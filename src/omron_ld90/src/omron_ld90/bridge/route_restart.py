@@ -1,4 +1,4 @@
-"""How a route goes on that ran when the bridge was restarted: the robot drove on meanwhile."""
+"""Continues a route that was running at a restart of the bridge; the robot may have driven on."""
 from __future__ import annotations
 
 from typing import Callable, Optional, Tuple
@@ -18,10 +18,10 @@ from trajectory_graph.route_protocol import Reason, ReasonCode
 def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
           progress: Callable[[Tuple[int, ...], int], RouteProgress], seen: RobotSeen,
           now: float) -> str:
-    """Goes on with the route of `record`; what people should know of that, or nothing.
+    """Continues the route of `record`; returns a message for a person, or an empty text.
 
-    `progress` makes the progress along edges from the current one on. Of a route that had ended
-    only the place in it is found again. Raises RouteFailed where one that ran cannot go on.
+    `progress` makes the progress along edges from the current one on. If the route had ended, only
+    the position on it is restored. Raises RouteFailed if a running route cannot continue.
     """
     try:
         check_edges(here.graph, record.edges)
@@ -38,10 +38,9 @@ def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
 
 
 def _current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> int:
-    """Index of the edge on which the robot is found; raises RouteFailed when it is elsewhere.
+    """Index of the edge on which the robot is; raises RouteFailed if the robot is elsewhere.
 
-    As long as it is found on the edges that lead to where it had been sent, those behind it were
-    driven.
+    If the robot is on the edges that lead to its last goal, the edges before that were driven.
     """
     last = record.completed if record.target is None else record.target
     ahead = record.edges[record.completed:last + 1]
@@ -60,7 +59,7 @@ def _current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> 
 
 def _resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,
            now: float) -> None:
-    """Goes on with the route, whose progress is set: looks where the robot is going first."""
+    """Continues a route whose progress is set; first checks where the robot is driving to."""
     current = route.completed
     if current >= len(record.edges):
         return
@@ -75,7 +74,7 @@ def _resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,
 
 def _target_shown(graph: Graph, record: RouteRecord, current: int,
                   seen: RobotSeen) -> Optional[int]:
-    """Index of the edge to whose end the robot says that it goes; None where it is none ahead."""
+    """Index of the edge to whose end the robot says that it drives; None if that is not ahead."""
     if seen.motion not in (Motion.GOING, Motion.ARRIVED):
         return None
     return next((index for index in range(current, len(record.edges))
@@ -83,7 +82,7 @@ def _target_shown(graph: Graph, record: RouteRecord, current: int,
 
 
 def _rests_at_start(graph: Graph, record: RouteRecord, current: int, seen: RobotSeen) -> bool:
-    """Whether the robot stands where the current edge begins, and was not sent on from there."""
+    """Whether the robot stands at the start of the current edge, and was not sent on from there."""
     start = goal_name(graph.start_vertex(record.edges[current]))
     return (seen.motion is Motion.ARRIVED and seen.goal == start
             ) or (seen.motion is Motion.DOCKED and record.goal != DOCK)

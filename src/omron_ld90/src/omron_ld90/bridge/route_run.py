@@ -1,4 +1,4 @@
-"""The driving of one route: where to send the robot next, and what ends the route."""
+"""Drives one route: decides where to send the robot next, and what ends the route."""
 from __future__ import annotations
 
 import math
@@ -24,22 +24,22 @@ from trajectory_graph.route_protocol import (
 )
 
 PROGRESS = 0.05  # m along the route that count as progress
-LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare
-RESTS_TO_JUDGE = 2  # after the word of an arrival: locations from before that still change
+LEAD = 2.0       # s from our command until the robot drives on a new path, with a reserve
+RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may date from before it
 
 
 class RouteRun:
-    """A route, how far it is driven, and where the robot was sent for it.
+    """A route, how far it has been driven, and where the robot was sent for it.
 
-    `locate` and `go_on` raise RouteFailed where the route cannot go on.
+    `locate` and `go_on` raise RouteFailed if the route cannot go on.
     """
 
     def __init__(self, order: RouteOrder, settings: Settings, tracker: GoalTracker,
                  location: RobotLocation, progress: Optional[RouteProgress], now: float,
                  phase: Phase = Phase.RUNNING, completed: int = 0) -> None:
-        """`progress` is None for an empty route, and for one whose edges the graph has no more.
+        """`progress` is None for an empty route, and for one whose edges left the graph.
 
-        Of the latter, `completed` edges were driven.
+        `completed` is the number of driven edges of such a route.
         """
         self.order = order
         self._progress = progress
@@ -51,17 +51,17 @@ class RouteRun:
         self._settings = settings
         self._tracker = tracker
         self._location = location
-        self._sent_back: List[int] = []     # indices of vertices that it missed
-        self._strayed = False               # the last location was off the corridor
+        self._sent_back: List[int] = []     # indices of vertices that the robot missed
+        self._strayed = False               # whether the last location was off the corridor
         self._allowed: Tuple[int, Tuple[int, ...]] = (-1, ())
         self._best = -math.inf
         self._best_at = now
 
-    # --- how far it is ---------------------------------------------------------------------------
+    # --- progress --------------------------------------------------------------------------------
 
     @property
     def progress(self) -> RouteProgress:
-        """How far it is; only of a route that `is_on_graph`."""
+        """The progress; available only if `is_on_graph`."""
         assert self._progress is not None, f'route {self.order.route_id} is not on the graph'
         return self._progress
 
@@ -71,7 +71,7 @@ class RouteRun:
 
     @property
     def is_on_graph(self) -> bool:
-        """Whether its edges are known to be those of a graph."""
+        """Whether the edges of the route are known to belong to a graph."""
         return self._progress is not None
 
     @property
@@ -81,12 +81,12 @@ class RouteRun:
 
     @property
     def edges(self) -> Tuple[int, ...]:
-        """Signed ids, as ordered."""
+        """Signed ids, as in the order."""
         return self.order.edges
 
     @property
     def completed(self) -> int:
-        """How many edges were driven."""
+        """The number of edges that were driven."""
         return self.progress.current if self.is_on_graph else self._completed
 
     @property
@@ -95,25 +95,25 @@ class RouteRun:
         return edge_states(self.edges, self.completed, self.phase)
 
     def record(self) -> RouteRecord:
-        """What a restarted bridge needs to know of it."""
+        """The record of this route for a restarted bridge."""
         return RouteRecord(self.order.route_id, self.edges, self.order.stamp, self.phase,
                            self.reason, self.completed, self.target, self._tracker.goals.last)
 
     @property
     def edges_under_way(self) -> Tuple[int, ...]:
-        """From the edge just driven to the one behind the target: where the robot may brake."""
+        """The edges on which the robot may brake: the one just driven to the one after `target`."""
         current = self.progress.current
         return self.edges[max(current - 1, 0):max(current, self.target or 0) + 2]
 
     def is_on(self, edge: int) -> bool:
-        """Is the robot on this edge, or just past it, or did it fail on it?"""
+        """Whether the robot is on this edge or just past it, or failed on it."""
         if not self.is_on_graph or self.phase not in (Phase.RUNNING, Phase.FAILED):
             return False
         current = self.progress.current
         return edge in self.edges[max(current - 1, 0) if self.running else current:current + 1]
 
     def decides_pose(self, here: GraphLocation) -> bool:
-        """Is the robot driving the route, or has it stayed where the route ended?"""
+        """Whether the robot is driving the route, or has stayed where the route ended."""
         if not self.is_on_graph or self.phase is not Phase.COMPLETE:
             return self.running and self.is_on_graph
         end = self.progress.end(-1)
@@ -124,17 +124,17 @@ class RouteRun:
     # --- driving ---------------------------------------------------------------------------------
 
     def allow(self, edges: Tuple[int, ...]) -> None:
-        """Lets the robot brake on `edges`, which it is on its way along, while on this edge."""
+        """Lets the robot be on these `edges` for braking, while it is on the current edge."""
         self._allowed = (self.progress.current, edges)
 
     def use_graph(self, graph: Graph) -> None:
-        """Goes on with another graph, in which the route's edges are what they were."""
+        """Continues with another graph in which the route's edges are unchanged."""
         self.progress.graph = graph
         until, allowed = self._allowed
         self._allowed = (until, tuple(edge for edge in allowed if abs(edge) in graph.edges))
 
     def replace(self, order: RouteOrder, now: float) -> None:
-        """Goes on with more or fewer edges."""
+        """Continues with more or fewer edges."""
         self.allow(self.edges_under_way)
         self.order = order
         self.progress.replace_edges(order.edges)
@@ -145,15 +145,15 @@ class RouteRun:
             self.drive()
 
     def resume(self, target: int, now: float) -> None:
-        """Goes on after a restart, the robot having been sent to the end of edge `target`."""
+        """Continues after a restart; the robot had been sent to the end of edge `target`."""
         self.target = target
         self._tracker.resume(self._goal_of(target), now)
 
     def drive(self) -> None:
         """Sends the robot where the strategy wants it, unless it is on its way there.
 
-        To a vertex that it missed it goes first, with each strategy. Nothing is sent while it is
-        not known whether the robot obeys the last command.
+        With each strategy, the robot first drives to a vertex that it missed. Nothing is sent while
+        it is unknown whether the robot obeys the last command.
         """
         if self.progress.done or self._tracker.is_doubtful:
             return
@@ -166,7 +166,7 @@ class RouteRun:
             self._send_to(target)
 
     def locate(self, here: GraphLocation, now: float) -> str:
-        """The robot was seen; what people should know of that, or nothing."""
+        """Takes a location of the robot; returns a message for a person, or an empty text."""
         self.progress.move_to(*here.position)
         self._check_corridor(here)
         if (self.target is not None and self.progress.current < self.target
@@ -175,10 +175,10 @@ class RouteRun:
         return ''
 
     def go_on(self, now: float, docking_changed: float) -> str:
-        """Takes the robot's word that it has arrived once it is seen there, and drives on.
+        """Accepts a reported arrival once the robot is seen there, and drives on.
 
-        Also looks at what takes too long; returns what people should know, or nothing.
-        `docking_changed` is when the docking state last did, which counts as progress.
+        Also checks the progress in time. Returns a message for a person, or an empty text.
+        `docking_changed`: when the docking state last changed, which counts as progress.
         """
         self._best_at = max(self._best_at, docking_changed)
         tracker = self._tracker
@@ -216,7 +216,7 @@ class RouteRun:
         self.target = index
         goal = self._goal_of(index)
         if goal == self._tracker.goal and not self._tracker.reached:
-            return  # it is on its way there: no motion command is repeated
+            return  # the robot is on its way there: no motion command is repeated
         via: List[str] = []
         if goal == DOCK:
             command = DOCK
@@ -229,7 +229,7 @@ class RouteRun:
         self._tracker.send(goal, command, via)
 
     def _send_back(self, now: float) -> str:
-        """The robot cut a corner so far that it missed a vertex: back to that, once."""
+        """The robot missed a vertex by cutting a corner: sends it back there, once."""
         current = self.progress.current
         vertex = self.progress.end(current).id
         if current in self._sent_back:
@@ -243,7 +243,7 @@ class RouteRun:
         return f'The robot missed vertex {vertex} and is sent back to it.'
 
     def _check_corridor(self, here: GraphLocation) -> None:
-        """Fails the route when the robot is outside the corridors twice in a row."""
+        """Fails the route if the robot is outside the corridors twice in a row."""
         edges = self.edges[max(self.progress.current - 1, 0):
                            max(self.progress.current, self.target or 0) + 1]
         until, allowed = self._allowed
@@ -255,13 +255,13 @@ class RouteRun:
         self._strayed = strays
 
     def _horizon(self) -> float:
-        """Distance in m at which the robot may begin to brake before it is looked at again."""
+        """Distance in m in which the robot may begin to brake before its next location."""
         settings, seconds = self._settings, self._location.period + LEAD
         speed = min(settings.top_speed, self._location.speed + settings.acceleration * seconds)
         return speed * speed / (2.0 * settings.braking) + speed * seconds
 
     def _distance_to_target(self) -> float:
-        """Infinite as long as either is unknown."""
+        """Distance to the target in m; infinite while the location or the target is unknown."""
         last = self._location.last
         if last is None or self.target is None:
             return math.inf

@@ -1,14 +1,13 @@
-"""When to send the robot where, so that it drives the edges of a route in order.
+"""The strategies: where to send the robot, and when, so that it drives a route's edges in order.
 
-A strategy looks at the progress and at the vertex that the robot was last sent to, and answers with
-the index of the edge to whose end the robot should be heading. They differ in how far ahead they
-look and in what they wait for:
-
-| strategy           | looks ahead                                      | goes on                 |
+A strategy uses the progress and the vertex that the robot was last sent to. It returns the index of
+the edge to whose end the robot should drive. The strategies differ in how far ahead they look, and
+in when they send the next goal:
+| strategy           | looks ahead                                      | sends the next goal     |
 |--------------------|--------------------------------------------------|-------------------------|
 | `vertex_by_vertex` | one vertex                                       | once the robot stops    |
-| `direct`           | as far as the robot's free way is the route      | once the robot stops    |
-| `rolling`          | the same, but no farther than braking demands    | before the robot brakes |
+| `direct`           | as far as the robot's own path follows the route | once the robot stops    |
+| `rolling`          | the same, but only as far as braking requires    | before the robot brakes |
 | `native`           | to the next dock or the end, naming every vertex | once the robot stops    |
 """
 from __future__ import annotations
@@ -20,28 +19,28 @@ from omron_ld90 import robot_model
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.shortest_paths import follows_on
 
-LONGEST_PIECE = 100.0  # m: to look farther ahead takes long on large graphs
+LONGEST_PIECE = 100.0  # m: looking farther ahead takes long on large graphs
 
 
 @dataclass(frozen=True)
 class StrategyContext:
-    """What a strategy decides from."""
+    """The input of a strategy."""
 
     progress: RouteProgress
     target: Optional[int]  # index of the edge to whose end the robot was sent; None: nowhere
-    arrived: bool          # the robot has stopped there
-    horizon: float         # m: a target nearer than this makes the robot brake before we look again
+    arrived: bool          # whether the robot has stopped there
+    horizon: float         # m: for a nearer target the robot may brake before its next location
     corridor_width: float  # m
 
     @property
     def target_is_behind(self) -> bool:
-        """Whether there is no target any more: none was sent, or its vertex has been passed."""
+        """Whether there is no target any more: none was sent, or its vertex was passed."""
         return self.target is None or self.progress.current > self.target
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """The last index from `first` on to which the robot, sent there, would drive the route.
+        """The last index from `first` on to which the robot's own path would follow the route.
 
-        It goes on from an index that it `wanted` to go on from, and never beyond the next stop.
+        The search continues from an index only if it is `wanted`, and never beyond the next stop.
         """
         progress, index = self.progress, first
         while (index < progress.next_stop and wanted(index) and follows_on(
@@ -52,18 +51,18 @@ class StrategyContext:
 
 
 Strategy = Callable[[StrategyContext], int]
-"""Answers with the index of the target edge; the same as before means: send nothing."""
+"""Returns the index of the target edge; the same as before means that nothing is sent."""
 
 
 def vertex_by_vertex(context: StrategyContext) -> int:
-    """A goto per vertex; the robot stops at each."""
+    """Sends one goto per vertex; the robot stops at each."""
     if context.target is None or (context.target_is_behind and context.arrived):
         return context.progress.current
     return context.target
 
 
 def direct(context: StrategyContext) -> int:
-    """As few goals as possible: one for each piece of the route that the robot drives freely."""
+    """Sends as few goals as possible: one for each piece on which the robot's path is the route."""
     if context.target is None or (context.target_is_behind and context.arrived):
         return context.farthest_free(
             context.progress.current,
@@ -72,7 +71,7 @@ def direct(context: StrategyContext) -> int:
 
 
 def rolling(context: StrategyContext) -> int:
-    """The next goal before the robot brakes for this one, where it will still pass this one."""
+    """Sends the next goal before the robot brakes, if its path still passes the present goal."""
     progress = context.progress
     first = (progress.current if context.target is None or context.target_is_behind
              else context.target)
@@ -81,7 +80,7 @@ def rolling(context: StrategyContext) -> int:
 
 
 def native(context: StrategyContext) -> int:
-    """The last vertex; the command names those on the way."""
+    """Sends the last vertex; the command names the vertices on the way."""
     return context.progress.next_stop
 
 
@@ -95,11 +94,11 @@ STRATEGIES: Mapping[str, Strategy] = {
 
 @dataclass(frozen=True)
 class Settings:
-    """What a user can set about the driving of routes. m and s; the motion is the LD-90's."""
+    """The settings for driving routes, in m and s; the motion values are those of the LD-90."""
 
     dock_vertex: Optional[int] = None
     strategy: Strategy = rolling
-    native_command: str = ''  # in place of `goto`, with {goals} and {last}
+    native_command: str = ''  # replaces `goto`, with {goals} and {last}
     vertex_tolerance: float = 0.3
     corridor_width: float = 0.9
     stall_timeout: float = 30.0

@@ -1,18 +1,18 @@
-"""A clock that does not run while this process stands still.
+"""A clock that stops while this process is suspended.
 
-A process that was stopped, or got no processor for seconds, has not seen that nothing happened: the
-messages of that time are still to be read. So no timeout may count it.
+While a process is suspended, or gets no processor time for seconds, messages arrive that it has not
+read yet. So no timeout may count that time.
 """
 from __future__ import annotations
 
 import time
 from typing import Callable
 
-LONGEST_STEP = 0.5  # s between two readings that count
+LONGEST_STEP = 0.5  # s, the most that counts between two readings
 
 
 class RunningClock:
-    """Seconds since some moment, never more than `LONGEST_STEP` at a time."""
+    """Seconds since some moment; advances at most `LONGEST_STEP` at a time."""
 
     def __init__(self, monotonic: Callable[[], float] = time.monotonic) -> None:
         self._monotonic = monotonic
@@ -20,7 +20,7 @@ class RunningClock:
         self._now = 0.0
 
     def read(self) -> float:
-        """The time; to be read several times a second."""
+        """The time in s; must be read several times a second."""
         now = self._monotonic()
         self._now += min(now - self._last, LONGEST_STEP)
         self._last = now

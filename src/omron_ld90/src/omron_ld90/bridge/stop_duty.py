@@ -1,7 +1,7 @@
-"""A stop that is handed over to the controller, which sends it as soon as the robot can be reached.
+"""A stop that is given to the controller, which sends it as soon as the robot can be reached.
 
-That the controller is away, or its link broken, only delays it. Each attempt carries the epoch that
-the stop is to end, so that it ends no newer drive of another giver.
+If the controller is gone, or its link is broken, the stop is only delayed. Each attempt carries the
+epoch that the stop must end, so that it ends no newer drive of another giver.
 """
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from typing import Optional
 
 from omron_ld90.bridge.events import CommandEnded, Ending
 
-RETRY = 1.0  # s between two attempts that came to nothing
+RETRY = 1.0  # s between two failed attempts
 
 _NOT_TAKEN = (Ending.LOST, Ending.NEVER_SENT)
 
 
 class StopDuty:
-    """Whether a stop is to be handed over, and when to give it."""
+    """Knows whether a stop must be given to the controller, and when."""
 
     def __init__(self) -> None:
         self.owed_by_controller = False
-        """Whether the controller says that the robot has not obeyed a stop yet."""
+        """Whether the controller reports that the robot has not obeyed a stop yet."""
         self.problem = ''
-        """Why the last attempt came to nothing."""
+        """Why the last attempt failed."""
         self.forgive()
 
     @property
@@ -31,21 +31,21 @@ class StopDuty:
         return self.to_give or bool(self.problem) and self.owed_by_controller
 
     def require(self, epoch: int) -> None:
-        """The robot is to stop in what it does in this epoch; 0: in any case."""
+        """Requires a stop of the motion of this epoch; 0: of any epoch."""
         self.forgive()
         self.to_give, self.epoch = True, epoch
 
     def forgive(self) -> None:
-        """No giver wants the stop any more, or none may give it."""
+        """Drops the stop: it is not wanted any more, or may not be given any more."""
         self.to_give = False
-        """Whether the controller has not taken it yet."""
+        """Whether the controller has not accepted the stop yet."""
         self.epoch = 0
         self.problem = ''
-        self.number: Optional[int] = None  # of the attempt whose end is to come
+        self.number: Optional[int] = None  # of the attempt whose end is awaited
         self._not_before = -math.inf
 
     def is_due(self, link_stands: bool, now: float) -> bool:
-        """Whether to give the stop now; the first time regardless of the link."""
+        """Whether to give the stop now; the first attempt is made regardless of the link."""
         if not self.to_give or self.number is not None:
             return False
         return self._not_before == -math.inf or (link_stands and now >= self._not_before)
@@ -56,7 +56,7 @@ class StopDuty:
         self._not_before = now + RETRY
 
     def ended(self, event: CommandEnded) -> None:
-        """A command has ended, perhaps the stop."""
+        """Takes the end of a command, which may be the stop."""
         if self.to_give and event.number == self.number:
             self.number = None
             if event.ending in _NOT_TAKEN:

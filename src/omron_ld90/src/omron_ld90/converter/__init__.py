@@ -1,1 +1,1 @@
-"""From a trajectory graph to a map: goals, headings, dock, fences. No ROS, no sockets."""
+"""Converts a trajectory graph into a map: goals, headings, dock, fences. No ROS, no sockets."""

@@ -1,9 +1,9 @@
-"""Where a robot that follows the edges of a graph turns almost on the spot. Metres, radians.
+"""Finds places at which a robot that follows the edges of a graph turns almost on the spot.
 
-A *bend* is a place about which the way turns by more than BEND within a short stretch. What turns
-there may be a curve, or the corner where two edges meet, or both together: turns to either side add
-up along the way, through vertices too. A corner that is a bend by itself ends the sum: there the
-robot turns on the vertex, and drives on from its new heading.
+Lengths are in m, angles in rad. A *bend* is a place around which the path turns by more than BEND
+within a short stretch. The turn may be in a curve, at the corner where two edges meet, or both.
+Turns to either side add up along the path, also through vertices. A corner that is a bend by itself
+ends the sum: there the robot turns on the vertex, and drives on from its new heading.
 """
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ import numpy as np
 from trajectory_graph import Graph
 
 BEND = math.radians(45.0)
-PITCH = 0.02  # between the places on an edge that are looked at
+PITCH = 0.02  # between the examined places on an edge
 
 
 def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
-    """The places (x, y): vertices, and points PITCH apart on edges; `stretch` is in m."""
+    """The bends (x, y): vertices, and points PITCH apart on edges; `stretch` is in m."""
     ways = _Ways(graph)
     places = [vertex.position for vertex in graph.vertices.values() if ways.is_corner(vertex.id)]
     for edge in graph.edges:
@@ -28,26 +28,26 @@ def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
 
 
 def corners_of(graph: Graph, least: float) -> Set[int]:
-    """The vertices through which a way, without going back, turns by more than `least` rad."""
+    """The vertices through which a path that does not turn back turns by more than `least` rad."""
     ways = _Ways(graph)
     return {id for id in graph.vertices if ways.is_corner(id, least)}
 
 
 class _Ways:
-    """How far the ways over a graph turn; what was found once is kept as long as this is."""
+    """The turns of the paths over a graph; caches its results."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._beyond: Dict[Tuple[int, int], float] = {}
 
     def is_corner(self, vertex_id: int, least: float = BEND) -> bool:
-        """Does a way through the vertex, without going back, turn by more than `least` there?"""
+        """Whether a path through the vertex, without turning back, turns by more than `least`."""
         ways_out = self._graph.edges_from(vertex_id)
         return any(self._corner(-way_in, way_out) > least
                    for index, way_out in enumerate(ways_out) for way_in in ways_out[:index])
 
     def bends_on(self, edge: int, reach: float) -> List[Tuple[float, float]]:
-        """The places on an edge from which the turns within `reach` to either side are a bend."""
+        """The places on an edge at which the turns within `reach` to either side make a bend."""
         curve, whole = self._graph.curve(edge), _millimetres(reach)
         if (float(curve.turned(np.array([curve.length]))[0]) + self._turn_beyond(edge, whole)
                 + self._turn_beyond(-edge, whole)) <= BEND:
@@ -57,13 +57,13 @@ class _Ways:
         return [curve.point_at(at) for at in s[turns > BEND]]
 
     def _corner(self, edge: int, following: int) -> float:
-        """By how much a robot turns on the vertex between two edges."""
+        """The angle by which a robot turns on the vertex between two edges."""
         before, after = self._graph.curve(edge), self._graph.curve(following)
         return abs(math.remainder(after.heading_at(0.0) - before.heading_at(before.length),
                                   2.0 * math.pi))
 
     def _turn_ahead(self, edge: int, s: np.ndarray, reach: float) -> np.ndarray:
-        """How far (N,) the way turns within `reach` from arc lengths `s` (N,) of an edge on."""
+        """The angle (N,) by which the path turns within `reach` from arc lengths `s` (N,) on."""
         curve = self._graph.curve(edge)
         turn = curve.turned(s + reach) - curve.turned(s)
         beyond = s + reach - curve.length
@@ -72,9 +72,9 @@ class _Ways:
         return turn
 
     def _turn_beyond(self, edge: int, reach: int) -> float:
-        """The most that a way on from the end of a signed edge turns within `reach` mm.
+        """The largest turn of a path within `reach` mm after the end of a signed edge.
 
-        Whole mm, so that what is known already is found again however many ways lead there.
+        Whole mm, so that cached results are found again from all paths that lead there.
         """
         key = edge, reach
         if key not in self._beyond:

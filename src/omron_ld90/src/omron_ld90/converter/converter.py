@@ -1,7 +1,7 @@
-"""Graph + base map -> map: every vertex a goal or the dock, fences along the edges, no more.
+"""Writes a graph into a base map: every vertex a goal or the dock, and fences along the edges.
 
-`convert` edits a document in memory; `convert_file` also writes it, reads it back and checks that
-it says what it should. Positions in mm, headings in degrees.
+`convert` edits a document in memory. `convert_file` also writes it, reads it back and checks the
+result. Positions are in mm, headings in degrees.
 """
 from __future__ import annotations
 
@@ -29,28 +29,28 @@ from trajectory_graph import Graph, UnknownVertex
 
 
 class ConversionError(Exception):
-    """A graph and a map that do not go together; the text says why and what to do."""
+    """The graph and the map do not fit together; the text says why and what to do."""
 
 
 class ExistingGoals(Enum):
-    """What becomes of the goals and docks that the base map has already."""
+    """The treatment of goals and docks that are already in the base map."""
 
     REPLACE = 'replace'
     """Those named like a vertex move to the vertex; the others stay."""
     KEEP = 'keep'
     """All stay where they are; only vertices without one get a goal."""
     DROP = 'drop'
-    """All goals and docks go."""
+    """All goals and docks are removed."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a graph becomes part of a map."""
+    """The options of a conversion."""
 
     dock_vertex: Optional[int] = None
     """None: the graph has no dock."""
     dock_heading: Optional[float] = None
-    """Degrees, facing the station; None: by the rule of `goals.dock_pose`."""
+    """Degrees, facing the station; None: from the graph, see `goals.dock_pose`."""
     existing_goals: ExistingGoals = ExistingGoals.REPLACE
     fences: Fences = Fences.AREAS
     corridors: CorridorRules = CorridorRules()
@@ -58,7 +58,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Conversion:
-    """What was done."""
+    """The result of a conversion."""
 
     places: Tuple[MapObject, ...]
     """The map's object for each vertex."""
@@ -66,7 +66,7 @@ class Conversion:
     added: Tuple[MapObject, ...]
     removed: Tuple[MapObject, ...]
     notes: Tuple[str, ...]
-    """What a person should know about the result, a sentence each."""
+    """Notes for a person about the result, one sentence each."""
     corridors: Corridors
     """The floor that the fences leave free."""
 
@@ -101,7 +101,7 @@ def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion
 def convert_file(graph: Graph, base_map: str, output: str, options: Options) -> Conversion:
     """Make the map `output` from the file `base_map`, which may be the same.
 
-    The output is written even when nothing changes, so that it is newer than what it is made from.
+    The output is written even if nothing changes, so that it is newer than its sources.
     Raises ConversionError or MapError; `output` is replaced only by a complete map.
     """
     base = MapDocument.load(base_map)
@@ -113,10 +113,10 @@ def convert_file(graph: Graph, base_map: str, output: str, options: Options) -> 
 
 
 def check_output(base: MapDocument, conversion: Conversion, output: str) -> None:
-    """Read the map `output` and compare it with what it was made of; raises ConversionError.
+    """Reads the map `output` and compares it with its sources; raises ConversionError.
 
-    The objects must be those of `base` without the removed and with the added ones. All other
-    lines must be those of `base`; only with removed objects, lines about them may be missing.
+    The objects must be those of `base`, without the removed ones and with the added ones. All other
+    lines must be those of `base`. Only if objects were removed may lines about them be missing.
     """
     made = MapDocument.load(output)
     expected = Counter(map(_written, base.objects))
@@ -159,7 +159,7 @@ def _corridors(graph: Graph, options: Options) -> Corridors:
 
 def _clear(document: MapDocument, wanted: List[MapObject],
            existing: ExistingGoals) -> List[MapObject]:
-    """Take out the goals and docks that are not to stay as they are, and tell which."""
+    """Removes the goals and docks that must not stay as they are; returns the removed ones."""
     if existing is ExistingGoals.KEEP:
         return []
     by_name = {place.key: _written(place) for place in wanted}
@@ -176,7 +176,7 @@ def _clear(document: MapDocument, wanted: List[MapObject],
 
 def _add_missing(document: MapDocument,
                  wanted: List[MapObject]) -> Tuple[List[MapObject], List[MapObject]]:
-    """Add the places whose names the map has not; the map's object for each, and the new ones."""
+    """Adds places that the map lacks by name; returns the map's object for each, and the new."""
     named: Dict[str, MapObject] = {}
     for obj in document.objects:
         named.setdefault(obj.key, obj)
@@ -187,7 +187,7 @@ def _add_missing(document: MapDocument,
 
 
 def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
-    """The warnings that the base map did not have; not those about objects that came back."""
+    """The warnings that the base map did not have; without those about objects that came back."""
     present = {obj.key for obj in document.objects}
     back = [f'{obj.label!r}, which was removed' for obj in removed if obj.key in present]
     return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
@@ -203,13 +203,13 @@ def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:
 
 
 def _written(obj: MapObject) -> Tuple:
-    """What a map file tells of an object: kind, whole mm, degrees to six digits, texts."""
+    """The content of an object in a map file: kind, whole mm, degrees to six digits, texts."""
     theta = round(obj.theta, 6) + 0.0
     return (obj.kind, round(obj.x), round(obj.y), theta, obj.description, obj.name, obj.extent,
             obj.tail)
 
 
 def _other_bytes(document: MapDocument) -> List[bytes]:
-    """All lines but those of active objects, and the sections."""
+    """All lines except those of active objects, and the sections."""
     return ([record.raw for record in document.records if record.object is None]
             + [section.raw.rstrip(b'\r\n') for section in document.sections])

@@ -1,6 +1,6 @@
 """The command line of `omron_ros_map`: graph + base map -> map, without a ROS master.
 
-Exit status: 0 when the map is written, 1 when it could not be made, 2 for wrong arguments.
+Exit status: 0 if the map is written, 1 if it could not be made, 2 for wrong arguments.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from omron_map import MapDocument, MapError
 from trajectory_graph import TrajectoryGraphError, load_graph
 
 WIDEST = 10000.0  # mm
-#: What can be wrong with the files and options; the text of each is one sentence for people.
+#: Errors of the files and options; the text of each is one sentence for a person.
 ERRORS = (ConversionError, MapError, TrajectoryGraphError)
 
 
@@ -46,9 +46,9 @@ def main(arguments: Optional[List[str]] = None) -> int:
 def run(graph_file: str, base_map: str, output: str, options: Options,
         say: Callable[[str], object], warn: Callable[[str], object],
         picture: Optional[str] = None) -> Conversion:
-    """Convert files and tell what was done; raises one of ERRORS.
+    """Converts files and reports the result; raises one of ERRORS.
 
-    `picture` is a PNG file to draw the result into.
+    `picture` is a PNG file into which the result is drawn.
     """
     graph = load_graph(graph_file)
     conversion = convert_file(graph, base_map, output, options)
@@ -62,9 +62,9 @@ def run(graph_file: str, base_map: str, output: str, options: Options,
 
 
 def corridor_rules(width: float, edge_widths: str, margin: float) -> CorridorRules:
-    """Rules from widths and margin in m; `edge_widths` like `3=1.2 7=0.8`.
+    """Makes the rules from widths and margin in m; `edge_widths` is like `3=1.2 7=0.8`.
 
-    Raises ConversionError, naming the option, for what makes no corridor.
+    Raises ConversionError, which names the option, for values that make no corridor.
     """
     by_edge = {}
     for item in edge_widths.replace(',', ' ').split():
@@ -76,16 +76,16 @@ def corridor_rules(width: float, edge_widths: str, margin: float) -> CorridorRul
                                   'corridor of 1.2 m.') from None
     for value in (1000.0 * width, *by_edge.values()):
         if not 2.0 * ROBOT_HALF_WIDTH < value <= WIDEST:
-            raise ConversionError(f'A corridor of {value / 1000.0:g} m is of no use: the robot is '
-                                  f'{2 * ROBOT_HALF_WIDTH / 1000.0:g} m wide, and '
-                                  f'{WIDEST / 1000.0:g} m is the most.')
+            raise ConversionError(f'A corridor of {value / 1000.0:g} m is impossible: the robot is '
+                                  f'{2 * ROBOT_HALF_WIDTH / 1000.0:g} m wide, and a corridor '
+                                  f'has at most {WIDEST / 1000.0:g} m.')
     if not 0.0 <= margin <= 1.0:
         raise ConversionError(f'turning_margin is {margin:g}, but must lie in 0..1 m.')
     return CorridorRules(1000.0 * width, by_edge, ROBOT_HALF_DIAGONAL + 1000.0 * margin)
 
 
 def report(conversion: Conversion, output: str) -> List[str]:
-    """What was done, as lines for people."""
+    """The result of a conversion as lines for a person."""
     goals = [obj for obj in conversion.places if obj.is_goal]
     lines = [f'{output}: {len(goals)} goals, '
              f'{sum(obj.has_heading for obj in goals)} of them with heading; '

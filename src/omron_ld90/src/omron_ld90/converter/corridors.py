@@ -1,9 +1,12 @@
-"""The floor that a robot needs to drive on a graph: what no fence may touch. All in mm, map frame.
+"""The floor that a robot needs to drive on a graph; no fence may touch it. In mm, map frame.
 
-A corridor follows every edge's curve. A disc in which the robot can turn is free where it has to
-turn: at end vertices, where its way bends within its half diagonal, at vertices where a corridor
-too narrow to turn in bends at all, and at the dock, from where a strip leads to the station. Where
-edges meet their corridors are one, so junctions are open.
+A corridor follows every edge's curve. At each place where the robot has to turn, a disc in which it
+can turn is also free:
+- at end vertices,
+- where its path bends within its half diagonal,
+- at vertices with any bend, if a corridor there is too narrow for turning,
+- at the dock, from which a strip also leads to the station.
+The corridors of edges that meet are joined, so junctions are open.
 """
 from __future__ import annotations
 
@@ -22,24 +25,24 @@ from trajectory_graph import Graph
 
 ROBOT_HALF_WIDTH = 1000.0 * robot_model.HALF_WIDTH
 ROBOT_HALF_DIAGONAL = 1000.0 * robot_model.HALF_DIAGONAL
-ARC = 8  # segments of a quarter circle: a circle of 0.5 m is true to 2.4 mm
-ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles are no smaller
-CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
-SLIT = 17.0  # mm: floor on both sides of what is less than twice as wide is one floor
-NEARLY_STRAIGHT = math.radians(5.0)  # a robot that drives on straight hardly leaves its lane
+ARC = 8  # segments of a quarter circle: a circle of 0.5 m is exact to 2.4 mm
+ROUNDING = 2.5  # mm added to outlines, so that polygons are no smaller than their circles
+CURVE_TOLERANCE = 0.5  # mm between a curve and the polyline that represents it
+SLIT = 17.0  # mm: gaps in the floor of less than twice this width are filled
+NEARLY_STRAIGHT = math.radians(5.0)  # with a smaller turn a robot hardly leaves its lane
 MITRE = 2  # Shapely's join style that keeps corners sharp
 
 
 @dataclass(frozen=True)
 class CorridorRules:
-    """How much floor the robot gets; mm."""
+    """The dimensions of the floor for the robot, in mm."""
 
     width: float = 900.0
     edge_widths: Mapping[int, float] = field(default_factory=dict)
     """Widths of single edges, by edge id; the others have `width`."""
     turning_radius: float = ROBOT_HALF_DIAGONAL + 50.0
     station_distance: float = 1500.0
-    """From the dock pose to the station that it faces."""
+    """Distance from the dock pose to the station that it faces."""
 
     def width_of(self, edge_id: int) -> float:
         """The width of an edge's corridor."""
@@ -48,17 +51,17 @@ class CorridorRules:
 
 @dataclass(frozen=True)
 class Corridors:
-    """The floor of a graph and what it is made of."""
+    """The floor of a graph, and its parts."""
 
     curves: Mapping[int, LineString]
     """By edge id."""
     rules: CorridorRules
     floor: BaseGeometry
-    """Half a corridor's width to either side of every curve, discs to turn in, and the strip to
-    the station, without slits: what must stay free."""
+    """The floor that must stay free: half a corridor's width to either side of every curve, discs
+    for turning, and the strip to the station, with slits filled."""
 
     def lanes_widened(self, by: float) -> BaseGeometry:
-        """The corridors alone, every one wider by `by` on either side."""
+        """Only the corridors, each wider by `by` on either side."""
         return unary_union(_lanes(self.curves, self.rules, by))
 
 

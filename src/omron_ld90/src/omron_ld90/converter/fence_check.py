@@ -1,8 +1,9 @@
-"""Do fences do what they are for, and nothing else? An independent look. All in mm, map frame.
+"""Checks the fences of a map, independently of how they were made. All in mm, map frame.
 
-A *leak* is a place where the centre of a disc as wide as the robot gets farther than half a
-corridor and ALLOWANCE from every curve, outside the zones for turning and docking, on its way from
-any vertex. Nothing here uses how the fences were found: only shapes, widened and cut.
+A *leak* is a place at which a robot can leave the corridors. There the centre of a disc as wide as
+the robot, which starts at any vertex, gets farther than half a corridor and ALLOWANCE from every
+curve, outside the zones for turning and docking. The check uses only shapes, widened and cut; it
+uses nothing of the search for fences.
 """
 from __future__ import annotations
 
@@ -21,31 +22,31 @@ from omron_map import MapObject
 from trajectory_graph import Graph
 
 ALLOWANCE = 50.0
-INTRUSION = 5.0  # what a fence may stand in a corridor
-POINT_PITCH = 60.0  # obstacle points nearer to each other count as one
+INTRUSION = 5.0  # depth to which a fence may stand in a corridor
+POINT_PITCH = 60.0  # obstacle points nearer to each other than this count as one
 ARC = 16  # segments of a quarter circle; circles drawn with them are smaller than true ones
-SHORTEST_GATE = 1.0  # a shorter one comes of rounding
-TOUCHING = 0.1  # pieces of a gate nearer than twice this are one
+SHORTEST_GATE = 1.0  # a shorter gate results from rounding
+TOUCHING = 0.1  # pieces of a gate nearer than twice this are joined
 
 
 @dataclass(frozen=True)
 class FenceCheck:
-    """What is wrong with a map's fences."""
+    """The faults of a map's fences."""
 
     leaks: Tuple[Tuple[float, float], ...]
-    """Where the robot gets out: x, y of the middle of each gap."""
+    """The leaks: x, y of the middle of each gap."""
     lost_area: float
-    """Floor (mm2) that fences take, deeper than INTRUSION inside its edge."""
+    """Floor (mm2) that fences cover, deeper than INTRUSION inside the edge of the floor."""
 
     @property
     def passed(self) -> bool:
-        """Nothing is wrong."""
+        """Whether there is no fault."""
         return not self.leaks and self.lost_area < 1.0
 
 
 def check_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject],
                  walls: np.ndarray) -> FenceCheck:
-    """Look for leaks between `fences` (as written into the map) and `walls` (N,2)."""
+    """Looks for leaks between `fences` (as written into the map) and `walls` (N,2)."""
     shapes = [shape_of(fence) for fence in fences]
     return FenceCheck(tuple(_leaks(graph, corridors, shapes, walls)),
                       lost_area(corridors.floor, shapes))
@@ -59,7 +60,7 @@ def shape_of(fence: MapObject) -> BaseGeometry:
 
 
 def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
-    """Area that `shapes` cover of the floor, not counting INTRUSION along its edge.
+    """Area of the floor that `shapes` cover, without INTRUSION along its edge.
 
     A line counts as 1 mm wide.
     """
@@ -72,7 +73,7 @@ def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
 def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
            walls: np.ndarray) -> List[Tuple[float, float]]:
     allowed = unary_union([corridors.lanes_widened(ALLOWANCE - ROUNDING), corridors.floor])
-    # GEOS leaves parts out of the buffer of some long lines, so only the many points use it.
+    # GEOS omits parts of the buffer of some long lines, so only the many points use it.
     obstacles = [shape for shape in shapes if shape.distance(allowed.boundary) <= ROBOT_HALF_WIDTH]
     in_reach = prep(allowed.boundary.buffer(ROBOT_HALF_WIDTH))
     obstacles += [point for point in map(Point, _thinned(walls)) if in_reach.contains(point)]
@@ -87,7 +88,7 @@ def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
 
 
 def _thinned(points: np.ndarray) -> np.ndarray:
-    """One of the points in each square of POINT_PITCH."""
+    """One of the points in each square with the side POINT_PITCH."""
     if not len(points):
         return points
     _, first = np.unique(np.floor(points / POINT_PITCH).astype(int), axis=0, return_index=True)

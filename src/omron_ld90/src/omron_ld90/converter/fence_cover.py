@@ -1,10 +1,12 @@
-"""Fences that keep a robot in the corridors of its graph: few rectangles or lines. mm, map frame.
+"""Makes fences that keep a robot in the corridors of its graph: few rectangles or lines. mm, map
+frame.
 
-Nothing leaves the floor when every point of the offset outline around it has a wall or a fence
-within the robot's half width: this is a set cover, found greedily. We walk along it; at the
-first point that nothing covers yet, rectangles of several directions and distances are grown from
-there until they would touch the floor, and the one that covers most of what is still open stays.
-Grown to the other side of a block between corridors, one covers the block's whole outline.
+The fences are complete when every point of the offset outline around the floor has a wall or a
+fence within the robot's half width. This is a set cover, found greedily. The search walks along the
+outline. At the first point that is not covered, it grows rectangles of several directions and
+distances until they would touch the floor. It keeps the one that covers most open points. A
+rectangle that grows to the other side of a block between corridors covers the block's whole
+outline.
 """
 from __future__ import annotations
 
@@ -35,26 +37,26 @@ from omron_ld90.converter.outer_regions import (
     sides,
 )
 
-NARROW = 40.0  # depth of a fence that ends in a sharp corner
+NARROW = 40.0  # depth of a fence at a sharp corner
 OFFSETS = (CLEARANCE - OUTLINE_DISTANCE, 20.0, 60.0, 100.0, 140.0, 180.0)
 """Distances from the outline, away from the floor, at which a fence may begin."""
 LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
-"""Arc lengths along the outline to whose chords a fence may be parallel, where it is curved."""
-STRAIGHT = 500.0  # of the outline in one direction that a fence follows
-STAND_OFF = 0.02  # points that a fence must cover more for every mm it stands off the floor
-WORTH = 1.5  # times the points that a fence across a whole block must cover to be worth its area
-INSET = 1.0  # by which the sides of a fence may be touched
-MANY = 2000  # points of the outline, from which on only the near ones are looked at
+"""Arc lengths along a curved outline; a fence may be parallel to the chord to that point."""
+STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
+STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
+WORTH = 1.5  # factor of additional points that justifies a fence across a whole block
+INSET = 1.0  # distance from the sides of a fence within which edges may touch it
+MANY = 2000  # from this number of outline points on, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
 
 def fence_areas(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
-    """Rectangles around `floor`, which must stay free, where `walls` (N,2) leave it open."""
+    """Rectangles around `floor`, which must stay free, at openings between `walls` (N,2)."""
     return _fences(floor, walls, THICKNESS)
 
 
 def fence_lines(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
-    """The same as `fence_areas`, but to be used as lines: nothing is deeper than that."""
+    """The same as `fence_areas`, but made to be used as lines: nothing is deeper than a line."""
     return _fences(floor, walls, 0.0)
 
 
@@ -80,7 +82,7 @@ class _Cover:
             self._trees = cKDTree(region.points), cKDTree(region.edges.mean(axis=1))
 
     def fences(self) -> List[Fence]:
-        """Fences that cover all of the outline that is open."""
+        """Fences that cover all open parts of the outline."""
         found: List[Fence] = []
         covered: List[np.ndarray] = []
         for ring, position in self._walk():
@@ -94,9 +96,9 @@ class _Cover:
         return _needed(found, covered)
 
     def _walk(self) -> Iterator[Tuple[np.ndarray, int]]:
-        """Where fences are grown: first from the middle of long straight sides, then all around.
+        """The places at which fences are grown, as pairs of a ring and a position on it.
 
-        Pairs of a ring and a position on it.
+        First from the middle of long straight sides, then all around.
         """
         straight = [(len(side), number, side) for number, ring in enumerate(self._region.rings)
                     for side in sides(self._region.directions[ring])
@@ -109,7 +111,7 @@ class _Cover:
                 yield ring, position
 
     def _around(self, point: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Indices of outline points, and edges (M,2,2), that a fence over `point` could reach."""
+        """Indices of the outline points, and the edges (M,2,2), in reach of a fence at `point`."""
         if self._trees is None:
             return np.arange(len(self._region.points)), self._region.edges
         points, edges = (tree.query_ball_point(point, NEARBY) for tree in self._trees)
@@ -117,7 +119,7 @@ class _Cover:
 
     def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
               edges: np.ndarray) -> Fence:
-        """The fence over a point of a ring that covers the most open points."""
+        """The fence at a point of a ring that covers the most open points."""
         origin = self._region.points[ring[position]]
         directions, straight = self._directions_ahead(ring, position)
         offers = [_Offers(Frame(origin, direction), self._region.points[open_points], edges)
@@ -131,7 +133,7 @@ class _Cover:
         return _post(Frame(origin, directions[0]))
 
     def _directions_ahead(self, ring: np.ndarray, position: int) -> Tuple[np.ndarray, bool]:
-        """The directions that a fence may take, and whether the outline is straight here."""
+        """The possible directions of a fence, and whether the outline is straight here."""
         here = self._region.directions[ring[position]]
         soon = self._region.directions[ring[(position + int(STRAIGHT / STEP)) % len(ring)]]
         if here @ soon > SAME_DIRECTION:
@@ -144,7 +146,7 @@ class _Cover:
 
 
 class _Offers:
-    """The fences that one frame has to offer."""
+    """The possible fences in one frame."""
 
     def __init__(self, frame: Frame, open_points: np.ndarray, edges: np.ndarray) -> None:
         self._frame = frame
@@ -152,7 +154,7 @@ class _Offers:
         self._edges = frame.of(edges)
 
     def along_the_floor(self, depth: float) -> Iterator[Fence]:
-        """The longest fences over the frame's origin at several distances from the floor."""
+        """The longest fences at the frame's origin, at several distances from the floor."""
         ahead = first_beyond(self._edges, 0.0, 0.0, 0.0)
         for near in OFFSETS:
             span = free_span(self._edges, near, near + depth) if near + depth < ahead else None
@@ -160,11 +162,11 @@ class _Offers:
                 yield Fence(self._frame, *span, near, near + depth).trimmed(self._points)
 
     def worth(self, fence: Fence) -> float:
-        """How many points it covers; less for a fence that stands off the floor."""
+        """The number of points that it covers; reduced for a fence away from the floor."""
         return fence.covers(self._points).sum() - STAND_OFF * fence.near
 
     def deepened(self, fence: Fence) -> Fence:
-        """The fence, or one that reaches to the floor's other side where that is worth it."""
+        """The fence, or a deeper one up to the other side of the block if that covers enough."""
         best, most = fence, fence.covers(self._points).sum() * WORTH
         span = free_span(self._edges, fence.near, fence.far)
         if span is None:
@@ -178,7 +180,7 @@ class _Offers:
         return best
 
     def _drawn_near(self, fence: Fence) -> Fence:
-        """The fence, reaching to the floor in front of it where that is free all along."""
+        """The fence, extended to the floor in front of it if the space between is free."""
         span = free_span(self._edges, OFFSETS[0], fence.far)
         if span is None or span[0] > fence.left or span[1] < fence.right:
             return fence
@@ -186,13 +188,13 @@ class _Offers:
 
 
 def _post(frame: Frame) -> Fence:
-    """What fits where nothing else does: no corner is as far off as the outline from the floor."""
+    """A small fence that fits everywhere: its corners do not reach the floor from the outline."""
     half = SHORTEST / 2.0
     return Fence(frame, -half, half, -half, half)
 
 
 def _needed(fences: Sequence[Fence], covered: Sequence[np.ndarray]) -> List[Fence]:
-    """The fences without those whose points others cover as well; the smallest go first."""
+    """The fences without those whose points others also cover; removes the smallest first."""
     if not fences:
         return []
     times = np.bincount(np.concatenate(covered))

@@ -1,7 +1,7 @@
-"""Rectangles along a direction, and how far they can grow. mm.
+"""Rectangles along a direction, and how far they can grow. In mm.
 
-A *frame* has its origin on the offset outline, u along a direction, v away from the floor. In it a
-fence is axis-parallel, and growing it means to look for the next edge along u or v.
+A *frame* has its origin on the offset outline, with u along a direction and v away from the floor.
+In its frame a fence is axis-parallel. Growing it means to find the next edge along u or v.
 """
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from omron_ld90.converter.outer_regions import STEP
 from omron_map import RotatedRectangle
 
 REACH = ROBOT_HALF_WIDTH - STEP / 2 - 10.0
-"""A point of the offset outline is covered by what is this near: between two covered points the
-robot cannot pass, with 10 mm to spare."""
-LONGEST = 10000.0  # side of a fence to either side of where it was begun, and its depth
-THICKNESS = 200.0  # of a fence along a corridor
+"""A point of the offset outline is covered by anything within this distance: the robot cannot pass
+between two covered points, with 10 mm to spare."""
+LONGEST = 10000.0  # largest length of a fence to either side of its origin, and largest depth
+THICKNESS = 200.0  # depth of a fence along a corridor
 SHORTEST = 18.0
-LONGEST_GAP = 1000.0  # along a fence without anything to cover: beyond it ends
-DIGITS = 6  # of degrees, in a map file
+LONGEST_GAP = 1000.0  # a fence ends before a longer gap without points to cover
+DIGITS = 6  # digits of degrees in a map file
 
 
 class Frame(NamedTuple):
-    """A place and a unit direction in the map."""
+    """An origin and a unit direction in the map."""
 
     origin: np.ndarray
     direction: np.ndarray
@@ -36,7 +36,7 @@ class Frame(NamedTuple):
 
     @property
     def degrees(self) -> float:
-        """Direction of u in the map frame."""
+        """Direction of u in the map frame, in degrees."""
         return float(np.degrees(np.arctan2(self.direction[1], self.direction[0])))
 
     def of(self, points: np.ndarray) -> np.ndarray:
@@ -58,16 +58,16 @@ class Fence(NamedTuple):
     far: float
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """Which of the points (N,2), in the fence's frame, are within REACH."""
+        """Which of the points (N,2) in the fence's frame are within REACH of it."""
         u, v = points[:, 0], points[:, 1]
         beside = np.maximum(np.maximum(self.left - u, u - self.right), 0.0)
         before = np.maximum(np.maximum(self.near - v, v - self.far), 0.0)
         return beside ** 2 + before ** 2 <= REACH ** 2
 
     def trimmed(self, points: np.ndarray) -> Fence:
-        """No longer and no deeper than needed for those of `points` (N,2) that it covers.
+        """The fence, as short and shallow as the covered ones of `points` (N,2) allow.
 
-        It ends on either side of the frame's origin, which it covers, where a long gap begins.
+        It contains the frame's origin, and ends on either side where a long gap begins.
         """
         covered = points[self.covers(points)]
         along = np.sort(np.append(np.clip(covered[:, 0], self.left, self.right), 0.0))
@@ -84,7 +84,7 @@ class Fence(NamedTuple):
 
     @property
     def rectangle(self) -> RotatedRectangle:
-        """The same in the map frame, turned by as little as describes it."""
+        """The fence in the map frame, with the smallest possible rotation."""
         middle = self.frame.to_map(np.array(((self.left + self.right) / 2.0,
                                              (self.near + self.far) / 2.0)))
         width, height = self.right - self.left, self.far - self.near
@@ -104,7 +104,7 @@ class Fence(NamedTuple):
 def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[float, float]]:
     """How far (left, right) the strip near..far is free of `edges` (M,2,2) around u = 0.
 
-    At most LONGEST to either side; None if the strip is not free at u = 0 itself.
+    At most LONGEST to either side; None if the strip is not free at u = 0.
     """
     u, v = edges[..., 0], edges[..., 1]
     within = (v.min(axis=1) < far) & (v.max(axis=1) > near)
@@ -115,7 +115,7 @@ def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[floa
 
 
 def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) -> float:
-    """The smallest v in left..right of the `edges` (M,2,2) that reach beyond `beyond`."""
+    """The smallest v of those `edges` (M,2,2) in left..right that extend beyond `beyond`."""
     u, v = edges[..., 0], edges[..., 1]
     within = (u.min(axis=1) <= right) & (u.max(axis=1) >= left)
     low, high = _clipped(u[within], v[within], left, right)

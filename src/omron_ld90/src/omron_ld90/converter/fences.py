@@ -1,4 +1,4 @@
-"""Fences as objects of a map: made, recognised again, and judged together with what is there."""
+"""Fences as objects of a map: makes, recognises and checks them."""
 from __future__ import annotations
 
 from enum import Enum
@@ -17,11 +17,11 @@ from omron_map import MapObject
 from trajectory_graph import Graph
 
 FENCE = 'omron_ros_map fence'
-"""Description of the objects that keep the robot in the corridors: a later run replaces them."""
+"""Description of the objects that keep the robot in the corridors; a later run replaces them."""
 
 
 class Fences(Enum):
-    """What keeps the robot in the graph's corridors."""
+    """The objects that keep the robot in the graph's corridors."""
 
     AREAS = 'areas'
     LINES = 'lines'
@@ -29,12 +29,12 @@ class Fences(Enum):
 
 
 def is_fence(obj: MapObject) -> bool:
-    """Was the object made by a converter to keep the robot in its corridors?"""
+    """Whether a converter made the object to keep the robot in its corridors."""
     return obj.description == FENCE
 
 
 def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[MapObject]:
-    """Fences around `floor` (mm) where `walls` (N,2) leave it open, as a map holds them."""
+    """Fences as map objects around `floor` (mm), at openings between `walls` (N,2)."""
     if kind is Fences.AREAS:
         return [MapObject.forbidden_area(fence.rectangle, description=FENCE)
                 for fence in fence_areas(floor, walls)]
@@ -46,7 +46,7 @@ def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[
 
 def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject],
                     walls: np.ndarray) -> List[str]:
-    """What is wrong with the fences: sentences for people, none when all is well."""
+    """The faults of the fences, as sentences for a person; empty if there are none."""
     check = check_fences(graph, corridors, fences, walls)
     notes = [f'The fences leave a gap at {x:.0f} {y:.0f} mm: close it by hand in MobilePlanner.'
              for x, y in check.leaks]
@@ -56,7 +56,7 @@ def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObje
 
 
 def notes_on_homes(corridors: Corridors, homes: Iterable[MapObject]) -> List[str]:
-    """The places to start at from which the fences let a robot drive nowhere."""
+    """Notes on start positions outside the corridors, from which a robot can drive nowhere."""
     return [f'{home} at {_where(home)} mm is outside the corridors: a robot that starts there can '
             'drive to no goal.' for home in homes
             if not corridors.floor.intersects(_shape(home))]
@@ -72,14 +72,14 @@ def _where(home: MapObject) -> str:
 
 
 def notes_on_places(corridors: Corridors, places: Iterable[MapObject]) -> List[str]:
-    """The places that the fences cut off."""
+    """Notes on places that the fences cut off."""
     floor = prep(corridors.floor)
     return [f'{place} is outside the corridors: the robot cannot drive to it '
             'any more.' for place in places if not floor.contains(Point(place.x, place.y))]
 
 
 def notes_on_walls(graph: Graph, walls: np.ndarray) -> List[str]:
-    """The edges that the robot cannot follow, because something stands there on the map."""
+    """Notes on edges that the robot cannot follow, because the map has an obstacle there."""
     return [f'Edge {found.edge_id} leads past an obstacle at a distance of {found.distance:.0f} mm '
             f'near {found.x:.0f} {found.y:.0f} mm, but the robot is {2 * ROBOT_HALF_WIDTH:.0f} mm '
             'wide.' for found in obstructions(graph, walls, ROBOT_HALF_WIDTH)]

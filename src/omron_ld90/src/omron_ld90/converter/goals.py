@@ -1,10 +1,10 @@
-"""The vertices of a trajectory graph as goals and dock of a map.
+"""The vertices of a trajectory graph as the goals and the dock of a map.
 
-The graph is in metres and radians, a map in millimetres and degrees: this module changes the one
-into the other for all that is written into a map.
+The graph is in metres and radians, a map in millimetres and degrees. This module converts the units
+of everything that is written into a map.
 
-A robot waits at an *end vertex* (touched by exactly one edge) facing its way out, so that it can
-leave without turning on the spot. A dock is reached the other way round: facing the station.
+A robot waits at an *end vertex* (with exactly one edge) with the heading of its way out, so that it
+can leave without turning on the spot. At a dock it has the opposite heading: facing the station.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from trajectory_graph import Graph, Vertex
 
 
 class Pose(NamedTuple):
-    """A place in the map: mm and degrees."""
+    """A pose in the map: mm and degrees."""
 
     x: float
     y: float
@@ -25,31 +25,31 @@ class Pose(NamedTuple):
 
 
 def millimetres(position: Tuple[float, float]) -> Tuple[int, int]:
-    """A position of the graph (m) as a map stores it (whole mm)."""
+    """A position of the graph (m) in the unit of a map (whole mm)."""
     return round(position[0] * 1000.0), round(position[1] * 1000.0)
 
 
 def heading_out(graph: Graph, vertex: Vertex) -> float:
     """The heading (degrees) in which the only edge of an end vertex leads away from it.
 
-    That is Theta where the vertex is its edge's origin, so the way out of it, and Theta + 180
-    degrees where it is the destination.
+    It is Theta if the vertex is its edge's origin, so the edge leads out of it. It is Theta + 180
+    degrees if the vertex is the destination.
     """
     edge, = graph.edges_from(vertex.id)
     return math.degrees(vertex.theta) + (0.0 if edge > 0 else 180.0)
 
 
 def goal(graph: Graph, vertex: Vertex) -> MapObject:
-    """The vertex as a goal; an end vertex as one with the heading to wait in."""
+    """The vertex as a goal; a goal at an end vertex has the heading for waiting."""
     heading = heading_out(graph, vertex) if graph.is_end_vertex(vertex.id) else None
     return MapObject.goal(goal_name(vertex), *millimetres(vertex.position), heading=heading)
 
 
 def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> Pose:
-    """Where the robot stands before it docks, facing the station; `heading` (degrees) overrides.
+    """The pose before docking, facing the station; `heading` (degrees) overrides.
 
-    Raises UnknownVertex, and ValueError where the vertex has several edges and so no heading of
-    its own.
+    Raises UnknownVertex. Raises ValueError if the vertex has several edges, so that its heading is
+    not determined.
     """
     vertex = graph.vertex(vertex_id)
     if heading is None:
@@ -70,7 +70,7 @@ def places_of(graph: Graph, dock_vertex: Optional[int],
               dock_heading: Optional[float] = None) -> List[MapObject]:
     """All vertices as map objects, by id: goals, and a dock for `dock_vertex` (None: no dock).
 
-    Raises as `dock_pose` does.
+    Raises the same errors as `dock_pose`.
     """
     if dock_vertex is not None:
         graph.vertex(dock_vertex)

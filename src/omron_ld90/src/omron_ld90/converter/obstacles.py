@@ -1,4 +1,4 @@
-"""What already keeps a robot back on a map: as points close together, and where on edges.
+"""The obstacles of a map as a dense set of points, and the places on edges that they obstruct.
 
 All in mm, map frame.
 """
@@ -18,7 +18,7 @@ CURVE_PITCH = 50.0
 
 
 class Obstruction(NamedTuple):
-    """The place on an edge's curve that is nearest to an obstacle."""
+    """The point of an edge's curve that is nearest to an obstacle."""
 
     edge_id: int
     x: float
@@ -28,7 +28,7 @@ class Obstruction(NamedTuple):
 
 def obstacle_points(document: MapDocument,
                     ignored: Callable[[MapObject], bool] = lambda obj: False) -> np.ndarray:
-    """Points (N,2) on everything that a robot does not pass, but for `ignored` objects.
+    """Points (N,2) on everything that a robot cannot pass, except `ignored` objects.
 
     Scan points, wall lines (a point every LINE_PITCH), forbidden lines, and forbidden areas
     (filled, a point every AREA_PITCH).
@@ -43,7 +43,7 @@ def obstacle_points(document: MapDocument,
 
 
 def obstructions(graph: Graph, obstacles: np.ndarray, clearance: float) -> List[Obstruction]:
-    """The edges on whose curves something is nearer than `clearance`, and where."""
+    """The edges whose curves have an obstacle nearer than `clearance`, and where."""
     if not len(obstacles):
         return []
     nearest = cKDTree(obstacles)

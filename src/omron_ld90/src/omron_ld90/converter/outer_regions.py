@@ -1,8 +1,8 @@
-"""What lies outside the floor, and the offset outline: what must be covered. mm, map frame.
+"""The regions outside the floor, and the offset outline that must be covered. mm, map frame.
 
-The floor's outside falls into *outer regions*: one for every block between corridors, and the one
-that surrounds all. The *offset outline* of each runs OUTLINE_DISTANCE off the floor; where it is
-covered by walls and fences, nothing leaves the floor.
+The outside of the floor consists of *outer regions*: one for every block between corridors, and one
+that surrounds everything. The *offset outline* of each runs OUTLINE_DISTANCE away from the floor.
+If walls and fences cover it, no robot can leave the floor.
 """
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from shapely.geometry.polygon import orient
 from omron_ld90.converter.corridors import MITRE
 
 OUTLINE_DISTANCE = 15.0  # from the floor to the offset outline
-STEP = 40.0  # between the points that stand for the offset outline
+STEP = 40.0  # between the points that represent the offset outline
 CLEARANCE = 2.0  # between fence and floor: more than the rounding to whole mm
-OUTSIDE = 30000.0  # of the world around the floor that is looked at
+OUTSIDE = 30000.0  # margin around the floor that is examined
 LONGEST_EDGE = 1000.0
 SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 
 
 class OuterRegion(NamedTuple):
-    """A connected piece of what lies outside the floor; it is at the left of its offset outline."""
+    """A connected region outside the floor; it is on the left of its offset outline."""
 
     points: np.ndarray
     """(N,2), at most STEP apart along the offset outline."""
@@ -39,8 +39,8 @@ class OuterRegion(NamedTuple):
 def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
     """The outer regions around and inside `floor`.
 
-    Every version of GEOS gives the same regions: each makes the same shapes, but lists their
-    corners from another one on, so that they are put in order here.
+    The result is the same for every version of GEOS. All versions make the same shapes, but begin
+    their lists of corners at different corners; here they are put in a fixed order.
     """
     everything = box(*floor.bounds).buffer(OUTSIDE, join_style=MITRE)
     outside = everything.difference(floor.buffer(OUTLINE_DISTANCE, join_style=MITRE))
@@ -71,9 +71,9 @@ def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
-    """The corners (N,2) of a ring, from the lowest of the leftmost around to it again.
+    """The corners (N,2) of a closed ring, beginning and ending with the lowest of the leftmost.
 
-    Those that are one when rounded to millimetres are one.
+    Corners that are equal when rounded to micrometres are merged.
     """
     corners = np.round(np.array(ring.coords)[:-1], 3)
     corners = corners[np.any(corners != np.roll(corners, 1, axis=0), axis=1)]

@@ -1,4 +1,4 @@
-"""A picture of a converted map: what `ld_map draw` shows, with corridors, curves and fences."""
+"""A picture of a converted map: the content of `ld_map draw`, with corridors, curves and fences."""
 from __future__ import annotations
 
 import numpy as np

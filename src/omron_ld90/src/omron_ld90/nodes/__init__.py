@@ -1,1 +1,1 @@
-"""ROS nodes: read parameters, build objects, connect callbacks, spin."""
+"""ROS nodes: they read parameters, build objects, connect callbacks, and spin."""

@@ -1,8 +1,8 @@
-"""What the bridge remembers of its last route over a restart.
+"""Keeps the record of the bridge's last route over a restart.
 
-The bridge continues a route only when the same launch has restarted the bridge, or when its whole
-computer died: the ROS master may outlive a launch, and what a person ends and starts again must
-not drive by itself.
+The bridge continues a route in two cases only: the same launch has restarted the bridge, or the
+whole computer died. The ROS master may outlive a launch, and after a person ends a launch and
+starts it again, the robot must not drive by itself.
 """
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from trajectory_graph.route_protocol import Phase, reason_of
 
 PARAMETER = '~route_record'
-REFRESHED = 5.0     # s between two writings of the same record
+REFRESHED = 5.0     # s after which an unchanged record is written again
 
 
 class RouteMemory:
-    """Keeps the record of the route in a private parameter and in a file, with the time.
+    """Keeps the record of the route, with its time, in a private parameter and in a file.
 
-    A thread of its own writes it, because the master may be slow to answer.
+    A separate thread writes it, because the master may be slow to answer.
     """
 
     def __init__(self, launch: str = '', file: str = '') -> None:
-        """`launch`: an id that a new launch changes, and a restart of the node does not.
+        """`launch`: an id that changes with a new launch, but not with a restart of the node.
 
-        `file` outlives the ROS master, as the parameter does not; an empty one means none. A
+        `file`: unlike the parameter, it survives a restart of the ROS master; empty: no file. A
         relative path begins in ROS_HOME.
         """
         self._launch = launch
@@ -45,14 +45,14 @@ class RouteMemory:
         self._thread = start_worker('route-memory', self._run)
 
     def hold(self) -> None:
-        """Raises ConfigurationError where another bridge keeps its route in that file."""
+        """Raises ConfigurationError if another bridge keeps its route in that file."""
         hold(self._file, '~route_file')
 
     def recall(self) -> Tuple[Optional[RouteRecord], float]:
         """The record left by the program before this one, and its age in s; None without one.
 
-        One of another launch is infinitely old, unless it stands in the file and no person ended
-        that launch: its computer died.
+        A record of another launch counts as infinitely old. Exception: it is in the file and no
+        person ended that launch, so its computer died.
         """
         found: List[Tuple[Moment, RouteRecord, bool]] = []
         for content, outlives in ((rospy.get_param(PARAMETER, None), False), (self._read(), True)):
@@ -68,14 +68,14 @@ class RouteMemory:
         return record, written.age(now) if counts else math.inf
 
     def keep(self, record: Optional[RouteRecord]) -> None:
-        """Has a record written down."""
+        """Gives a record to the thread that writes it."""
         with self._changed:
             if record != self._record:
                 self._record = record
                 self._changed.notify()
 
     def close(self) -> None:
-        """Ends the thread; what was to be written is written."""
+        """Writes what is pending and ends the thread."""
         with self._changed:
             self._closing = True
             self._changed.notify()
@@ -108,7 +108,7 @@ class RouteMemory:
                                          'ROS master does not answer (%s).', error)
 
     def _read(self) -> Any:
-        """What the file holds; None without one, or where it is no JSON."""
+        """The content of the file; None if there is no file or it is not JSON."""
         try:
             with open(self._file, encoding='utf-8') as stream:
                 return json.load(stream)
@@ -127,7 +127,7 @@ def _content_of(record: RouteRecord) -> Dict[str, Any]:
 
 
 def _record_of(content: Dict[str, Any]) -> RouteRecord:
-    """The record in a parameter; raises KeyError, TypeError or ValueError where it holds none."""
+    """The record in a parameter; raises KeyError, TypeError or ValueError if it contains none."""
     target = int(content['target'])
     return RouteRecord(int(content['route_id']), tuple(int(id) for id in content['edges']),
                        int(content['stamp']), Phase(content['phase']),

@@ -1,4 +1,4 @@
-"""What the robot's nodes say, as the events of the bridge."""
+"""Converts the messages of the robot's nodes into the events of the bridge."""
 from __future__ import annotations
 
 import math
@@ -37,7 +37,7 @@ _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 
 
 def robot_seen(status: RobotStatus) -> RobotSeen:
-    """What a status shows."""
+    """The event for a status."""
     position = status.pose.position
     kind = _KINDS.get(status.activity, ActivityKind.UNKNOWN)
     return RobotSeen(
@@ -48,12 +48,12 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
 
 
 def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
-    """How a command ended."""
+    """The event for the result of a command."""
     return CommandEnded(number, _ENDINGS.get(result.outcome, Ending.FAILED), result.message)
 
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
-    """The driver of the robot."""
+    """The event for a Motion message; `own_name` is the name of this node."""
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
@@ -61,7 +61,7 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
-    """How a link stands; None for what is no link of the robot."""
+    """The event for the state of a link; None if the link is not one of the robot's."""
     link = _LINKS.get(message.link)
     if link is None:
         return None

@@ -1,4 +1,4 @@
-"""The bridge's parameters, as `omron_edges_to_vertices` lists them."""
+"""Reads the bridge's parameters; `omron_edges_to_vertices` lists them."""
 from __future__ import annotations
 
 from typing import Optional
@@ -9,12 +9,12 @@ from trajectory_graph import Graph
 
 
 def read_settings(graph: Optional[Graph]) -> Settings:
-    """Those about the driving of routes; raises ConfigurationError."""
+    """The settings for driving routes; raises ConfigurationError."""
     dock = parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
         raise ConfigurationError(
             f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '
-            'dock, or to 0 where there is none.')
+            'dock, or to 0 if there is none.')
     strategy = choice('~strategy', 'rolling', tuple(STRATEGIES))
     native_command = parameter('~native_command', '')
     if strategy == 'native':

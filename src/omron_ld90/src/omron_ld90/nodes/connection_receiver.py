@@ -1,24 +1,24 @@
-"""Takes the robot's outgoing connection and publishes what the robot sends over it.
+"""Accepts the robot's outgoing connection and publishes what the robot sends over it.
 
 Topics out, each line byte for byte (std_msgs/String):
   status/state, status/extended_status, status/state_of_charge, status/battery_voltage,
   status/location, status/localization_score, status/temperature
   laser_points: `RangeDeviceGetCurrent: <device> x y ...`, of every device
-Topics out, typed, in SI units, stamped when received (nothing is published of what has waited
-while this node stood still):
+Topics out, typed, in SI units, stamped when received (lines that waited while this node was
+suspended are not published):
   robot_status (omron_ld90_msgs/RobotStatus), battery_state (sensor_msgs/BatteryState)
   laser_cloud (sensor_msgs/PointCloud2, frame `~map_frame`): scans of `~laser_device`
   laser_cloud/<device>: scans of each other device; laser_cloud/<device>_cumulative
   link_state (omron_ld90_msgs/LinkState, latched): link `outgoing`
   /diagnostics
 Parameters:
-  ~robot_ip (required): name or address of the robot, the only one that may connect
-  ~port (7179): where to listen
-  ~bind_address (''): address to listen on; '' is this computer only for a robot on this computer,
+  ~robot_ip (required): name or address of the robot, the only host that may connect
+  ~port (7179): port to listen on
+  ~bind_address (''): address to listen on; '': the loopback address for a robot on this computer,
       else every address
   ~map_frame (map), ~laser_device (Laser_1)
-  ~laser_height (0.203 m): of the laser above the floor
-  ~silence (4.0 s): without a line after which the link counts as dead
+  ~laser_height (0.203 m): height of the laser above the floor
+  ~silence (4.0 s): seconds without a line after which the link counts as dead
   ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
   ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
 """
@@ -71,7 +71,7 @@ _MAXIMUM_DEVICES = 16
 
 
 class ConnectionReceiver:
-    """The node; `make_listener` makes its listener from the callbacks that it is given."""
+    """The node; `make_listener` makes its listener with the given callbacks."""
 
     def __init__(self, make_listener: Callable[..., Listener], map_frame: str,
                  laser_device: str, laser_height: float, log: Optional[SessionLog]) -> None:
@@ -109,10 +109,10 @@ class ConnectionReceiver:
 
     def _on_line(self, line: Received) -> None:
         reply = line.reply
-        if line.late:  # its time of sending is unknown: it must not be taken for news
+        if line.late:  # its time of sending is unknown, so it must not be published as new
             self._assembler.drop()
-            warn('late', 'This node stood still for a while. What the robot sent meanwhile is '
-                 'not published, for its time is not known.')
+            warn('late', 'This node was suspended for a while. The lines that the robot sent '
+                 'meanwhile are not published, because their time is unknown.')
         else:
             self._publish(line, rospy.Time.now())
         if isinstance(reply, DockingStatus):
@@ -166,7 +166,7 @@ def _on_refused(address: str) -> None:
 
 
 def _bind_address(robot: str) -> str:
-    """Loopback for a robot on this computer, so that no other computer can connect."""
+    """The loopback address for a robot on this computer, so that no other computer can connect."""
     try:
         addresses = {entry[4][0] for entry in resolve(robot)}
     except OSError:

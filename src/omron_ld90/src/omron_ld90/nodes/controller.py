@@ -1,42 +1,43 @@
-"""Carries commands to the robot and its answers back, over the robot's ARCL server.
+"""Sends commands to the robot's ARCL server, and publishes the robot's answers.
 
 Topics in:
   send_command (std_msgs/String): one ARCL command, e.g. `goto 12`
-  move_base_simple/goal (geometry_msgs/PoseStamped): drive there; becomes a goal of `move_base`
-  initialpose (geometry_msgs/PoseWithCovarianceStamped): the robot is there (`localizeToPoint`)
+  move_base_simple/goal (geometry_msgs/PoseStamped): pose to drive to; becomes a goal of `move_base`
+  initialpose (geometry_msgs/PoseWithCovarianceStamped): where the robot is (`localizeToPoint`)
   /fleet_state (itrci_nav_msgs/FleetState), execution_route_states (.../ExecutionRouteStates): while
       a fleet drives the robot, the two topics above, which are clicks in RViz, are refused
 Topics out:
   arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
-  command_refused (omron_ld90_msgs/CommandRefused): what came by topic and came to nothing
-  motion (omron_ld90_msgs/Motion, latched): the driver of the robot, what it does, a stop that is
-  owed link_state (omron_ld90_msgs/LinkState, latched): link `commands`
+  command_refused (omron_ld90_msgs/CommandRefused): a command by topic that was refused or failed
+  motion (omron_ld90_msgs/Motion, latched): the giver that drives the robot, the robot's motion, and
+      the owed stop
+  link_state (omron_ld90_msgs/LinkState, latched): link `commands`
   /diagnostics
 Actions:
-  execute_command (omron_ld90_msgs/ExecuteCommand): one command to its completion
+  execute_command (omron_ld90_msgs/ExecuteCommand): one command until its completion
   move_base (move_base_msgs/MoveBase): drive to a pose (`gotoPoint`)
 Parameters:
-  ~robot_ip (required), ~port (7171): where the robot's ARCL server is
-  ~password_file (''): file that holds its password, and nothing else; '' takes the environment
+  ~robot_ip (required), ~port (7171): address of the robot's ARCL server
+  ~password_file (''): file that contains its password and nothing else; '': take the environment
       variable OMRON_LD90_PASSWORD, which roslaunch writes into its own log
   ~map_file (''): `.map` file whose goals are compared with the robot's
-  ~base_map (''), ~graph_file (''): when base_map is set, map_file is first waited for
-  ~map_frame (map): frame of poses in
+  ~base_map (''), ~graph_file (''): if base_map is set, the node first waits for map_file
+  ~map_frame (map): frame of incoming poses
   ~allowed_commands ([motion, query]): kinds and names of commands that may be sent; the kinds are
       query, motion, device, configuration, dangerous, unknown
-  ~session_log (''): file for all that both sides say, passwords redacted; an older one is kept as
-      <file>.old; ld90_sim --replay serves it
+  ~session_log (''): file for all lines of both sides, passwords redacted; an older one is kept as
+      <file>.old; ld90_sim --replay can play it back
   ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
-  ~motion_file (omron_ld90/<namespace>_motion.json): keeps over a restart the driver of the robot,
-      and a stop that is owed; relative to ROS_HOME; '': nothing is kept
-  ~allow_takeover (false): the two topics of clicks move a robot that a fleet drives, too
-  ~stop_on_shutdown (false): send `stop` when the node is ended, as by Ctrl-C; without it the robot
+  ~motion_file (omron_ld90/<namespace>_motion.json): file that keeps over a restart which giver
+      drives the robot, and an owed stop; relative to ROS_HOME; '': no file
+  ~allow_takeover (false): true: the two click topics also move a robot that a fleet drives
+  ~stop_on_shutdown (false): true: send `stop` when the node ends, e.g. by Ctrl-C; false: the robot
       drives on to its goal
-  ~heartbeat (1.5 s): between signs of life asked of the robot
-  ~silence (4.0 s): without a line after which the link counts as dead
-  ~reconnect_first (0.5 s), ~reconnect_most (10.0 s), ~reconnect_jitter (0.2): tries to connect
-  ~wrong_password_wait (30.0 s): before a refused password is tried again; the file is read at the
-      start only, so restart the node after mending it
+  ~heartbeat (1.5 s): seconds between two requests to the robot for a sign of life
+  ~silence (4.0 s): seconds without a line after which the link counts as dead
+  ~reconnect_first (0.5 s), ~reconnect_most (10.0 s), ~reconnect_jitter (0.2): connection attempts
+  ~wrong_password_wait (30.0 s): seconds before a refused password is tried again; the file is read
+      only at the start, so restart the node after correcting it
 """
 from __future__ import annotations
 
@@ -86,12 +87,12 @@ from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.shared_parameters import map_sources
 from omron_ld90_msgs.msg import LinkState
 
-LOOPBACK = ('127.0.0.1', 'localhost', '::1')  # there is a simulated robot
+LOOPBACK = ('127.0.0.1', 'localhost', '::1')  # addresses of a simulated robot
 STOP_WITHIN = 1.5  # s that a stop may take at shutdown
 
 
 class Controller:
-    """The node; `make_client` makes its client from the callbacks that it is given."""
+    """The node; `make_client` makes its client with the given callbacks."""
 
     def __init__(self, make_client: Callable[..., Client], guard: Guard, goals: GoalComparison,
                  map_frame: str, log: Optional[SessionLog], stop_on_shutdown: bool) -> None:
@@ -134,13 +135,14 @@ class Controller:
         try:
             result = self._client.execute('stop').wait(STOP_WITHIN)
         except ArclError as error:
-            rospy.logwarn('The robot was not stopped at the end: %s', error)
+            rospy.logwarn('The robot was not stopped at the end of this node: %s', error)
         else:
             if result is None:
-                rospy.logwarn('A stop was sent at the end; the robot has not said that it stands.')
+                rospy.logwarn('A stop was sent at the end of this node; the robot has not '
+                              'confirmed that it stands.')
 
     def _execute(self, text: str, giver: Giver, **options: Any) -> Execution:
-        """Gives a command of `giver` once it is allowed; raises ArclError."""
+        """Gives a command of `giver` if it is allowed; raises ArclError."""
         execution = self._client.execute(text, giver=giver, check=self._guard.check, **options)
         self._help.sent(execution.command)
         return execution
@@ -172,7 +174,7 @@ class Controller:
         self._ask_goals()
 
     def _ask_goals(self) -> None:
-        """Our own question: no matter of ~allowed_commands."""
+        """Sends the node's own query; ~allowed_commands does not apply to it."""
         self._guard.goals = None
         self._client.execute('getGoals', on_end=self._on_goals)
 
@@ -212,7 +214,7 @@ def start() -> Controller:
                                  f'must be longer than ~heartbeat, {heartbeat} s.')
     guard = Guard(_allowed_commands())
     if guard.unknown_words():
-        rospy.logwarn('~allowed_commands holds names that are not in the table of commands: %s.',
+        rospy.logwarn('~allowed_commands contains names that are not in the table of commands: %s.',
                       ', '.join(sorted(guard.unknown_words())))
     log = session_log()
     goals = GoalComparison(parameter('~map_file', ''), map_sources())

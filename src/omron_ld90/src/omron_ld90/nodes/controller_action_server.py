@@ -1,7 +1,7 @@
-"""The action server of actionlib, in the ways in which it must differ for a robot that is driven.
+"""An actionlib server that differs where a driven robot requires it.
 
-actionlib refuses goals whose stamp is not younger than that of the last cancellation, a stop among
-them, with a result that is empty; a clock that is ahead would so lock all givers out.
+actionlib refuses goals, including stops, whose stamp is not newer than the last cancellation; their
+result is empty. A clock that is ahead would therefore lock out all givers.
 """
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from omron_ld90.nodes.support.callers import giver_of
 
 
 class ActionServer(actionlib.ActionServer):
-    """No cancellation counts for what is given after it, nor for a stop.
+    """A server on which a cancellation affects neither later goals nor a stop.
 
-    always_taken -- whether a goal, such as a stop, is taken regardless of earlier cancellations
-    on_cancel_all -- called when everything is cancelled, be anything under way or not
+    always_taken -- whether a goal, such as a stop, is accepted regardless of earlier cancellations
+    on_cancel_all -- called when everything is cancelled, even if no goal is under way
     `canceller` is the program whose cancellation is being carried out.
     """
 
-    last_cancel: rospy.Time  # actionlib's own: it refuses goals whose stamp is not younger
+    last_cancel: rospy.Time  # of actionlib: it refuses goals whose stamp is not newer
 
     def __init__(self, name: str, kind: type, on_goal: Callable[..., None],
                  on_cancel: Callable[..., None], always_taken: Callable[[Any], bool],
@@ -34,7 +34,7 @@ class ActionServer(actionlib.ActionServer):
         super().__init__(name, kind, on_goal, on_cancel, auto_start=False)
 
     def internal_cancel_callback(self, goal_id: GoalID) -> None:
-        """A cancellation came."""
+        """Handles an incoming cancellation."""
         with self.lock:
             self.canceller = giver_of(goal_id)
             super().internal_cancel_callback(goal_id)
@@ -43,7 +43,7 @@ class ActionServer(actionlib.ActionServer):
             self.last_cancel = min(self.last_cancel, rospy.Time.now())
 
     def internal_goal_callback(self, goal: Any) -> None:
-        """A goal came."""
+        """Handles an incoming goal."""
         with self.lock:
             last_cancel = self.last_cancel
             if self._always_taken(goal.goal):

@@ -1,12 +1,16 @@
-"""What the controller's actions have in common: each goal is a command, carried out to its end.
+"""The common base of the controller's actions: each goal is a command, carried out to its end.
 
-Succeeded is SUCCEEDED; cancelled, and replaced by another command, is PREEMPTED; each other end
-ended the command is ABORTED with a text that says what; what was never sent is REJECTED. Commands
-may run side by side: queries do, and a driving command replaces the one before it in the robot.
+The states of a goal at its end:
+- SUCCEEDED: the command succeeded.
+- PREEMPTED: the command was cancelled, or replaced by another command.
+- ABORTED: the command ended in another way; the text says how.
+- REJECTED: the command was never sent.
+Commands may run side by side. Queries do so; a driving command replaces the one before it in the
+robot.
 
-Locks: actionlib calls `_on_goal` and `_on_cancel` with its own lock held, and takes that lock in
-every method of a goal handle. So no lock of ours is held while a handle is used, and the robot's
-thread uses none: it leaves that to a `CallQueue`.
+Locks: actionlib calls `_on_goal` and `_on_cancel` while it holds its own lock, and takes that lock
+in every method of a goal handle. So this module holds no lock of its own while it uses a handle.
+The robot's thread uses no handle: a `CallQueue` makes these calls.
 """
 from __future__ import annotations
 
@@ -35,11 +39,11 @@ _PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
 
 
 class Refused(Exception):
-    """A goal or pose that no command can be made of; the text says why."""
+    """No command can be made of a goal or pose; the text says why."""
 
 
 class NeverSent(Refused):
-    """A goal that is not carried out because of its moment; the text says why."""
+    """A goal was not carried out because of its time; the text says why."""
 
 
 class _Goal:
@@ -51,7 +55,7 @@ class _Goal:
 
 
 class CommandActions:
-    """Goals of one action server and the commands that they are."""
+    """The goals of one action server, and their commands."""
 
     def __init__(self, name: str, kind: type, execute: Execute, cancel: Cancel,
                  cancel_all: Callable[[Giver], None], old: OldMessages) -> None:
@@ -68,7 +72,7 @@ class CommandActions:
                                     lambda: cancel_all(self._server.canceller))
         self._server.start()
 
-    # --- from actionlib, which holds its lock ----------------------------------------------------
+    # --- called by actionlib, which holds its lock -----------------------------------------------
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         try:
@@ -82,10 +86,10 @@ class CommandActions:
             self._tell(handle.get_goal_id().id, str(error))
 
     def _start(self, handle: actionlib.ServerGoalHandle, text: str, timeout: float) -> None:
-        """Gives the command and accepts the goal; raises ArclError, the goal still pending.
+        """Gives the command and accepts the goal; on ArclError the goal stays pending.
 
-        The command may end before the goal is accepted here. Its result is set afterwards all the
-        same: actionlib holds its lock until this returns.
+        The command may end before the goal is accepted here. Its result is still set afterwards,
+        because actionlib holds its lock until this method returns.
         """
         goal_id = handle.get_goal_id().id
         goal = _Goal(handle)
@@ -112,7 +116,7 @@ class CommandActions:
         if goal and goal.execution:
             self._cancel(goal.execution, self._server.canceller)
 
-    # --- in the thread of the calls --------------------------------------------------------------
+    # --- called by the thread of the call queue --------------------------------------------------
 
     def _on_end(self, handle: actionlib.ServerGoalHandle, command: str, result: Result) -> None:
         goal_id = handle.get_goal_id().id
@@ -129,22 +133,22 @@ class CommandActions:
         self._tell(goal_id, failure(command, result))
 
     def _handles(self) -> List[actionlib.ServerGoalHandle]:
-        """Of the goals whose commands are under way."""
+        """The handles of the goals whose commands are under way."""
         with self._lock:
             return [goal.handle for goal in self._running.values()]
 
-    # --- what a kind of action is ----------------------------------------------------------------
+    # --- defined by each kind of action ----------------------------------------------------------
 
     def _giver(self, handle: actionlib.ServerGoalHandle) -> Giver:
         """The program that gave a goal."""
         return giver_of(handle.goal)
 
     def _known_epoch(self, goal: Any) -> int:
-        """The epoch of the motion in which a goal makes sense; 0: any."""
+        """The epoch in which a goal is valid; 0: any."""
         return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:
-        """The command that a goal means, and its time-out (0: its own); raises Refused."""
+        """The command of a goal, and its timeout in s (0: the command's own); raises Refused."""
         raise NotImplementedError
 
     def _is_stop(self, goal: Any) -> bool:
@@ -152,20 +156,20 @@ class CommandActions:
         return False
 
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
-        """A line that belongs to the command; by default not passed on."""
+        """Takes a line that belongs to the command; by default it is not passed on."""
 
     def _result(self, result: Result) -> object:
         raise NotImplementedError
 
     def _refusal(self, reason: Exception) -> object:
-        """The result of a goal that is not taken."""
+        """The result of a goal that is refused."""
         raise NotImplementedError
 
     def _tell(self, goal_id: str, reason: Optional[str]) -> None:
-        """The goal has ended; `reason` where it came to nothing. By default not passed on."""
+        """Takes the end of a goal; `reason`: why it failed, if it did. By default ignored."""
 
 
 def _keep_results() -> None:
-    """More results may wait for a client than actionlib's 50: one that is dropped never comes."""
+    """Raises the number of results that may wait for a client; actionlib drops all above 50."""
     if not rospy.has_param(_QUEUE_PARAMETER):
         rospy.set_param(_QUEUE_PARAMETER, _RESULTS_QUEUED)

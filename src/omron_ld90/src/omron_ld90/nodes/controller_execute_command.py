@@ -1,4 +1,4 @@
-"""The controller's action `execute_command`: any command, and how it ended in the robot's words."""
+"""The action `execute_command`: takes any command, and reports its end in the robot's words."""
 from __future__ import annotations
 
 import math
@@ -56,14 +56,14 @@ class ExecuteCommandServer(CommandActions):
         handle.publish_feedback(ExecuteCommandFeedback(line=line))
 
     def _result(self, result: Result) -> ExecuteCommandResult:
-        left_out = f' ({result.left_out} more lines were left out)' if result.left_out else ''
+        left_out = f' ({result.left_out} more lines were omitted)' if result.left_out else ''
         return ExecuteCommandResult(outcome=_OUTCOMES[result.outcome],
                                     message=printable(result.words, 1000) + left_out,
                                     lines=list(result.lines))
 
     def _refusal(self, reason: Exception) -> ExecuteCommandResult:
-        """NEVER_SENT where the command as such is right, so that it may be given again; OVERRULED
-        where the command of another giver came first."""
+        """NEVER_SENT if the command is valid and may be given again; OVERRULED if the command of
+        another giver came first."""
         if isinstance(reason, Overruled):
             outcome = ExecuteCommandResult.OVERRULED
         elif isinstance(reason, (NotConnected, NeverSent, Unclear)):

@@ -11,11 +11,11 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from omron_arcl import printable, readable
 from omron_map import MapDocument, MapError, wait_for_map
 
-_MAXIMUM_NAMES = 20  # told in one message
+_MAXIMUM_NAMES = 20  # listed in one message
 
 
 class GoalComparison:
-    """Reads the map file in a thread of its own, whenever the robot's goals are known anew."""
+    """Reads the map file in a separate thread, each time the robot has listed its goals."""
 
     def __init__(self, map_file: str, made_from: Tuple[str, ...] = (),
                  wait: Callable[..., None] = wait_for_map) -> None:
@@ -33,7 +33,7 @@ class GoalComparison:
         self._thread.start()
 
     def robot_goals(self, names: FrozenSet[str]) -> None:
-        """The robot has listed its goals."""
+        """Takes the goals that the robot has listed."""
         self._robot = frozenset(names)
         self._due.set()
 
@@ -83,11 +83,12 @@ class GoalComparison:
                              f'{_listed(self._only_map)}')
             rospy.logwarn('Goals differ: %s.', self._message)
         else:
-            self._level, self._message = DiagnosticStatus.OK, 'robot and map file have the same'
+            self._level, self._message = (
+                DiagnosticStatus.OK, 'robot and map file have the same goals')
 
 
 def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
-    """`names` that are not in `others`, for people; the robot respects no case."""
+    """`names` that are not in `others`, for a person; case is ignored, as the robot does."""
     folded = {name.casefold() for name in others}
     return sorted(printable(name) for name in names if name.casefold() not in folded)
 

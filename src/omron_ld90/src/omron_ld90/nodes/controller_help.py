@@ -1,4 +1,5 @@
-"""Reports what the robot's help list lacks. The list forbids nothing: see `omron_arcl.HelpList`."""
+"""Reports commands that the robot's help list lacks. The list forbids nothing: see
+`omron_arcl.HelpList`."""
 from __future__ import annotations
 
 import threading
@@ -15,7 +16,7 @@ _MAXIMUM_NAMES = 20  # of commands that are remembered
 
 
 class HelpReport:
-    """Compares the commands that are sent with the help list of the robot that is connected."""
+    """Compares the sent commands with the help list of the connected robot."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -23,19 +24,19 @@ class HelpReport:
         self._unlisted: List[str] = []
 
     def listed(self, help_list: HelpList) -> None:
-        """The robot has listed its commands."""
+        """Takes the robot's list of commands."""
         with self._lock:
             self._help, self._unlisted = help_list, []
 
     def sent(self, command: Command) -> None:
-        """A command was sent; one that the robot does not list is logged once."""
+        """Takes a sent command; logs it once if the robot does not list it."""
         with self._lock:
             name = command.name
             if (not is_unlisted(command, self._help) or name in self._unlisted
                     or len(self._unlisted) >= _MAXIMUM_NAMES):
                 return
             self._unlisted.append(name)
-        rospy.logwarn('The help list of the robot lacks the command %s; it was sent all the same.',
+        rospy.logwarn('The help list of the robot lacks the command %s; it was sent anyway.',
                       name)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:

@@ -1,4 +1,4 @@
-"""Topic `motion`, and the file that keeps over a restart what the motion authority must know."""
+"""The topic `motion`, and the file that keeps the motion authority's memory over a restart."""
 from __future__ import annotations
 
 import dataclasses
@@ -24,14 +24,15 @@ class MotionFile:
         self._kept: Optional[Memory] = None
 
     def hold(self) -> None:
-        """Raises ConfigurationError where another controller keeps its memory there."""
+        """Raises ConfigurationError if another controller keeps its memory in the file."""
         hold(self._path, '~motion_file')
 
     def read(self) -> Optional[Memory]:
-        """What was kept; None where nothing was, or nothing that can be read.
+        """The stored memory; None if there is none, or it cannot be read.
 
-        Where the file cannot be taken away, later epochs may have got lost: no program knows the
-        one of such a memory, so that none goes on by it. An owed stop still counts.
+        If the folder is read-only, the stored epoch may be out of date. Then epoch 0 is returned,
+        which no program knows, so that no program drives on because of it. An owed stop still
+        counts.
         """
         try:
             with open(self._path, encoding='utf-8') as stream:
@@ -53,8 +54,8 @@ class MotionFile:
     def keep(self, memory: Memory) -> None:
         """Replaces the file by a complete new one.
 
-        It is not forced to the disk, for which no stop may wait. Where it cannot be written, the
-        robot is still driven: only a restart would know less.
+        The file is not forced to the disk, because a stop must not wait for a disk. If it cannot be
+        written, the robot is still driven; only a restart would know less.
         """
         if not self._path or memory == self._kept:
             return
@@ -64,7 +65,7 @@ class MotionFile:
                 replace_json(self._path, content)
             except OSError:
                 with suppress(OSError):
-                    os.unlink(self._path)  # it is not true any more, and its room may be enough
+                    os.unlink(self._path)  # it is out of date, and its space may be enough
                 replace_json(self._path, content)
         except OSError as error:
             self._kept = None
@@ -85,7 +86,7 @@ class MotionTopic:
                                           tcp_nodelay=True)
 
     def publish(self, motion: Motion) -> None:
-        """It has changed."""
+        """Publishes the new state."""
         message = message_of(motion)
         message.header.stamp = rospy.Time.now()
         self._publisher.publish(message)

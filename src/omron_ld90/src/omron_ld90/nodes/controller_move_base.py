@@ -1,4 +1,4 @@
-"""The controller's action `move_base`: drives to a pose, as navigation software knows it."""
+"""The action `move_base`: drives to a pose, with the interface of the navigation stack."""
 from __future__ import annotations
 
 import math
@@ -23,7 +23,7 @@ from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90.nodes.support.poses import pose_to_robot
 
-OWN_CONNECTION = 5.0  # s to wait for the topic of its own goals
+OWN_CONNECTION = 5.0  # s to wait until the node is connected to its own topic of goals
 
 
 def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
@@ -33,7 +33,7 @@ def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
         raise Refused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
     p, q = pose.pose.position, pose.pose.orientation
     if not all(math.isfinite(number) for number in (p.x, p.y, q.x, q.y, q.z, q.w)):
-        raise Refused('the pose holds a number that is not finite')
+        raise Refused('the pose contains a number that is not finite')
     if abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) > 0.01:
         raise Refused('the orientation is no unit quaternion')
     if max(abs(p.x), abs(p.y)) > 1e6:
@@ -42,10 +42,10 @@ def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
 
 
 class MoveBaseServer(CommandActions):
-    """Action `move_base`; feedback is where the robot is, whenever it says so.
+    """The action `move_base`; its feedback is each reported pose of the robot.
 
-    A goal that comes by topic becomes a goal of the action, as with the real move_base: a program
-    that watches `move_base/status` sees a new one.
+    As with the original move_base, a goal that comes by topic becomes a goal of the action. So a
+    program that watches `move_base/status` sees it.
     """
 
     def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
@@ -59,19 +59,19 @@ class MoveBaseServer(CommandActions):
         self._await_own_connection()
 
     def _await_own_connection(self) -> None:
-        """Until goals published here arrive here, or else the first one might be lost."""
+        """Waits until goals published here arrive here; else the first one might be lost."""
         deadline = time.monotonic() + OWN_CONNECTION
         while not self._goals.get_num_connections() and time.monotonic() < deadline:
             time.sleep(0.01)
 
     def feedback(self, pose: PoseStamped) -> None:
-        """The robot is at `pose`."""
+        """Publishes the robot's `pose` as feedback."""
         for handle in self._handles():
             self._calls.add(partial(handle.publish_feedback,
                                     MoveBaseFeedback(base_position=pose)), optional=True)
 
     def forward(self, pose: PoseStamped, giver: Giver) -> None:
-        """Makes a goal of the action of a pose that `giver` gave by topic."""
+        """Turns a pose that `giver` gave by topic into a goal of the action."""
         goal = MoveBaseActionGoal()
         goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
         with self._lock:
@@ -96,7 +96,7 @@ class MoveBaseServer(CommandActions):
         return MoveBaseResult()
 
     def _tell(self, goal_id: str, reason: Optional[str]) -> None:
-        """The giver of a goal by topic has no result to look at."""
+        """Reports a failure to the giver of a goal by topic, who gets no result."""
         with self._lock:
             giver = self._forwarded.pop(goal_id, None)
         if giver and reason:

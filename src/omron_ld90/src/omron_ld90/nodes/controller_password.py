@@ -16,9 +16,9 @@ _MAXIMUM_BYTES = 1000
 def read_password(path: str, is_simulated: bool = False) -> bytes:
     """The password from `path`, or from the environment; raises ConfigurationError.
 
-    No message ever holds it. The variable is taken out of this process's environment, so that no
-    program inherits it from here; but roslaunch has written it into its own log by then. That of a
-    simulated robot is in the repository, so no secret.
+    No message ever contains it. The variable is removed from this process's environment, so that no
+    program inherits it from here. But roslaunch has already written it into its own log. The
+    password of a simulated robot is in the repository, so it is no secret.
     """
     variable = os.environb.pop(PASSWORD_VARIABLE.encode(), b'')
     source = f'file {path}' if path else f'environment variable {PASSWORD_VARIABLE}'
@@ -28,10 +28,10 @@ def read_password(path: str, is_simulated: bool = False) -> bytes:
         raise ConfigurationError(
             f'The ARCL password cannot be read from {source}: {error.strerror}.') from None
     if not password or not all(0x20 <= byte < 0x7f for byte in password):
-        what = 'holds control or non-ASCII characters' if password else 'is empty or not set'
+        what = 'contains control or non-ASCII characters' if password else 'is empty or not set'
         raise ConfigurationError(
             f'There is no usable ARCL password: {source} {what}. Set ~password_file to a file '
-            f'that holds nothing but the password, or set {PASSWORD_VARIABLE}.')
+            f'that contains nothing but the password, or set {PASSWORD_VARIABLE}.')
     if path and not is_simulated:
         warn_if_exposed('ARCL password file', path)
     if not path:
@@ -43,7 +43,7 @@ def read_password(path: str, is_simulated: bool = False) -> bytes:
 
 
 def _content(path: str) -> bytes:
-    """The beginning of a regular file; anything else might never end, or never begin."""
+    """The beginning of a regular file; reading another kind of file might never end."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     with open(descriptor, 'rb') as file:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):

@@ -1,4 +1,4 @@
-"""What was given and is not carried out: how it is told."""
+"""Reports commands that were refused or failed."""
 from __future__ import annotations
 
 from typing import Mapping, Optional
@@ -9,7 +9,7 @@ from node_lifecycle import warn
 from omron_arcl import Outcome, Result, printable
 from omron_ld90_msgs.msg import CommandRefused
 
-# Commands that came to nothing; one that was interrupted or cancelled did not.
+# Words for failed commands; an interruption or a cancellation is no failure.
 _FAILURES: Mapping[Outcome, str] = {
     Outcome.REJECTED: 'was refused by the robot',
     Outcome.NO_GOAL: 'was refused by the robot',
@@ -24,7 +24,7 @@ _FAILURES: Mapping[Outcome, str] = {
 
 
 def failure(text: str, result: Result) -> Optional[str]:
-    """A sentence for people, where a command came to nothing."""
+    """A sentence for a person if the command failed, else None."""
     if result.outcome not in _FAILURES:
         return None
     return (f'Command {printable(text)!r} {_FAILURES[result.outcome]}: '
@@ -32,15 +32,15 @@ def failure(text: str, result: Result) -> Optional[str]:
 
 
 class Refusals:
-    """Topic `command_refused`, and the same in the log."""
+    """Publishes refusals and failures on `command_refused`, and logs them."""
 
     def __init__(self) -> None:
         self._publisher = rospy.Publisher('command_refused', CommandRefused, queue_size=20,
                                           tcp_nodelay=True)
 
     def tell(self, text: str, caller: str, reason: str) -> None:
-        """What `caller` gave by topic came to nothing for `reason`, a sentence."""
-        warn('refused', f'{reason} Asked by {caller}.')
+        """Reports that a command or pose by topic failed; `reason` is a sentence."""
+        warn('refused', f'{reason} Requested by {caller}.')
         refusal = CommandRefused(command=printable(text), caller=caller, reason=reason)
         refusal.header.stamp = rospy.Time.now()
         self._publisher.publish(refusal)

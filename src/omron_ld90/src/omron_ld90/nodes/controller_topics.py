@@ -1,4 +1,4 @@
-"""The controller's topics in: commands, and the poses of RViz's two tools."""
+"""The controller's incoming topics: commands, and the poses of two RViz tools."""
 from __future__ import annotations
 
 from typing import Callable, Optional
@@ -20,8 +20,8 @@ class TopicCommands:
     """Subscribes to the topics.
 
     execute       -- gives a command; raises ArclError
-    refuse_click  -- why a person's click must not move the robot now, None where it may: what
-                     comes from 2D Nav Goal and 2D Pose Estimate is a click
+    refuse_click  -- returns why a person's click must not move the robot now, or None if it may;
+                     messages of 2D Nav Goal and 2D Pose Estimate are clicks
     """
 
     def __init__(self, execute: Callable[..., Execution], move_base: MoveBaseServer,
@@ -60,7 +60,7 @@ class TopicCommands:
         self._send(message.data, giver)
 
     def _on_goal_pose(self, message: PoseStamped, giver: Giver) -> None:
-        """As the real move_base does it, so that an observer of the action sees a new goal."""
+        """Makes a goal of the action `move_base`, so that an observer of the action sees it."""
         try:
             robot_pose(message, self._map_frame)
         except Refused as error:
@@ -79,7 +79,7 @@ class TopicCommands:
             self._send(f'localizeToPoint {x} {y} {heading}', giver)
 
     def _send(self, text: str, giver: Giver) -> None:
-        """Sends a command for whose end no caller waits, so failures are told."""
+        """Sends a command for whose result no caller waits; failures are reported."""
         def on_end(result: Result) -> None:
             reason = failure(text, result)
             if reason:

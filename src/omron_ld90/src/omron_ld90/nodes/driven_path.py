@@ -1,4 +1,4 @@
-"""Where the robot drove, as a nav_msgs/Path; it begins anew where the robot was relocalised."""
+"""The driven path of the robot as a nav_msgs/Path; a relocalization of the robot clears it."""
 from __future__ import annotations
 
 import math
@@ -6,11 +6,11 @@ import math
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
-JUMP = 1.5  # m between two locations: further than the robot drives; it was relocalised
+JUMP = 1.5  # m between two locations: more than the robot can drive, so it was relocalized
 
 
 class DrivenPath:
-    """The last `length` poses that are at least `step` (m) apart; `message` is what they make."""
+    """Keeps the last `length` poses that are at least `step` (m) apart, in `message`."""
 
     def __init__(self, frame: str, length: int, step: float) -> None:
         self.message = Path()
@@ -19,7 +19,7 @@ class DrivenPath:
         self._step = step
 
     def add(self, pose: PoseStamped) -> bool:
-        """The robot is here now; whether the path has changed."""
+        """Adds the robot's present pose; returns whether the path has changed."""
         poses = self.message.poses
         if poses:
             last, here = poses[-1].pose.position, pose.pose.position
@@ -33,5 +33,5 @@ class DrivenPath:
         return True
 
     def clear(self) -> None:
-        """Forgets where the robot drove."""
+        """Clears the path."""
         self.message.poses = []

@@ -1,40 +1,40 @@
-"""The bridge between the fleet manager, which thinks in edges, and the LD-90, which knows goals.
+"""The bridge between the fleet manager, which uses edges, and the LD-90, which uses goals.
 
-Takes routes of edges, sends the robot over their vertices, and tells how far it is, as
-docs/reference/route_protocol.md says. What it thinks is in `omron_ld90.bridge.route_follower`.
+It takes routes of edges, sends the robot over their vertices, and reports the progress, as
+docs/reference/route_protocol.md says. The decisions are in `omron_ld90.bridge.route_follower`.
 
 Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
-    motion (omron_ld90_msgs/Motion): the driver of the robot; an act of another giver ends the route
+    motion (omron_ld90_msgs/Motion): giver that drives the robot; another giver ends the route
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz
-    route_refused (itrci_nav_msgs/RouteRefused): a route, or a change, that was not taken up
+    route_refused (itrci_nav_msgs/RouteRefused): a route, or a change of it, that was refused
     /diagnostics
 Client of
     execute_command (omron_ld90_msgs/ExecuteCommand): goto, dock, stop
 Parameters
     ~graph_file        string  (empty)  trajectory graph (YAML); empty: wait for /graph
-    ~dock_vertex       int     0        vertex that is reached by `dock`; 0: none
+    ~dock_vertex       int     0        vertex that is reached with `dock`; 0: none
     ~strategy          string  rolling  or vertex_by_vertex, direct, native
-    ~native_command    string  (empty)  of strategy native: {goals} = names in order, {last}
+    ~native_command    string  (empty)  for strategy native: {goals} = names in order, {last}
     ~vertex_tolerance  float   0.3 m    a vertex is passed within this distance
-    ~corridor_width    float   0.9 m    farther than half of it from the route, the route fails
-    ~stall_timeout     float   30 s     without progress, the route fails
-    ~location_timeout  float   5 s      without a location, the route fails
-    ~link_timeout      float   2 s      without a link to the robot, the route fails
-    ~restart_timeout   float   20 s     so long omron_controller or the receiver may be away, or
-                                        this node, before the route fails
+    ~corridor_width    float   0.9 m    the route fails at more than half of this distance from it
+    ~stall_timeout     float   30 s     the route fails after this time without progress
+    ~location_timeout  float   5 s      the route fails after this time without a location
+    ~link_timeout      float   2 s      the route fails after this time without a link to the robot
+    ~restart_timeout   float   20 s     the route fails if omron_controller, the receiver or this
+                                        node is gone for longer
     ~top_speed         float   1.35 m/s
     ~acceleration      float   0.5 m/s2
     ~braking           float   0.2 m/s2, deceleration towards a goal
-    ~launch_id         string  (empty)  of the launch: a route of another one, that a person has
-                                        ended, is not gone on with
-    ~route_file        string  (empty)  keeps the route over a restart of the whole computer; a
-                                        relative path begins in ROS_HOME
-Uses ~route_record, a parameter of its own, to go on with a route after a restart.
+    ~launch_id         string  (empty)  id of the launch: a route of another launch, which a person
+                                        has ended, is not continued
+    ~route_file        string  (empty)  file that keeps the route over a restart of the whole
+                                        computer; a relative path begins in ROS_HOME
+Uses its private parameter ~route_record to continue a route after a restart.
 """
 from __future__ import annotations
 
@@ -74,9 +74,9 @@ from trajectory_graph import Graph
 from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal, RouteReport
 
-TICK = 0.1          # s between two looks at the clock, and two reports while a route runs
+TICK = 0.1          # s between two steps of the follower, and two reports while a route runs
 IDLE_PERIOD = 1.0   # s between two reports without a route
-QUEUE_SIZE = 1000   # events; beyond that the topics wait, and drop what is oldest
+QUEUE_SIZE = 1000   # events; if the queue is full, the topics wait and drop their oldest messages
 
 Diagnosis = Tuple[bytes, str, Dict[str, str]]  # level, summary and values
 
@@ -84,8 +84,8 @@ Diagnosis = Tuple[bytes, str, Dict[str, str]]  # level, summary and values
 class EdgesToVertices:
     """The node: see the module's text.
 
-    One thread has the follower and calls rospy and actionlib; callbacks only queue events for it.
-    So nothing is ever done while a lock is held.
+    One thread owns the follower and calls rospy and actionlib. Callbacks only queue events for it.
+    So no lock is held during any of this work.
     """
 
     def __init__(self) -> None:
@@ -131,8 +131,7 @@ class EdgesToVertices:
     # --- callbacks -------------------------------------------------------------------------------
 
     def _tell(self, event: p.Event) -> None:
-        """Queues an event from a topic; waits while very many wait, so that the topic drops some.
-        """
+        """Queues an event from a topic; waits while the queue is full, so the topic drops some."""
         self._loop.put_if_room(
             lambda: self._act(self._follower.handle(event, self._clock.read())), QUEUE_SIZE,
             lambda: rospy.logwarn_throttle(10.0, '%s cannot keep up with its topics.',
@@ -159,10 +158,10 @@ class EdgesToVertices:
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._loop.put(lambda: self._act(self._follower.use_graph(graph, self._clock.read())))
-        rospy.loginfo('Another graph has come on /graph: %d vertices, %d edges.',
+        rospy.loginfo('A new graph has arrived on /graph: %d vertices, %d edges.',
                       len(graph.vertices), len(graph.edges))
 
-    # --- the thread that has the follower --------------------------------------------------------
+    # --- the thread that owns the follower -------------------------------------------------------
 
     def _tick(self) -> None:
         now = self._clock.read()
@@ -201,7 +200,7 @@ class EdgesToVertices:
 
 
 def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
-    """Of the diagnostic `route`."""
+    """The content of the diagnostic `route`."""
     report, route, duty = follower.report(), follower.route, follower.robot.stop_duty
     unknown = follower.robot.why_unknown(now)
     if duty.owed and duty.problem:

@@ -1,12 +1,15 @@
-"""Clicks in RViz drive the robot: to the goal or dock that was meant, on the map that is shown.
+"""Lets clicks in RViz drive the robot to a goal or dock of the displayed map.
 
-A click of the Publish Point tool means the nearest goal or dock within `~click_tolerance`; the
-handles of `interactive_goals` mean their own. Both go by the map that `map_visualisation` says it
-displays, never by another. A robot in `/fleet_state` is managed: a click on a goal that is a vertex
-sends it a mission, any other is refused; one that was left to a person (`fleet out`, taken over,
-failed, off the graph) is driven directly. While a fleet drives a route, only stop is taken. With
-`~allow_takeover` all clicks drive the robot: a route ends as `taken over`. A command is given once,
-and not again while the robot obeys it; what becomes of it is told where the person looks.
+- A click with the Publish Point tool selects the nearest goal or dock within `~click_tolerance`; a
+  handle of `interactive_goals` selects its own.
+- Both use the map that `map_visualisation` reports as displayed, never another one.
+- A robot in `/fleet_state` is managed: a click on a goal that is a vertex sends it a mission, any
+  other click is refused.
+- A managed robot that waits for a person (`fleet out`, taken over, failed, off the graph) is driven
+  directly.
+- While a fleet drives a route, only stop is accepted.
+- With `~allow_takeover` all clicks drive the robot: a route then ends as `taken over`.
+- A command is given once, and not again while the robot obeys it. Its result is shown in RViz.
 
 Subscribes
     clicked_point (geometry_msgs/PointStamped), in any frame that TF knows
@@ -18,16 +21,16 @@ Subscribes
     interactive_goals/feedback (visualization_msgs/InteractiveMarkerFeedback)
 Client of
     execute_command (omron_ld90_msgs/ExecuteCommand)
-    /get_mission_status (itrci_nav_msgs/GetMissionStatus), about missions without news for long
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus), for missions without recent news
 Publishes
     /mission_request (itrci_nav_msgs/MissionRequest)
-    user_feedback (std_msgs/String): what happened, in a sentence
+    user_feedback (std_msgs/String): a sentence about what happened
     feedback_markers (visualization_msgs/MarkerArray): the same as text in RViz
     interactive_goals/update, update_full (visualization_msgs/InteractiveMarker...)
 Parameters
-    ~click_tolerance  float   0.5 m  a click farther than this from every goal and dock is a miss
-    ~allow_takeover   bool    false  true: a click drives a managed robot, too
-    ~handle_size      float   0.7 m  across the handles on goals; one of its own for each robot
+    ~click_tolerance  float   0.5 m  a click farther than this from all goals and docks does nothing
+    ~allow_takeover   bool    false  true: a click also drives a managed robot
+    ~handle_size      float   0.7 m  diameter of the handles on goals; different for each robot
     ~map_frame        string  map
     ~base_frame       string  <namespace>/base_link
 """
@@ -69,16 +72,16 @@ from omron_map import MapDocument
 TRANSFORM_TIMEOUT = rospy.Duration(0.3)
 CHECK_PERIOD = rospy.Duration(0.5)
 
-# What each entry of the menus makes the robot do, as far as it is the same everywhere.
+# The commands of those menu entries that have the same command everywhere.
 COMMANDS = {Action.DOCK: 'dock', Action.UNDOCK: 'undock', Action.STOP: 'stop'}
 
-# What a person is told of the end of a command; without words of the robot they are the command.
+# The messages for the end of a command; if the robot gave no words, {words} is the command.
 ENDINGS: Dict[int, Tuple[Severity, str]] = {
     ExecuteCommandResult.SUCCEEDED: (Severity.GOOD, '{words}'),
     ExecuteCommandResult.FAILED: (Severity.BAD, '{command} failed: {words}'),
     ExecuteCommandResult.INTERRUPTED: (Severity.INFO, '{command} was interrupted: {words}'),
     ExecuteCommandResult.LOST: (Severity.BAD, '{command} was lost: {words}'),
-    ExecuteCommandResult.TIMED_OUT: (Severity.BAD, '{command} was given up: {words}'),
+    ExecuteCommandResult.TIMED_OUT: (Severity.BAD, '{command} timed out: {words}'),
     ExecuteCommandResult.REFUSED: (Severity.BAD, '{command} refused: {words}'),
     ExecuteCommandResult.CANCELLED: (Severity.INFO, '{command} was cancelled'),
     ExecuteCommandResult.EMERGENCY_STOPPED: (Severity.BAD, '{command}: emergency stop'),
@@ -88,7 +91,7 @@ ENDINGS: Dict[int, Tuple[Severity, str]] = {
 
 
 class Given(NamedTuple):
-    """A command that was given, and where to tell what becomes of it (m, in the map)."""
+    """A command that was given, and the place (m, in the map) at which its result is shown."""
 
     command: str
     place: Optional[Tuple[float, float]]
@@ -104,7 +107,7 @@ class GoalSender:
 
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
-        self._given: Dict[int, Given] = {}  # by number, until it has ended
+        self._given: Dict[int, Given] = {}  # commands under way, by number
         self._count = 0
         self._heading: Optional[float] = None  # degrees
 
@@ -134,7 +137,7 @@ class GoalSender:
         self._asking.shutdown()
         self._commands.close()
 
-    # What is known of the map, the fleet and the robot
+    # The state of the map, the fleet and the robot
 
     def _on_map(self, document: Optional[MapDocument], path: str) -> None:
         with self._lock:
@@ -153,7 +156,7 @@ class GoalSender:
             with self._lock:
                 self._handles.show_robot(message.state == LinkState.CONNECTED)
 
-    # What the person wants
+    # What the person requests
 
     def _on_click(self, message: PointStamped) -> None:
         point = self._in_map(message)
@@ -211,7 +214,7 @@ class GoalSender:
         self._drive(f'localizeToPoint {millimetres(target.x)} {millimetres(target.y)} '
                     f'{round(heading)}', target)
 
-    # What is done about it
+    # Commands
 
     def _drive_to(self, target: Target) -> None:
         try:
@@ -238,10 +241,10 @@ class GoalSender:
         self._feedback.say(Severity.INFO, f'{command} ...', _place(target))
         self._commands.give(self._count, command)
 
-    # What became of it
+    # Results
 
     def _on_line(self, number: int, line: str) -> None:
-        """The robot says that it sets out."""
+        """Shows the robot's line when it sets out."""
         with self._lock:
             given = self._given.get(number)
             if given and isinstance(parse_line(line), (driving.GoingTo, driving.GoingToPoint)):
@@ -259,13 +262,13 @@ class GoalSender:
             self._feedback.say(notice.severity, notice.text, _place(target))
 
     def _on_refused(self, message: CommandRefused) -> None:
-        """The controller refused what was sent by topic; it has logged that already."""
+        """Shows a refusal of the controller, which has already logged it."""
         self._feedback.show(Notice(
             Severity.BAD, f'{message.command} refused: {message.reason}'))
 
 
 def _is_vertex(target: Target, command: str) -> bool:
-    """Does a command mean to go to a vertex of the graph?"""
+    """Whether a command drives the robot to a vertex of the graph."""
     return target.name.isdigit() and command.split()[0] in ('goto', 'dock')
 
 
@@ -274,5 +277,5 @@ def _place(target: Optional[Target]) -> Optional[Tuple[float, float]]:
 
 
 def main() -> None:
-    """Run the node."""
+    """Runs the node."""
     run('goal_sender', GoalSender)

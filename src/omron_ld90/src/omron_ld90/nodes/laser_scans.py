@@ -1,4 +1,4 @@
-"""Makes sensor_msgs/LaserScan out of the receiver's laser cloud, a part of robot_state_publisher.
+"""Makes sensor_msgs/LaserScan from the receiver's laser cloud; a part of robot_state_publisher.
 
 Subscribes
     laser_cloud (sensor_msgs/PointCloud2), in the map's frame
@@ -21,11 +21,11 @@ from omron_ld90 import laser_scan, robot_model
 from omron_ld90.nodes.support.clouds import places_in
 
 MAX_SKEW = rospy.Duration(0.5)  # between a cloud and the location nearest in time
-REFUSALS_TOLD = 60.0  # s between two words about them
+REFUSALS_TOLD = 60.0  # s between two log lines about them
 
 
 class StampedPose(NamedTuple):
-    """Where the robot's base was in the map, and when."""
+    """The pose of the robot's base in the map, and its time."""
 
     stamp: rospy.Time
     pose: Pose
@@ -34,9 +34,9 @@ class StampedPose(NamedTuple):
 class LaserScans:
     """Publishes a scan for each cloud that has a location near enough in time.
 
-    A cloud waits for the first location that is not older than itself; of that one and the one
-    before, the nearer counts. The scan bears the location's stamp: so the transform of that time
-    puts every point back to where the robot said it was.
+    A cloud waits for the first location that is not older than the cloud. That location or the one
+    before is used, whichever is nearer in time. The scan has the stamp of the location, so the
+    transform of that time puts every point where the robot reported it.
     """
 
     def __init__(self, map_frame: str, base_frame: str, laser_frame: str,
@@ -57,7 +57,7 @@ class LaserScans:
                 self._waiting = cloud
 
     def on_location(self, stamp: rospy.Time, pose: Pose) -> None:
-        """The robot's base was at `pose` in the map."""
+        """Takes the `pose` of the robot's base in the map at the time `stamp`."""
         with self._lock:
             before, self._last = self._last, StampedPose(stamp, pose)
             cloud = self._waiting
@@ -98,7 +98,7 @@ def nearest_in_time(stamp: rospy.Time, *candidates: Optional[StampedPose]
 
 
 def scan_of(ranges: list, stamp: rospy.Time, frame: str) -> LaserScan:
-    """The message for ranges from right to left, infinite where nothing was hit (REP 117)."""
+    """The message for ranges from right to left; infinite without a hit (REP 117)."""
     message = LaserScan(
         angle_min=laser_scan.FIRST_ANGLE, angle_increment=laser_scan.INCREMENT,
         angle_max=laser_scan.FIRST_ANGLE + (len(ranges) - 1) * laser_scan.INCREMENT,

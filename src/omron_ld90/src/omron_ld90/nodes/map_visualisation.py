@@ -1,12 +1,12 @@
 """Shows a `.map` file: markers for RViz and an occupancy grid for navigation software.
 
-The file is loaded again when it has changed and settled. A bad new file leaves the old map up:
-/diagnostics and the log say why.
+The file is loaded again when it has changed and is complete. If a new file is bad, the old map
+stays on display, and /diagnostics and the log give the reason.
 
-Topics out, all latched but for `laser_markers`, all in the frame `~frame_id`:
-  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData): cells of the map's own pitch,
-      or a multiple of it where there would be more than 100 million
-  map_file (std_msgs/String): path of the displayed file, told again whenever it was (re)loaded
+Topics out, all latched except `laser_markers`, all in the frame `~frame_id`:
+  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData): cells with the map's own pitch,
+      or a multiple of it if there would be more than 100 million cells
+  map_file (std_msgs/String): path of the displayed file, published again after each (re)load
   map_markers/points, lines, goals, docks (visualization_msgs/Marker)
   map_markers/goal_names, goal_headings, forbidden_areas, sectors (visualization_msgs/MarkerArray)
   laser_markers (visualization_msgs/Marker): in the frame of the cloud
@@ -18,13 +18,13 @@ Services:
   change_map (nav_msgs/LoadMap): shows another file; `map_url` is a path, file:// or package:// URL
 Parameters:
   ~map_file: `.map` file to show (required)
-  ~base_map (''), ~graph_file (''): when base_map is set, the map is first waited for until it is at
+  ~base_map (''), ~graph_file (''): if base_map is set, the node first waits until the map is at
       least as new as both
   ~frame_id (map)
-  ~background (unknown): unknown or free, what cells without a point are
+  ~background (unknown): value of cells without a point: unknown or free
   ~areas_in_grid (false): whether forbidden areas and lines are occupied in the grid
-  ~default_resolution (0.05 m): cell size for maps that give none
-  ~laser_lifetime (2.0 s): how long a laser reading is shown
+  ~default_resolution (0.05 m): cell size for maps that specify none
+  ~laser_lifetime (2.0 s): time for which a laser reading is shown
 """
 from __future__ import annotations
 
@@ -66,9 +66,9 @@ from omron_map import (
     OccupancyGrid as Grid,
 )
 
-POLL_PERIOD = 0.5  # s, between two looks at the file
+POLL_PERIOD = 0.5  # s between two checks of the file
 MAX_WARNINGS = 10  # in the log, about one file
-REFUSALS_TOLD = 60.0  # s between two words about them
+REFUSALS_TOLD = 60.0  # s between two log lines about them
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 MARKERS = {
     'map_markers/points': map_markers.points,
@@ -86,7 +86,7 @@ MARKER_ARRAYS = {
 
 @dataclass(frozen=True)
 class Settings:
-    """How the map is shown; lengths in metres, times in seconds."""
+    """The settings of the display; lengths in m, times in s."""
 
     frame_id: str
     background: int
@@ -97,7 +97,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class ShownMap:
-    """The map on display: its grid, and what is said of it."""
+    """The map on display: its grid, and its facts for the log and /diagnostics."""
 
     grid: GridMessage
     facts: Mapping[str, object]
@@ -106,9 +106,9 @@ class ShownMap:
 class MapVisualisation:
     """The displayed map, its topics and services.
 
-    A caller that asks for the displayed map gets it at once: it is replaced as a whole, and no lock
-    is held for it. `_loading` is held while a map is loaded and shown, so that of two maps the
-    later one stays.
+    A request for the displayed map is answered at once: the map is replaced as a whole, so no lock
+    is needed. `_loading` is held while a map is loaded and shown, so that the later one of two maps
+    stays.
     """
 
     def __init__(self, settings: Settings, path: str, made_from: Tuple[str, ...] = ()) -> None:
@@ -134,12 +134,12 @@ class MapVisualisation:
         publish_diagnostics('none', {'map': self._diagnose})
 
     def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
-        """Show the first map, then each new one; a map that cannot be shown is waited for."""
+        """Shows the first map, then each new one; waits for a map that cannot be shown yet."""
         try:
             if made_from:
                 self._wait_for(path, made_from)
             with self._loading:
-                if self._watcher is None:  # else change_map was faster
+                if self._watcher is None:  # else change_map came first
                     self._watcher = MapWatcher(path)
                     if not self._watcher.unfinished:
                         self._try_to_show(path)
@@ -149,7 +149,7 @@ class MapVisualisation:
                     if self._watcher.changed():
                         self._try_to_show(self._watcher.path)
         except rospy.ROSException:
-            if not rospy.is_shutdown():  # else topics were closed while they were published on
+            if not rospy.is_shutdown():  # else the topics were closed during publishing
                 raise
 
     def _wait_for(self, path: str, made_from: Tuple[str, ...]) -> None:
@@ -167,11 +167,11 @@ class MapVisualisation:
     def _report(self, error: MapError) -> None:
         self._problem = str(error)
         if not rospy.is_shutdown():
-            shown = 'The old map stays up' if self._shown else 'No map is shown'
-            rospy.logerr('%s until the file is mended: %s', shown, error)
+            shown = 'The old map stays on display' if self._shown else 'No map is shown'
+            rospy.logerr('%s until the file is corrected: %s', shown, error)
 
     def _show(self, path: str) -> ShownMap:
-        """Load `path` and publish everything, or raise MapError and publish nothing."""
+        """Loads `path` and publishes everything, or raises MapError and publishes nothing."""
         document = MapDocument.load(path)
         frame_id, file = self._settings.frame_id, os.path.abspath(path)
         shown = ShownMap(self._grid_of(document), {
@@ -223,7 +223,7 @@ class MapVisualisation:
             try:
                 shown = self._show(path)
             except MapError as error:
-                rospy.logerr('change_map: the old map stays up: %s', error)
+                rospy.logerr('change_map: the old map stays on display: %s', error)
                 return LoadMapResponse(
                     result=LoadMapResponse.RESULT_INVALID_MAP_DATA if os.path.exists(path)
                     else LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
@@ -262,7 +262,7 @@ def _log_warnings(document: MapDocument, file: str) -> None:
 
 
 def _path(url: str) -> str:
-    """The path of a file that is given as such or as a file:// or package:// URL."""
+    """The path of a file that is given as a path or as a file:// or package:// URL."""
     parts = urlparse(url)
     if parts.scheme == 'package':
         package = rospkg.RosPack().get_path(parts.netloc)
@@ -285,5 +285,5 @@ def _start() -> MapVisualisation:
 
 
 def main() -> None:
-    """Run the node."""
+    """Runs the node."""
     run('map_visualisation', _start)

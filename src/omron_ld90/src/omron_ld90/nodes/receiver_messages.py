@@ -1,4 +1,4 @@
-"""What the receiver publishes, from replies: SI units and REP 103 from here on."""
+"""Makes the receiver's messages from replies, in SI units and by REP 103."""
 from __future__ import annotations
 
 import math
@@ -28,9 +28,9 @@ _CHARGING = {
 
 def robot_status(status: OneLineStatus, activity: Activity, docking: Optional[DockingStatus],
                  stamp: rospy.Time, frame: str) -> RobotStatus:
-    """The typed status; `activity` is what its text says, `docking` the last word on docking.
+    """The typed status; `activity` is read from its text, `docking` is the last docking state.
 
-    `stamp` is when the location came.
+    `stamp`: when the location came.
     """
     message = RobotStatus(
         status=_text(status.status), activity=ACTIVITIES[activity.kind],
@@ -58,7 +58,7 @@ def robot_status(status: OneLineStatus, activity: Activity, docking: Optional[Do
 
 def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
                   stamp: rospy.Time) -> BatteryState:
-    """The battery; what the robot does not measure is NaN."""
+    """The battery state; values that the robot does not measure are NaN."""
     message = BatteryState(
         percentage=_share(status), voltage=_voltage(status), current=math.nan, charge=math.nan,
         capacity=math.nan, design_capacity=math.nan, present=True,
@@ -71,7 +71,7 @@ def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
 
 def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
                 height: float) -> PointCloud2:
-    """The points of a scan in the map frame; `height` is the laser's above the floor, m."""
+    """The points of a scan in the map frame; `height`: of the laser above the floor, m."""
     points = np.empty((len(reading.points), 3), '<f4')
     points[:, :2] = reading.points / MM_PER_M
     points[:, 2] = height
@@ -84,7 +84,7 @@ def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
 
 
 def _text(text: str) -> str:
-    """A robot's words, without what a terminal would take for commands."""
+    """A text of the robot without characters that a terminal would take for commands."""
     return printable(text, _LONGEST_TEXT)
 
 

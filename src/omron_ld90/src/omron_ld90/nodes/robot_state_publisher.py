@@ -1,26 +1,28 @@
-"""Where the robot is and how it moves, as ROS wants it: once for each location received.
+"""Publishes the robot's pose and motion in the form of ROS, once for each received location.
 
-The LD-90 localizes itself on its own map and sends a location some two to ten times a second. There
-is no odometry with a fixed rate to fill the time between, so the transform goes from `map` straight
-to the robot's base (REP 105 puts `odom` between the two for continuous odometry, which ARCL has
-not). A user with another odometry sets `~odom_frame`: then `map` -> odom is published such
-that the robot is where it says it is. The name `robot_state_publisher` is this workspace's
-contract; the frames of the body come from the standard node of that name, run as
-`body_state_publisher`.
+The LD-90 localizes itself on its own map and sends a location two to ten times a second. There is
+no odometry with a fixed rate for the time between. So the transform goes from `map` directly to the
+robot's base. (REP 105 puts `odom` between the two for continuous odometry, which ARCL does not
+have.) A user with another odometry sets `~odom_frame`: then `map` -> odom is published such that
+the robot is at its reported location. The name `robot_state_publisher` is a part of this
+workspace's interface. The frames of the body come from the standard node of that name, which runs
+as `body_state_publisher`.
 
-Nothing is extrapolated or repeated: a location that is older than `~max_age` or was seen before is
-not published, a stamp from the future is set back to now, and a place where no robot can be (NaN,
-or beyond every map) is left out with a warning.
+Nothing is extrapolated or repeated:
+- A location that is older than `~max_age`, or was received before, is not published.
+- A stamp from the future is set back to now.
+- A position where no robot can be (NaN, or beyond every map) is ignored with a warning.
 
-`odom` is for software that knows nothing else than nav_msgs/Odometry. Its pose is the location, so
-that its frame is `map` and not REP 105's `odom`: it is true in the long run, and jumps when the
-robot is relocalised. Its twist, in the base frame, is the mean since the location before; there is
-no message where the robot cannot have driven from there, or after more than 2 s. The covariances
-grow with the time between locations.
+`odom` is for software that only accepts nav_msgs/Odometry. Its pose is the location, so its frame
+is `map` and not REP 105's `odom`: the pose does not drift, and jumps when the robot is relocalized.
+Its twist, in the base frame, is the mean since the location before. There is no message if the
+robot cannot have driven from there, or after more than 2 s. The covariances grow with the time
+between locations.
 
-`scan`, off by default, is for software that knows nothing else than sensor_msgs/LaserScan. It is
-made of `laser_cloud`, and so of what the robot's own localisation has put into the map: what a real
-scan is for, it cannot be. See docs/reference/robot_state_publisher.md.
+`scan`, off by default, is for software that only accepts sensor_msgs/LaserScan. It is made from
+`laser_cloud`, whose points the robot's own localization has already put into the map. So it cannot
+serve the purposes of a real scan, such as localization. See
+docs/reference/robot_state_publisher.md.
 
 Subscribes
     robot_status (omron_ld90_msgs/RobotStatus)
@@ -30,14 +32,14 @@ Publishes
     odom (nav_msgs/Odometry): pose in `~map_frame`, twist in `~base_frame`
     scan (sensor_msgs/LaserScan), in `~laser_frame`, with ~laser_scan
     /tf: `~map_frame` -> `~base_frame`, or `~map_frame` -> `~odom_frame`
-    /diagnostics: whether locations come
+    /diagnostics: whether locations arrive
 Parameters
     ~map_frame    string  map
     ~base_frame   string  <namespace>/base_link
     ~odom_frame   string  (empty)  frame of an odometry that publishes ~odom_frame -> ~base_frame
     ~max_age      float   1.0 s    a location older than this is not published
     ~laser_scan   bool    false    true: publish `scan`
-    ~laser_frame  string  <namespace>/laser_link, whose place on the robot TF tells (the URDF)
+    ~laser_frame  string  <namespace>/laser_link; TF has its place on the robot (the URDF)
 """
 from __future__ import annotations
 
@@ -59,23 +61,23 @@ from omron_ld90.odometry import Location, Motion, Odometer
 from omron_ld90_msgs.msg import RobotStatus
 
 SILENCE = 3.0  # s without a location before /diagnostics warns; the robot sends two a second
-REFUSALS_TOLD = 10.0  # s between two words about them
-UNUSED_AXES = 1e-6  # variance of what a robot on a floor cannot do
+REFUSALS_TOLD = 10.0  # s between two log lines about them
+UNUSED_AXES = 1e-6  # variance of motions that a robot on a floor cannot make
 
 
 class LocationFilter:
-    """Lets each location through once, with the stamp it may be published under."""
+    """Accepts each location once, and gives it the stamp for publishing."""
 
     def __init__(self, max_age: rospy.Duration) -> None:
         self._max_age = max_age
         self._last = rospy.Time(0)
 
     def stamp_for(self, received: rospy.Time, now: rospy.Time) -> Optional[rospy.Time]:
-        """The stamp for a location received at `received`, or None if it must not go out.
+        """The stamp for a location received at `received`; None if it must not be published.
 
-        A location is refused when it is too old, or not newer than the one before. When `now` is
-        earlier than the last stamp by more than the greatest age, the clock was set back: what was
-        published before that no longer counts.
+        A location is refused if it is too old, or not newer than the one before. If `now` is
+        earlier than the last stamp by more than the greatest age, the clock was set back, and the
+        last stamp does not count any more.
         """
         if now + self._max_age < self._last:
             self._last = rospy.Time(0)
@@ -94,7 +96,7 @@ class RobotStatePublisher:
         self._base_frame = shared_parameters.base_frame()
         self._odom_frame = parameter('~odom_frame', '')
         self._filter = LocationFilter(rospy.Duration(number('~max_age', 1.0, 0.05, 60.0)))
-        self._last: Optional[float] = None  # by the clock that no person sets
+        self._last: Optional[float] = None  # time of the last location, s, monotonic
 
         self._pose = rospy.Publisher('pose', PoseStamped, queue_size=10, tcp_nodelay=True)
         self._transforms = tf2_ros.TransformBroadcaster()
@@ -177,7 +179,7 @@ class RobotStatePublisher:
 
 def odometry_of(motion: Motion, pose: Pose, stamp: rospy.Time, map_frame: str,
                 base_frame: str) -> Odometry:
-    """The motion at a location as a message; variances of x, y, z and of the turns about them."""
+    """The motion at a location as a message; with variances of the position and of the turns."""
     message = Odometry(child_frame_id=base_frame)
     message.header.stamp = stamp
     message.header.frame_id = map_frame
@@ -198,5 +200,5 @@ def _diagonal(x: float, y: float, yaw: float) -> List[float]:
 
 
 def main() -> None:
-    """Run the node."""
+    """Runs the node."""
     run('robot_state_publisher', RobotStatePublisher)

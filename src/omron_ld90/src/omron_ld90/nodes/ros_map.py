@@ -1,8 +1,8 @@
 """`omron_ros_map`: makes a `.map` file from a trajectory graph and a base map, once.
 
-With options it is a command line tool that needs no ROS master (`--help` lists them); started by
-roslaunch it reads the same as private parameters, converts, and ends: status 0 when the map is
-written, 1 when it could not be made.
+With options it is a command line tool that needs no ROS master (`--help` lists them). If roslaunch
+starts it, it reads the same options as private parameters, converts, and ends. Exit status: 0 if
+the map is written, 1 if it could not be made.
 
 Parameters
     ~graph (str): file of the trajectory graph (YAML)
@@ -11,11 +11,11 @@ Parameters
     ~dock_vertex (int, none): vertex at which the robot docks
     ~dock_heading (float, from the graph): heading in degrees that faces the station
     ~existing_goals (str, replace): replace | keep | drop, for goals of the base map
-    ~fences (str, areas): areas | lines | none, what keeps the robot in the corridors
+    ~fences (str, areas): areas | lines | none; what keeps the robot in the corridors
     ~corridor_width (float, 0.9): m
     ~edge_width (str, ""): widths of single edges in m, like `3=1.2,7=0.8`
     ~turning_margin (float, 0.05): m, free floor around the turning robot
-    ~draw (str, ""): PNG file to draw the result into; empty: none
+    ~draw (str, ""): PNG file into which the result is drawn; empty: none
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from omron_ld90.converter.fences import Fences
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
-    """Run as a command or, when roslaunch or rosrun gave names or parameters, as a node."""
+    """Runs as a command, or as a node if roslaunch or rosrun passed names or parameters."""
     arguments = sys.argv[1:] if arguments is None else arguments
     options = [argument for argument in arguments if ':=' not in argument]
     as_node = len(options) < len(arguments) and not options

@@ -1,8 +1,8 @@
-"""Shows what the robot and the fleet are about: graph, route, destination, driven path, status.
+"""Shows the state of the robot and the fleet: graph, route, destination, driven path, status.
 
-It only looks: it sends no command, so it may be stopped or changed at any time, unlike
-`goal_sender`, whose clicks move the robot, and `map_visualisation`, which knows no robot. That is
-why it is a node of its own.
+The node sends no command, so it may be stopped or changed at any time. In this it differs from
+`goal_sender`, whose clicks move the robot. It differs from `map_visualisation` in that it shows a
+robot. So it is a separate node.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched): replaces the graph of ~graph_file
@@ -15,13 +15,13 @@ Publishes
     graph_markers (visualization_msgs/MarkerArray, latched, complete): the trajectory graph
     route_markers (visualization_msgs/MarkerArray, latched, complete): the route, by state
     status_markers (visualization_msgs/MarkerArray): body, arrow, destination, banner; short-lived
-    driven_path (nav_msgs/Path, latched): where the robot drove
+    driven_path (nav_msgs/Path, latched): the path that the robot drove
 Parameters
     robot_description  (URDF of the body, in the robot's namespace; without it no body is shown)
     ~graph_file   string  (empty)  trajectory graph (YAML); empty: none is shown until a /graph
     ~dock_vertex  int     0        id of the graph's dock vertex; 0: none
     ~map_frame    string  map
-    ~silence      float   3.0 s    without a status for so long, the robot counts as lost
+    ~silence      float   3.0 s    time without a status after which the robot counts as lost
     ~path_length  int     400      poses kept of the driven path, at least ~path_step apart
     ~path_step    float   0.1 m
     ~status_row   int     0        line above the map for this robot's banner; one for each robot
@@ -58,7 +58,7 @@ from trajectory_graph import Graph
 
 ROW_HEIGHT = 0.8  # m
 LINKS = (LinkState.COMMANDS, LinkState.OUTGOING)
-REFUSALS_TOLD = 60.0  # s between two words about them
+REFUSALS_TOLD = 60.0  # s between two log lines about them
 
 
 class RouteVisualisation:
@@ -120,7 +120,7 @@ class RouteVisualisation:
         with self._lock:
             self._targets = targets
             self._show_graph()
-            if path != self._map_file:  # another map: the path was not driven on it
+            if path != self._map_file:  # another map: the old path does not belong to it
                 self._map_file = path
                 self._path.clear()
                 self._publish_path.publish(self._path.message)
@@ -198,7 +198,7 @@ class RouteVisualisation:
 
 def destination(status: RobotStatus, targets: List[Target], point: Optional[drawing.XY]
                 ) -> Optional[drawing.XY]:
-    """Where the robot is going (m), as far as that is known; `point` is the last one ordered."""
+    """The robot's destination (m), if it is known; `point` is the last one ordered."""
     target = None
     if status.activity == RobotStatus.GOING_TO_POINT:
         return point
@@ -219,5 +219,5 @@ def _body_of(urdf: str) -> List[Marker]:
 
 
 def main() -> None:
-    """Run the node."""
+    """Runs the node."""
     run('route_visualisation', RouteVisualisation)

@@ -2,11 +2,11 @@
 
     rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]
 
-Where the map fits the view of the configuration, and its window the screen, RViz gets that file as
-it is; else a copy in which the view's scale and middle, and the window's size, are changed. A view
-that is not from above is left alone, and so is one that cannot be read: that is said. Where a
-program draws instead of a graphics card, RViz is told to leave out anti-aliasing, which then costs
-more than all the rest. No ROS node: it becomes RViz.
+If the map fits the view of the configuration, and its window fits the screen, RViz gets that file
+unchanged. Otherwise it gets a copy with another scale and centre of the view, and another size of
+the window. A view that is not from above is not changed, nor is one that cannot be read; the
+latter is reported. On a computer that draws without a graphics card, anti-aliasing is turned off,
+because it would then cost more than all the rest. This program is no ROS node: it becomes RViz.
 """
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from omron_map import MapDocument, MapError, bounds_of
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 FRAME = (32, 92)  # pixels of the window around the view: bars and tools
-DESKTOP = 60  # pixels that a title and the desktop's bars take of a screen that is smaller
+DESKTOP = 60  # pixels that a title and the desktop's bars need on a screen that is too small
 BANNER = 1.2  # m above the map for the robot's banner
-BORDER = 0.5  # m around it all
+BORDER = 0.5  # m around all of it
 FROM_ABOVE = 'rviz/TopDownOrtho'
 
 
@@ -42,7 +42,7 @@ FULL = Size(WIDTH, HEIGHT)
 
 
 class View(NamedTuple):
-    """What is seen from above: pixels per metre, and the place (m) in the middle."""
+    """A view from above: pixels per metre, and the position (m) in the centre."""
 
     scale: float
     x: float
@@ -50,13 +50,13 @@ class View(NamedTuple):
 
     @classmethod
     def on(cls, west: float, south: float, east: float, north: float, size: Size = FULL) -> View:
-        """The view that shows this rectangle (m) as large as it can be."""
+        """The view that shows this rectangle (m) as large as possible."""
         scale = min(size.width / (east - west), size.height / (north - south))
         return cls(scale, (west + east) / 2, (south + north) / 2)
 
     def shows(self, west: float, south: float, east: float, north: float,
               size: Size = FULL) -> bool:
-        """Is the whole rectangle (m) in view?"""
+        """Whether the whole rectangle (m) is in view."""
         half_width, half_height = size.width / self.scale / 2, size.height / self.scale / 2
         return (west >= self.x - half_width and east <= self.x + half_width
                 and south >= self.y - half_height and north <= self.y + half_height)
@@ -67,10 +67,10 @@ class ConfigurationError(Exception):
 
 
 class Configuration:
-    """An RViz configuration: what its view from above shows, and how large its window is."""
+    """An RViz configuration: its view from above, and the size of its window."""
 
     def __init__(self, text: str) -> None:
-        """Raises ConfigurationError for a text that is no configuration with a view."""
+        """Raises ConfigurationError if the text is no configuration with a view."""
         try:
             self._root = yaml.safe_load(text)
             self._view: Dict[str, Any] = self._root['Visualization Manager']['Views']['Current']
@@ -82,7 +82,7 @@ class Configuration:
 
     @property
     def view(self) -> View:
-        """The view from above; raises ConfigurationError where one of its numbers is none."""
+        """The view from above; raises ConfigurationError if one of its values is no number."""
         try:
             view = View(*(float(self._view[name]) for name in ('Scale', 'X', 'Y')))
         except (KeyError, TypeError, ValueError):
@@ -96,7 +96,7 @@ class Configuration:
         self._view.update(zip(('Scale', 'X', 'Y'), (round(value, 3) for value in view)))
 
     def fit_window(self, size: Size) -> bool:
-        """Make the window no larger than a view of that size needs; whether it was larger."""
+        """Shrinks the window to what a view of that size needs; returns whether it was larger."""
         window = self._root.get('Window Geometry')
         narrow = {name: pixels + frame for name, pixels, full, frame
                   in zip(('Width', 'Height'), size, FULL, FRAME) if pixels < full}
@@ -105,12 +105,12 @@ class Configuration:
         return bool(narrow)
 
     def text(self) -> str:
-        """The configuration as RViz reads it."""
+        """The configuration in the format of RViz."""
         return yaml.safe_dump(self._root, sort_keys=False, allow_unicode=True, width=math.inf)
 
 
 def view_size(screen: Size) -> Size:
-    """The size of the 3D view where the configuration's window is made to fit the screen."""
+    """The size of the 3D view when the configuration's window is fitted to the screen."""
     rest = Size(screen.width, screen.height - DESKTOP)
     return Size(*(size if size + frame <= whole else max(left - frame, 1)
                   for size, frame, whole, left in zip(FULL, FRAME, screen, rest)))
@@ -119,7 +119,7 @@ def view_size(screen: Size) -> Size:
 def configuration_for(document: MapDocument, text: str, size: Size = FULL) -> Optional[str]:
     """The RViz configuration `text` with a view of that size that shows all of the map.
 
-    None if it does so, or if its view is not from above. Raises ConfigurationError.
+    None if it already does so, or if its view is not from above. Raises ConfigurationError.
     """
     configuration = Configuration(text)
     bounds = bounds_of(document.points, document.lines)
@@ -136,17 +136,17 @@ def configuration_for(document: MapDocument, text: str, size: Size = FULL) -> Op
 
 
 def rendering_arguments() -> List[str]:
-    """The arguments that RViz needs to draw at a good pace on this computer."""
+    """The arguments that RViz needs to draw fast enough on this computer."""
     software = (os.environ.get('LIBGL_ALWAYS_SOFTWARE', '') not in ('', '0', 'false')
                 or not (glob.glob('/dev/dri/*') or glob.glob('/dev/nvidia[0-9]*')))
     return ['--disable-anti-aliasing'] if software else []
 
 
 def screen_size() -> Size:
-    """The screen's; ends the program with a sentence where there is none: Qt speaks in riddles.
+    """The size of the screen; without one, ends the program with a clear message, unlike Qt.
 
-    libX11 is asked because RViz opens the display with it, too: so this is RViz's own answer,
-    without one more package (python3-xlib reads XAUTHORITY in a way of its own).
+    libX11 is used because RViz also opens the display with it, so the answer is the same as RViz's.
+    It also saves a package (python3-xlib reads XAUTHORITY in its own way).
     """
     library = ctypes.CDLL('libX11.so.6')
     library.XOpenDisplay.restype = ctypes.c_void_p
@@ -162,9 +162,9 @@ def screen_size() -> Size:
 
 
 def fitted_copy(map_file: str, path: str, size: Size) -> str:
-    """A copy of the configuration `path` that shows all of the map, or `path` where none is needed.
+    """A copy of the configuration `path` that shows all of the map, or `path` if none is needed.
 
-    What keeps it from being fitted is said on standard error.
+    If the view cannot be fitted, standard error gets the reason.
     """
     try:
         with open(path, encoding='utf-8') as file:
@@ -172,7 +172,8 @@ def fitted_copy(map_file: str, path: str, size: Size) -> str:
     except (OSError, UnicodeDecodeError) as error:
         sys.exit(f'RViz is not opened: its configuration {path} cannot be read ({error}).')
     except ConfigurationError as error:
-        print(f'RViz opens as {path} says, not fitted to the map: {error}.', file=sys.stderr)
+        print(f'RViz opens with the view of {path}, not fitted to the map: {error}.',
+              file=sys.stderr)
         return path
     except MapError as error:
         print(f'RViz opens with the view of {path}: {error}', file=sys.stderr)
@@ -186,7 +187,7 @@ def fitted_copy(map_file: str, path: str, size: Size) -> str:
 
 
 def main() -> None:
-    """Become RViz."""
+    """Becomes RViz."""
     if len(sys.argv) < 3:
         sys.exit('usage: rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]')
     map_file, path, *arguments = sys.argv[1:]

@@ -1,1 +1,1 @@
-"""What a person at the screen means by a click, and what that person is told. No ROS."""
+"""The meaning of a person's clicks on the screen, and the messages to that person. No ROS."""

@@ -1,4 +1,4 @@
-"""What a click on the map means: which goal or dock it hits. Metres, in the map frame."""
+"""Finds the goal or dock that a click on the map hits. Metres, in the map frame."""
 from __future__ import annotations
 
 import enum
@@ -14,7 +14,7 @@ from omron_map import MapDocument
 
 
 class TargetKind(enum.Enum):
-    """What stands at a place the robot can be sent to by name."""
+    """The kind of a place to which the robot can be sent by name."""
 
     GOAL = 'goal'
     DOCK = 'dock'
@@ -22,9 +22,9 @@ class TargetKind(enum.Enum):
 
 @dataclass(frozen=True)
 class Target:
-    """A goal or dock of the map, in metres and degrees; `heading` is None where any will do.
+    """A goal or dock of the map, in m and degrees; `heading` is None if any heading will do.
 
-    `name` is what people read, in whichever encoding the map file has it.
+    `name` is the readable name, regardless of the encoding of the map file.
     """
 
     kind: TargetKind
@@ -35,9 +35,9 @@ class Target:
 
     @property
     def command(self) -> str:
-        """The ARCL command that brings the robot here; a dock is reached with `dock` only.
+        """The ARCL command that drives the robot here; for a dock it is `dock`, without a name.
 
-        Raises InvalidCommand for a name that no ARCL command can hold, e.g. one with a quote.
+        Raises InvalidCommand if no ARCL command can contain the name, e.g. one with a quote.
         """
         return 'dock' if self.kind is TargetKind.DOCK else f'goto {quote(self.name)}'
 
@@ -64,14 +64,14 @@ def target_named(name: str, targets: Iterable[Target]) -> Optional[Target]:
 
 
 def extent_in_x(document: MapDocument) -> Tuple[float, float]:
-    """The westernmost and easternmost x (m) of what the robot's laser saw; infinite without any."""
+    """The smallest and largest x (m) that the robot's laser saw; infinite if it saw nothing."""
     xs = np.concatenate([document.points[:, 0], document.lines[:, ::2].ravel()])
     return (metres(xs.min()), metres(xs.max())) if xs.size else (-math.inf, math.inf)
 
 
 @dataclass(frozen=True)
 class Click:
-    """The target nearest to a click, and whether the click was near enough to mean it."""
+    """The target nearest to a click, and whether the click was near enough to hit it."""
 
     target: Optional[Target]
     distance: float
@@ -79,7 +79,7 @@ class Click:
 
 
 def resolve_click(targets: Iterable[Target], x: float, y: float, tolerance: float) -> Click:
-    """The target that a click at (x, y) means: the nearest, if within `tolerance` (inclusive)."""
+    """The target that a click at (x, y) hits: the nearest, if within `tolerance` (inclusive)."""
     nearest = min(targets, key=lambda t: math.hypot(t.x - x, t.y - y), default=None)
     if nearest is None:
         return Click(None, math.inf, False)
@@ -88,7 +88,7 @@ def resolve_click(targets: Iterable[Target], x: float, y: float, tolerance: floa
 
 
 def explain_miss(click: Click, tolerance: float) -> str:
-    """Why a click did nothing, for people."""
+    """The reason why a click had no effect, for a person."""
     if click.target is None:
         return 'Nothing there: the map has no goal and no dock.'
     return (f'Nothing within {tolerance:.2f} m of the click: '

@@ -1,4 +1,4 @@
-"""What the person at the screen is told."""
+"""Messages to the person at the screen."""
 from __future__ import annotations
 
 import enum
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 class Severity(enum.Enum):
-    """How good a notice is."""
+    """Whether a notice is good news, bad news, or neither."""
 
     INFO = 'info'
     GOOD = 'good'
@@ -15,7 +15,7 @@ class Severity(enum.Enum):
 
 @dataclass(frozen=True)
 class Notice:
-    """A sentence for people."""
+    """A sentence for a person."""
 
     severity: Severity
     text: str

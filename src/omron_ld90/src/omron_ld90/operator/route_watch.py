@@ -1,6 +1,6 @@
-"""Which route the fleet is driving, and which one is to be seen, out of the messages about all.
+"""Finds, in the messages about all routes, the route that is driven and the route to display.
 
-No ROS here; times in seconds of a steady clock.
+No ROS here; times are in seconds of a steady clock.
 """
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class EdgeProgress(NamedTuple):
 
 
 class RouteWatch:
-    """Tells whether the fleet is driving the robot.
+    """Knows whether the fleet is driving the robot.
 
-    A running route is reported ten times a second, so one that was not heard of for `SILENCE`
-    is over: the bridge is gone, or its link to this computer is.
+    A running route is reported ten times a second. A route without a report for `SILENCE` is over:
+    the bridge has ended, or its link to this computer is broken.
     """
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class RouteWatch:
         self._heard = -math.inf
 
     def update(self, route_id: int, states: Sequence[int], now: float) -> bool:
-        """Take in the state of every edge of a route; False for the refusal of another route."""
+        """Takes the state of every edge of a route; False for the refusal of another route."""
         failed = any(state == EdgeState.FAILED for state in states)
         if not failed and any(state != EdgeState.COMPLETE for state in states):
             self._running, self._heard = route_id, now
@@ -48,7 +48,7 @@ class RouteWatch:
 
 
 class RouteView:
-    """The route on display: the one being driven, and for a while the one that just ended."""
+    """The route on display: the one being driven, or for a while the one that just ended."""
 
     def __init__(self) -> None:
         self.shown: Tuple[EdgeProgress, ...] = ()
@@ -57,7 +57,7 @@ class RouteView:
         self._changed = -math.inf
 
     def update(self, route_id: int, edges: Sequence[EdgeProgress], now: float) -> bool:
-        """Take in one message; True when there is something else to see."""
+        """Takes one message; returns True if the displayed route changed."""
         route = (route_id, tuple(edges))
         if not self._watch.update(route_id, [edge.state for edge in edges], now):
             return False
@@ -68,7 +68,7 @@ class RouteView:
         return True
 
     def expire(self, now: float) -> bool:
-        """Take the route away that ended a while ago; True when it just went."""
+        """Removes a route that ended a while ago; returns True if it was removed now."""
         ended = self._watch.running(now) is None
         if not (self.shown and ended and now - self._changed >= SHOWN_AFTER_THE_END):
             return False

@@ -98,7 +98,7 @@ def test_where_nobody_takes_missions_none_is_sent(topics, missions):
     notice = missions.send(TARGET)
     assert topics.requests == []
     assert notice == Notice(
-        Severity.BAD, 'Not sent: no node takes missions. Is path_supervisor running?')
+        Severity.BAD, 'Not sent: no node accepts missions. Is path_supervisor running?')
 
 
 @pytest.mark.parametrize(('state', 'reason', 'severity', 'words'), [

@@ -77,7 +77,7 @@ def test_a_link_that_stays_as_it_is_is_logged_once(logged):
             reporter.report(Link(phase, ROBOT, reason))
     assert logged == [f'Link "commands" to {ROBOT} is down: connection refused.']
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
-    assert logged[1:] == [f'Link "commands" to {ROBOT} stands.']
+    assert logged[1:] == [f'Link "commands" to {ROBOT} is up.']
 
 
 def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
@@ -92,7 +92,7 @@ def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
     monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() comes later
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'closed by us'))
     assert warned == [f'Link "outgoing" to {ROBOT} is down: connection reset.']
-    assert said[1:] == [f'Link "outgoing" to {ROBOT} is closed, as this node ends.']
+    assert said[1:] == [f'Link "outgoing" to {ROBOT} is closed, because this node ends.']
 
 
 def test_the_diagnosis_is_an_error_unless_it_is_connected(logged):

@@ -1,1 +1,1 @@
-"""What the robot does: drives, docks, works off tasks."""
+"""The activities of the robot: driving, docking, tasks."""

@@ -1,4 +1,4 @@
-"""What the robot can do, as scripts for `Robot.start`."""
+"""The activities of the robot, as scripts for `Robot.start`."""
 from __future__ import annotations
 
 from typing import Callable, Optional, Sequence, Tuple
@@ -12,10 +12,10 @@ from omron_ld90_sim.motion.planner import Blocked, NoWay
 from omron_ld90_sim.motion.track import straight_track
 from omron_map import MapObject
 
-BLOCKED_TIMEOUT = 30.0      # s of waiting for a blocked way before giving up
-RETRY = 2.0                 # s between two attempts to find a way
-PROGRESS = 1000.0           # mm nearer, and the timeout begins anew
-ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, that count as there
+BLOCKED_TIMEOUT = 30.0      # s of waiting at a blocked path before giving up
+RETRY = 2.0                 # s between two attempts to find a path
+PROGRESS = 1000.0           # mm of progress after which the timeout begins again
+ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, within which it is reached
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
@@ -23,7 +23,7 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
 
 
 def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
-    """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
+    """`goto`: leaves the dock first, drives to the goal, turns if the goal has a heading."""
     return _go(robot, goal.name, *_place(goal, heading), goal=True)
 
 
@@ -46,7 +46,7 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
 
 
 def pass_goal(robot: Robot, goal: MapObject) -> Script:
-    """Drives to a goal on the way; only people are told of it."""
+    """Drives to a goal on the way; only the extended status shows it."""
     robot.extended = f'Going to {goal.name}'
     yield from _reach(robot, goal.name, *_place(goal))
 
@@ -69,26 +69,26 @@ def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]
 
 def _near(robot: Robot, x: float, y: float, heading: Optional[float]
           ) -> Tuple[float, float, Optional[float]]:
-    """Where the robot comes to rest for a goal: off by its arrival error where there is room."""
+    """The pose at which the robot stops for a goal: with an arrival error if there is room."""
     distance, angle = robot.arrival_error
     place = Pose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
         robot.random.uniform(0.0, distance))
     turned = robot.random.uniform(-angle, angle)
     if robot.base.still and robot.true_pose.distance_to(x, y) <= distance:
-        place = robot.true_pose     # near enough already
+        place = robot.true_pose     # already near enough
     if robot.floor.clearance_of(place.x, place.y) < robot.planner.turn_clearance:
         return x, y, heading
     return place.x, place.y, heading if heading is None else normalise(heading + turned)
 
 
 def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
-    """Drives to a place around what is in the way."""
+    """Drives to a place, around obstacles."""
     yield from _until_there(robot, x, y, heading, lambda: robot.set_course(x, y, heading), failed)
 
 
 def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
                  set_off: Callable[[], None], failed: str) -> Script:
-    """Sets off for a place until the robot is there; waits a while for what is in the way."""
+    """Sets off for a place until the robot is there; waits for obstacles for a limited time."""
     waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
     while True:
         if not robot.navigation.can_set_course:
@@ -109,13 +109,13 @@ def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
                 waited, nearest = 0.0, left
         if waited >= BLOCKED_TIMEOUT:
             raise Failure('Failed going to goal', failed)
-        pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
+        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: two robots must not be in step
         yield pause
         waited += pause
 
 
 def _straight_to(robot: Robot, x: float, y: float) -> None:
-    """Sets off slowly for a place straight ahead or behind."""
+    """Sets off slowly for a place that is straight ahead or behind."""
     here, limits = robot.true_pose, robot.base.limits
     distance = here.distance_to(x, y)
     if here.ahead(distance).distance_to(x, y) > distance:
@@ -132,7 +132,7 @@ def come_to_rest(robot: Robot) -> Script:
 
 
 def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
-    """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
+    """Backs out of the dock if the robot is in it, with the charge states seen in transcripts."""
     if robot.docking.state is DockingState.UNDOCKED:
         return
     yield from come_to_rest(robot)
@@ -155,7 +155,7 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO
 def dock(robot: Robot, station: MapObject) -> Activity:
     """`dock`: drives to the dock's pose, then into the station, and charges.
 
-    A robot that does not get hold of the charger backs out and tries again; that is one dock, with
+    If the robot misses the charger, it backs out and tries again. That is still one `dock`, with
     Undocking and Undocked in between (ARCL manual I617-E-02 p. 71).
     """
     failed = f'Failed going to dock at {station.name}'
@@ -190,7 +190,7 @@ def dock(robot: Robot, station: MapObject) -> Activity:
 
 
 def undock(robot: Robot) -> Activity:
-    """`undock`: backs out; an undocked robot only says the last three lines."""
+    """`undock`: backs out; if the robot is not docked, it only sends the last three lines."""
     def script() -> Script:
         if robot.docking.state is DockingState.UNDOCKED:
             robot.announce(robot.docking.line)
@@ -202,6 +202,6 @@ def undock(robot: Robot) -> Activity:
 
 
 def nearest_dock(robot: Robot) -> Optional[MapObject]:
-    """The dock nearest to the robot, None when the map has none."""
+    """The dock nearest to the robot; None if the map has none."""
     pose, docks = robot.true_pose, robot.document.docks
     return min(docks, key=lambda d: pose.distance_to(d.x, d.y)) if docks else None

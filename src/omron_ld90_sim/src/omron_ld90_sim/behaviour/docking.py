@@ -1,4 +1,4 @@
-"""Docked or not, and what that does to the battery."""
+"""The docking state and its effect on the battery."""
 from __future__ import annotations
 
 from typing import Callable, Optional
@@ -8,11 +8,11 @@ from omron_ld90_sim.clock import Clock, Timer
 from omron_ld90_sim.devices.battery import Battery, ChargeState
 from omron_ld90_sim.motion.base import Base
 
-CHARGE_CHECK = 1.0          # s between looks at the charger's phase
+CHARGE_CHECK = 1.0          # s between two checks of the charger's phase
 
 
 class Docking:
-    """Docking state, charger and battery of one robot; tells `changed` of every new line."""
+    """Docking state, charger and battery of one robot; calls `changed` for every new line."""
 
     def __init__(self, clock: Clock, base: Base, percent: float,
                  changed: Callable[[], None]) -> None:
@@ -29,7 +29,7 @@ class Docking:
                 f'ChargeState: {self.charge.value}')
 
     def begin_docked(self) -> None:
-        """The robot stands in its dock since long, charged or charging."""
+        """Sets the state of a robot that has long been in its dock, charged or charging."""
         self.battery.docked(charged_before=True)
         self.state, self.charge = DockingState.DOCKED, self.battery.charge_state
         self._watch()
@@ -42,12 +42,12 @@ class Docking:
 
     @property
     def percent(self) -> float:
-        """The battery's state of charge, now."""
+        """The battery's present state of charge."""
         self.update()
         return self.battery.percent
 
     def update(self) -> None:
-        """Brings the battery up to now and announces a new charge phase."""
+        """Updates the battery to the present time, and announces a new charge phase."""
         elapsed, self._updated = self._clock.now - self._updated, self._clock.now
         if self.state is DockingState.DOCKED:
             self.battery.charge(elapsed)
@@ -57,7 +57,7 @@ class Docking:
             self.battery.discharge(elapsed, not self._base.still)
 
     def _watch(self) -> None:
-        """Follows the charger's phases until the battery is full."""
+        """Checks the charger's phase repeatedly until the battery is full."""
         charging = self.state is DockingState.DOCKED and self.charge is not ChargeState.FLOAT
         if charging and (self._timer is None or not self._timer.waiting):
             self._timer = self._clock.after(CHARGE_CHECK, self._look)

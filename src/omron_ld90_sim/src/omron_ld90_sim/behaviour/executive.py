@@ -1,6 +1,6 @@
 """The executive: carries out one activity at a time, and steps the base while it moves.
 
-An activity's script is a generator (`states.Activity`): it yields a number of seconds to wait, or
+An activity's script is a generator (`states.Activity`). It yields a number of seconds to wait, or
 `STANDING` to wait until the base stands.
 """
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Executive:
         self._resume()
 
     def drop(self) -> None:
-        """Ends the activity without a word; the base goes on. Not for scripts: see `outside`."""
+        """Ends the activity silently; the base goes on. Scripts must use `outside` instead."""
         if self._wait_timer is not None:
             self._wait_timer.cancel()
         self._when_still = None
@@ -47,8 +47,8 @@ class Executive:
             activity.script.close()
 
     def outside(self, action: Callable[[], None]) -> None:
-        """Does something that may end the activity: at once, or at the next pause of the script
-        that asks for it."""
+        """Runs an action that may end the activity: at once, or at the next pause of the script
+        if the script itself requests it."""
         if self._in_script:
             self._afterwards.append(action)
         else:
@@ -83,7 +83,7 @@ class Executive:
 
     def brake(self, deceleration: Optional[float] = None,
               then: Optional[Callable[[], None]] = None) -> None:
-        """Brings the base to rest, as `Base.brake`, and calls `then` when it stands."""
+        """Brings the base to rest, like `Base.brake`, and calls `then` when it stands."""
         self._base.brake(deceleration)
         if self._base.still and then is not None:
             then()
@@ -92,12 +92,12 @@ class Executive:
         self._keep_stepping()
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, as `Navigation.set_course`."""
+        """Sends the base to a place, like `Navigation.set_course`."""
         self._navigation.set_course(x, y, heading)
         self._keep_stepping()
 
     def follow(self, manoeuvres: List[Manoeuvre]) -> None:
-        """Sends the standing base along manoeuvres."""
+        """Makes the standing base carry out manoeuvres."""
         self._base.follow(manoeuvres)
         self._keep_stepping()
 

@@ -1,6 +1,6 @@
-"""Instant tasks: over at once, during every activity (`doTaskInstant`, routes, macros).
+"""Instant tasks: they end at once, during any activity (`doTaskInstant`, routes, macros).
 
-Which tasks are instant, and their arguments, is what real robots' maps declare (`TaskInfo:`).
+Which tasks are instant, and their arguments, is taken from real robots' maps (`TaskInfo:`).
 """
 from __future__ import annotations
 
@@ -28,8 +28,10 @@ def set_fault(robot: Robot, fault: ApplicationFault) -> None:
 
 
 def clear_fault(robot: Robot, name: str) -> bool:
-    """It takes it back, and a robot that may drive again says a lone `Stopping` (ARCL manual
-    I617-E-02 p. 57); False when there is none of that name."""
+    """An application clears its fault; False if there is none of that name.
+
+    A robot that may drive again sends a single `Stopping` (ARCL manual I617-E-02 p. 57).
+    """
     fault = robot.equipment.faults.pop(name, None)
     if fault is None:
         return False
@@ -41,7 +43,7 @@ def clear_fault(robot: Robot, name: str) -> bool:
 
 
 def localize(robot: Robot, pose: Pose, xy_spread: float, angle_spread: float) -> None:
-    """Looks for the robot around `pose`, as far as the spreads (mm, degrees; -1: the default)."""
+    """Searches for the robot around `pose`, within the spreads (mm, degrees; -1: the default)."""
     found_xy, found_angle = FOUND_WITHIN
     robot.localize(pose, (xy_spread if xy_spread > 0 else found_xy,
                           angle_spread if angle_spread > 0 else found_angle))
@@ -50,7 +52,7 @@ def localize(robot: Robot, pose: Pose, xy_spread: float, angle_spread: float) ->
 # -- the tasks -------------------------------------------------------------------------------
 
 def _without_a_word(robot: Robot, task: Task) -> None:
-    """What is heard, seen or felt on the robot only (I617-E-02 p. 32, 74)."""
+    """A task whose effect is only noticed at the robot itself (I617-E-02 p. 32, 74)."""
 
 
 def _send_text(robot: Robot, task: Task) -> None:
@@ -91,7 +93,7 @@ def _localize_at_goal(robot: Robot, task: Task) -> None:
 
 
 def _limit_speed(robot: Robot, task: Task, lasting: bool) -> None:
-    """`<importance> <forward mm/s>...` for what runs, or from now on; 0 is the robot's own."""
+    """`<importance> <forward mm/s>...` for the present activity, or lasting; 0: the robot's own."""
     speed = task.number(1)
     robot.navigation.speed_limit = speed if speed > 0 else None
     if lasting:

@@ -1,4 +1,4 @@
-"""Routes and macros as the map's `RouteInfo:` and `MacroInfo:` lines give them.
+"""Routes and macros from the map's `RouteInfo:` and `MacroInfo:` lines.
 
 `Route "<name>"` or `Macro "<name>"`, followed by its lines `Goal "<goal>"` and
 `Task "<task>" <arguments>`.
@@ -37,7 +37,7 @@ def _blocks(document: MapDocument, keyword: str, head: str) -> List[Tuple[str, L
         elif words[:1] in (['Goal'], ['Task']) and blocks:
             blocks[-1][1].append([words[0], *words[1:]])
         else:
-            blocks.append(('', []))     # another kind of block: what follows belongs to it
+            blocks.append(('', []))     # another kind of block, to which the next lines belong
     return [block for block in blocks if block[0]]
 
 
@@ -46,7 +46,7 @@ def _task(words: List[str]) -> Task:
 
 
 def routes(document: MapDocument) -> List[Route]:
-    """The map's routes that can be driven, in file order: those that have a goal."""
+    """The map's routes that have a goal, in file order."""
     found = []
     for name, rows in _blocks(document, 'RouteInfo:', 'Route'):
         goals: List[str] = []
@@ -70,7 +70,7 @@ def macros(document: MapDocument) -> Dict[str, List[Task]]:
 def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
     """`patrol` without end, or `patrolOnce` from the goal with index `first`.
 
-    The goals on the way are not told (ARCL manual I617-E-02 p. 161-166).
+    The goals on the way are not announced (ARCL manual I617-E-02 p. 161-166).
     """
     text = f'Patrolling route {route.name}' + (' once' if once else '')
 

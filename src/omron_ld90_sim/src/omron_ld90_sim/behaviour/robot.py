@@ -1,7 +1,7 @@
-"""The robot: one body on one floor, doing one activity at a time.
+"""The robot: one body on one floor, with one activity at a time.
 
-It says `Interrupted:` for an activity that another replaces, knows what forbids driving, and tells
-all clients what happens through `announce`. Its `executive` carries the activities out.
+It sends `Interrupted:` for an activity that another one replaces, keeps what forbids driving, and
+announces events to all clients through `announce`. Its `executive` carries out the activities.
 """
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Robot:
                  seed: int = 0, battery: float = 100.0,
                  announce: Callable[[str], None] = lambda line: None,
                  arrival_error: Tuple[float, float] = (0.0, 0.0)) -> None:
-        """`arrival_error`: how far (mm, deg) from a goal the robot may come to rest."""
+        """`arrival_error`: the largest error (mm, deg) with which the robot stops at a goal."""
         self.clock, self.announce = clock, announce
         self.arrival_error = arrival_error
         self.random = random.Random(seed)
@@ -53,13 +53,13 @@ class Robot:
         self.status = self.extended = 'Stopped'
         self.blocked_by: List[Tuple[str, str]] = []     # what forbids driving: kind and name
         self.failing_goals: Set[str] = set()    # names in lower case
-        self.failing_docks = 0                  # so many of the next drives into a dock fail
+        self.failing_docks = 0                  # number of next drives into a dock that fail
         self.interrupted_words = InterruptedWords.NAME
         self.speed_limit: Optional[float] = None    # mm/s, of every drive
         self.last_goal = ''
-        self.waiting = ''                       # what a running wait task says
+        self.waiting = ''                       # status text of a running wait task
         self.pausing = False                    # whether a pause task runs
-        self.patrol_places: Dict[str, int] = {}     # route in lower case -> index it is at
+        self.patrol_places: Dict[str, int] = {}     # route in lower case -> index of present goal
         self.equipment = Equipment()
         self.localization = Localization(clock, seed)
         self.document = document
@@ -74,12 +74,12 @@ class Robot:
     # -- the world ---------------------------------------------------------------------------
 
     def load_map(self, document: MapDocument, floor: Floor) -> None:
-        """Takes over another map; the robot stays where it is."""
+        """Loads another map; the robot stays where it is."""
         self.document = document
         self.navigation.change_floor(floor)
 
     def _dock_at_start(self) -> None:
-        """A robot that starts in a dock is charged, or charges."""
+        """Sets up a robot that starts in a dock: it is charged, or charges."""
         here = self.base.pose
         for dock in self.document.docks:
             inside = docked_pose(self.floor, dock)
@@ -91,31 +91,31 @@ class Robot:
 
     @property
     def floor(self) -> Floor:
-        """The floor it drives on."""
+        """The floor on which the robot drives."""
         return self.navigation.floor
 
     @property
     def planner(self) -> Planner:
-        """What plans its ways."""
+        """The planner of its paths."""
         return self.navigation.planner
 
     @property
     def true_pose(self) -> Pose:
-        """Where the body is."""
+        """The true pose of the body."""
         return self.base.pose
 
     @property
     def pose(self) -> Pose:
-        """Where the robot believes to be, as it reports."""
+        """The pose that the robot believes and reports."""
         return self.localization.believed(self.base.pose)
 
     @property
     def lost(self) -> bool:
-        """Whether the robot's belief of its place is wrong."""
+        """Whether the believed pose is wrong."""
         return self.localization.lost
 
     def scan(self) -> np.ndarray:
-        """One laser scan: hits (N, 2) in mm, in the frame the robot believes in."""
+        """One laser scan: hits (N, 2) in mm, in the frame of the believed pose."""
         return self.scanner.scan(self.floor, self.true_pose, self.pose,
                                  self.navigation.outlines(laser.RANGE))
 
@@ -126,7 +126,7 @@ class Robot:
         self.announce(self.docking.line)
 
     def _note_state(self) -> None:
-        """Something has changed that the data store counts."""
+        """Updates the state whose times the data store counts."""
         if self.motors in (Motors.ESTOP, Motors.RELIEVED):
             state: Optional[WorkState] = WorkState.IN_ESTOP
         elif any(kind == 'fault' for kind, _ in self.blocked_by):
@@ -140,11 +140,11 @@ class Robot:
 
     @property
     def activity(self) -> Optional[Activity]:
-        """What the robot is doing, if anything."""
+        """The present activity, if any."""
         return self.executive.activity
 
     def start(self, activity: Activity) -> None:
-        """Replaces what runs. The base brakes, unless the new activity sets a course at once."""
+        """Replaces the activity. The base brakes, unless the new one sets a course at once."""
         self._interrupt()
         self.navigation.speed_limit = self.speed_limit
         self.status, self.extended = activity.status, activity.extended
@@ -171,7 +171,7 @@ class Robot:
         self.announce(f'Error: {failure}')
 
     def _at_rest(self) -> None:
-        """The status of a robot that does nothing."""
+        """Sets the status of a robot without an activity."""
         if self.motors is not Motors.ENABLED:
             self.status = self.extended = self.motors.value
         elif self.lost:
@@ -182,12 +182,12 @@ class Robot:
             self.status = self.extended = 'Stopped'
 
     def stop(self) -> None:
-        """Ends what runs, with the robot's words for it."""
+        """Ends the activity, with the robot's lines for it."""
         self._interrupt()
         self.announce_stopping()
 
     def announce_stopping(self) -> None:
-        """Brakes: `Stopping`, and `Stopped` when the robot stands."""
+        """Brakes; announces `Stopping`, and `Stopped` when the robot stands."""
         self.status = self.extended = 'Stopping'
         self.announce('Stopping')
 
@@ -198,17 +198,17 @@ class Robot:
         self.executive.brake(then=stopped)
 
     def halt(self) -> None:
-        """Ends what runs without a word."""
+        """Ends the activity silently."""
         self._drop_activity()
         self.executive.brake()
         self._at_rest()
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, as `Navigation.set_course`."""
+        """Sends the base to a place, like `Navigation.set_course`."""
         self.executive.set_course(x, y, heading)
 
     def follow(self, manoeuvres: List[Manoeuvre]) -> None:
-        """Sends the standing base along manoeuvres."""
+        """Makes the standing base carry out manoeuvres."""
         self.executive.follow(manoeuvres)
 
     # -- what forbids driving ------------------------------------------------------------------
@@ -219,7 +219,7 @@ class Robot:
         return self.motors is Motors.ENABLED and not self.lost and not self.blocked_by
 
     def block(self, kind: str, name: str) -> None:
-        """Something forbids driving from now on; what runs is cancelled."""
+        """Forbids driving from now on, and cancels the activity."""
         self.unblock(kind, name)
         self.blocked_by.append((kind, name))
         self._note_state()
@@ -231,7 +231,7 @@ class Robot:
         self.executive.outside(end)
 
     def unblock(self, kind: str, name: str) -> bool:
-        """It no longer does; False when it did not."""
+        """Removes a reason that forbids driving; False if it did not exist."""
         known = (kind, name) in self.blocked_by
         if known:
             self.blocked_by.remove((kind, name))
@@ -239,17 +239,17 @@ class Robot:
         return known
 
     def press_estop(self) -> None:
-        """The emergency stop button: motors off, all that runs has ended."""
+        """Presses the emergency stop button: motors off, the activity has ended."""
         self.cut_motors(Motors.ESTOP)
 
     def cut_motors(self, motors: Motors) -> None:
-        """Motors off: all that runs has ended, nothing goes on by itself."""
+        """Motors off: the activity has ended, and nothing is resumed."""
         self._drop_activity()
         self.executive.brake(self.base.limits.emergency_deceleration)
         self._set_motors(motors)
 
     def release_estop(self) -> None:
-        """The button is pulled; the motors stay off."""
+        """Releases the button; the motors stay off."""
         if self.motors is Motors.ESTOP:
             self._set_motors(Motors.RELIEVED)
 
@@ -260,7 +260,7 @@ class Robot:
         self.announce(motors.value)
 
     def enable_motors(self) -> bool:
-        """Motors on again; False while the button is pressed."""
+        """Switches the motors on; False while the button is pressed."""
         if self.motors is Motors.ESTOP:
             return False
         if self.motors is not Motors.ENABLED:
@@ -271,9 +271,9 @@ class Robot:
         return True
 
     def push(self, pose: Pose) -> None:
-        """A person pushes the robot to `pose`, for which the motors are switched off.
+        """A person pushes the robot to `pose`, with the motors switched off.
 
-        It still knows where it is.
+        The robot stays localized.
         """
         self.cut_motors(Motors.DISABLED)
         if self.docking.state is not DockingState.UNDOCKED:
@@ -284,7 +284,7 @@ class Robot:
     # -- localization ------------------------------------------------------------------------
 
     def localize(self, pose: Pose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
-        """Looks for itself around `pose`; lost when it is not there."""
+        """Searches for itself around `pose`; the robot is lost if it is not there."""
         self.localization.search(pose, self.base.pose, spread)
         if self.lost:
             self.executive.outside(self._end_as_lost)
@@ -292,7 +292,7 @@ class Robot:
             self._at_rest()
 
     def lose(self, error: Pose) -> None:
-        """Believes from now on in a pose that is off by `error`; what runs ends."""
+        """Makes the believed pose wrong by `error`, and ends the activity."""
         self.localization.error = error
         self._end_as_lost()
 

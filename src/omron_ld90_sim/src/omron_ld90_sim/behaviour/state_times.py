@@ -1,4 +1,4 @@
-"""How long, and how far, the robot was in each of the states that its data store counts."""
+"""Time and distance that the robot spent in each of the states that its data store counts."""
 from __future__ import annotations
 
 from enum import Enum
@@ -11,7 +11,7 @@ Sum = Tuple[float, float]       # seconds, mm
 
 
 class WorkState(Enum):
-    """A state that a robot without a fleet manager can be in, in the data store's words."""
+    """A state of a robot without a fleet manager, with its name in the data store."""
 
     DOCKING = 'Docking'
     DOCKED = 'Docked'
@@ -20,7 +20,7 @@ class WorkState(Enum):
 
 
 class StateTimes:
-    """Sums since the start and since the last trip reset; at most one state at a time."""
+    """Sums since the start and since the last trip reset; at most one state is active."""
 
     def __init__(self, clock: Clock, base: Base) -> None:
         self._clock, self._base = clock, base
@@ -33,7 +33,7 @@ class StateTimes:
         return self._clock.now, self._base.driven
 
     def enter(self, state: Optional[WorkState]) -> None:
-        """The robot is in `state` from now on, or in none that is counted."""
+        """Enters `state`, or None for a state that is not counted."""
         now = self._now()
         if self._state is not None:
             self._sums[self._state] = _plus(self._sums[self._state], _minus(now, self._since))
@@ -54,7 +54,7 @@ class StateTimes:
         return self._clock.now - self._trip_start
 
     def reset_trip(self) -> None:
-        """The trip begins anew."""
+        """Begins a new trip."""
         self._trip_start = self._clock.now
         self._trip_zero = {state: self.total(state) for state in WorkState}
 

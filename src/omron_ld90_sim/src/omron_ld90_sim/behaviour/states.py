@@ -1,4 +1,4 @@
-"""States of the robot, and what its activities are made of."""
+"""States of the robot, and the parts of its activities."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -25,15 +25,15 @@ class Motors(Enum):
 
 
 class InterruptedWords(Enum):
-    """What the `Interrupted:` line says of a drive to a goal that something ended."""
+    """The content of the `Interrupted:` line after a drive to a goal was ended."""
 
     NAME = 'name'                   # the goal's name (ARCL manual I617-E-01 p. 242)
-    COORDINATES = 'coordinates'     # where the goal is (I617-E-02 p. 243)
-    NOTHING = 'nothing'             # there is no such line
+    COORDINATES = 'coordinates'     # the goal's coordinates (I617-E-02 p. 243)
+    NOTHING = 'nothing'             # no such line is sent
 
 
 class Failure(Exception):
-    """An activity cannot go on: the `Error:` text, and the status that remains."""
+    """An activity failed; carries the text of the `Error:` line and the status that remains."""
 
     def __init__(self, text: str, status: str) -> None:
         super().__init__(text)
@@ -41,7 +41,7 @@ class Failure(Exception):
 
 
 class Standing:
-    """What an activity yields to wait until the base stands."""
+    """The value that an activity yields to wait until the base stands."""
 
 
 STANDING = Standing()
@@ -50,16 +50,16 @@ Script = Generator[Union[float, Standing], None, None]
 
 @dataclass
 class Activity:
-    """Something the robot is doing."""
+    """An activity of the robot."""
 
-    status: str         # the Status text while it runs
+    status: str         # the Status text during the activity
     extended: str
     script: Script
-    point: Optional[Tuple[float, float]] = None     # mm, where it drives to
-    goal: bool = False                              # that is a goal, whose name stands in status
+    point: Optional[Tuple[float, float]] = None     # mm, its destination
+    goal: bool = False                              # whether that is a goal, named in `status`
 
     def interrupted(self, words: InterruptedWords) -> Optional[str]:
-        """What is told of its early end, if anything; a point has no name but its place."""
+        """The line about its early end, or None; a point has only coordinates, no name."""
         if words is InterruptedWords.NOTHING:
             return None
         if self.point is None or (self.goal and words is InterruptedWords.NAME):

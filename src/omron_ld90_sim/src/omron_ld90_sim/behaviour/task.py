@@ -1,4 +1,4 @@
-"""A task as it is written: a name and arguments, of `doTask`, `listAdd`, routes and macros."""
+"""A task in text form: a name and arguments, for `doTask`, `listAdd`, routes and macros."""
 from __future__ import annotations
 
 import math
@@ -12,13 +12,15 @@ _WORD = re.compile(r'"([^"]*)"?|(\S+)')
 
 
 def split_words(text: str) -> List[str]:
-    """The words of a text, those in double quotes as one and without them; an open quote reaches
-    to the end."""
+    """The words of a text; a part in double quotes is one word, without the quotes.
+
+    A quote that is not closed extends to the end.
+    """
     return [m.group(1) if m.group(2) is None else m.group(2) for m in _WORD.finditer(text)]
 
 
 class BadTask(ValueError):
-    """No such task, or its arguments are wrong."""
+    """There is no such task, or its arguments are wrong."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Task:
         return split_words(self.rest)
 
     def number(self, index: int, default: Optional[float] = None) -> float:
-        """The argument at `index`."""
+        """The argument at `index` as a number; raises BadTask."""
         if index >= len(self.words) and default is not None:
             return default
         try:
@@ -49,10 +51,10 @@ class Task:
         return value
 
     def bad_arguments(self) -> BadTask:
-        """The error to raise when they are not what the task takes."""
+        """The error for arguments that the task does not accept."""
         return BadTask(f"Bad arguments for task '{self}'")
 
 
 def find_goal(document: MapDocument, name: str) -> Optional[MapObject]:
-    """The goal with that name, in any case."""
+    """The goal with that name, with case ignored."""
     return next((goal for goal in document.goals if goal.name.lower() == name.lower()), None)

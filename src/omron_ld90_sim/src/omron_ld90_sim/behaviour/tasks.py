@@ -1,6 +1,6 @@
-"""Tasks, and what is made of them: `doTask`, `executeMacro` and `listExecute`.
+"""Tasks, and the activities made of them: `doTask`, `executeMacro` and `listExecute`.
 
-A task is a script, as in `activities`; an instant task is over at once.
+A task is a script, as in `activities`; an instant task ends at once.
 """
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from omron_ld90_sim.behaviour.task import BadTask, Task, find_goal
 from omron_ld90_sim.motion.kinematics import normalise
 from omron_ld90_sim.motion.track import Turn, straight_track
 
-LONGEST_LEG = 100_000.0     # mm that a move looks ahead
+LONGEST_LEG = 100_000.0     # mm, the longest part of a move that is planned at once
 MINIMUM_SPEED = 10.0        # mm/s
 MINIMUM_ROTATION = 1.0      # deg/s
-LOOK_AGAIN = 1.0            # s between two looks whether the way of a move is free now
-SPEECH = 12.0               # characters a second
-SOUND = 2.0                 # s, how long every sound file is
+LOOK_AGAIN = 1.0            # s between two checks whether the path of a move is free
+SPEECH = 12.0               # characters per second
+SOUND = 2.0                 # s, length of every sound file
 
 
 class Arguments(NamedTuple):
-    """How many words a task needs, and at which places there are numbers."""
+    """The number of words that a task needs, and the positions of numbers."""
 
     required: int
     numbers: range = range(0)
 
 
-ARGUMENTS: Dict[str, Arguments] = {     # of the tasks that need any, checked before they begin
+ARGUMENTS: Dict[str, Arguments] = {     # of tasks that need any; checked before they begin
     'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(2)),
     'setheading': Arguments(1, range(1)), 'gotopoint': Arguments(2, range(3)),
     'goto': Arguments(1), 'wait': Arguments(1, range(1)), 'say': Arguments(1),
@@ -45,7 +45,7 @@ ARGUMENTS: Dict[str, Arguments] = {     # of the tasks that need any, checked be
 
 
 def parse(text: str) -> Task:
-    """The task in `<task> <arguments>`; BadTask when there is none of that name."""
+    """The task in `<task> <arguments>`; raises BadTask if there is none of that name."""
     name, _, rest = text.strip().partition(' ')
     task = Task(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
@@ -93,8 +93,10 @@ def _move(robot: Robot, task: Task) -> Script:
 
 
 def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
-    """How much of `distance` (mm, back when negative) can be driven straight on: all of it, or as
-    far as `clearance` before what is in the way."""
+    """The part of `distance` (mm, back when negative) that can be driven straight on.
+
+    All of it, or up to `clearance` before the first obstacle.
+    """
     here, obstacles = robot.true_pose, robot.navigation.obstacles()
     wanted = math.copysign(min(abs(distance), LONGEST_LEG), distance)
 
@@ -120,7 +122,7 @@ def _turn(robot: Robot, turn: Callable[[], Turn]) -> Script:
 
 
 def _delta_heading(robot: Robot, task: Task) -> Script:
-    """`<deg, left positive> <deg/s>`: more than a whole turn, too."""
+    """`<deg, left positive> <deg/s>`; may be more than a whole turn."""
     limits, angle = robot.base.limits, task.number(0)
     wanted = abs(task.number(1, limits.goal_rotation))
     rate = min(max(wanted, MINIMUM_ROTATION), limits.path_rotation)
@@ -128,7 +130,7 @@ def _delta_heading(robot: Robot, task: Task) -> Script:
 
 
 def _set_heading(robot: Robot, task: Task) -> Script:
-    """`<deg>`, the shorter way round."""
+    """`<deg>`; turns in the shorter direction."""
     yield from _turn(robot, lambda: Turn(normalise(task.number(0)),
                                          robot.base.limits.goal_rotation))
 
@@ -211,7 +213,7 @@ def macro(robot: Robot, name: str, tasks: List[Task]) -> Activity:
         try:
             for task in tasks:
                 yield from script(robot, task)
-        except Failure as failure:      # what is left of a failed macro is the event's line
+        except Failure as failure:      # the status of a failed macro is the line of the event
             raise Failure(str(failure), f'Error: {failure}') from failure
         robot.status = robot.extended = f'Completed macro {name}'
         robot.announce(robot.status)

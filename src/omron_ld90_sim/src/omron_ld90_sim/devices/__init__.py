@@ -1,1 +1,1 @@
-"""What the robot carries: battery, laser, localization, inputs and outputs."""
+"""The devices of the robot: battery, laser, localization, inputs and outputs."""

@@ -1,12 +1,12 @@
-"""The battery: percent, discharging by what the robot does, charging at the dock."""
+"""The battery: its charge falls while the robot stands or drives, and rises at the dock."""
 from __future__ import annotations
 
 from enum import Enum
 
-DRAIN_STANDING = 4.0 / 3600     # percent per second; not in the sources, about a day of standing
+DRAIN_STANDING = 4.0 / 3600     # percent per second; not in the sources: about a day of standing
 DRAIN_DRIVING = 8.0 / 3600      # about twelve hours of driving
 CHARGE = 25.0 / 3600            # four hours from empty to full
-BULK_TIME = 5.0                 # s of Bulk at least, before Overcharge
+BULK_TIME = 5.0                 # s, minimum time of Bulk before Overcharge
 OVERCHARGE_TIME = 15.0          # s after docking before Float
 OVERCHARGE_FROM = 75.0          # percent
 FULL = 99.9
@@ -29,16 +29,16 @@ class Battery:
         self._since_docked = 0.0
 
     def docked(self, charged_before: bool = False) -> None:
-        """The charger has just been connected, or has been for long (`charged_before`)."""
+        """The charger was just connected, or has long been connected (`charged_before`)."""
         self._since_docked = OVERCHARGE_TIME if charged_before else 0.0
 
     def discharge(self, seconds: float, driving: bool) -> None:
-        """Time spent off the charger."""
+        """Discharges for a time off the charger."""
         self.percent = max(self.percent - seconds * (DRAIN_DRIVING if driving else DRAIN_STANDING),
                            0.0)
 
     def charge(self, seconds: float) -> None:
-        """Time spent on the charger."""
+        """Charges for a time on the charger."""
         self._since_docked += seconds
         self.percent = min(self.percent + seconds * CHARGE, 100.0)
 

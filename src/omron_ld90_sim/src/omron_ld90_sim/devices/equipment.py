@@ -1,4 +1,4 @@
-"""What hangs on the robot: inputs, outputs, payload, application faults and clients' notes."""
+"""Inputs, outputs, payload, application faults and clients' infos of the robot."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -6,17 +6,17 @@ from typing import Dict, Iterable, Optional, Tuple
 
 from omron_ld90_sim.devices.external_io import IoSet
 
-SLOTS = 4       # payload slots of a robot that is not configured otherwise (I617-E-02 p. 48)
+SLOTS = 4       # payload slots of a robot with the default configuration (I617-E-02 p. 48)
 
 
 def find_name(names: Iterable[str], wanted: str) -> Optional[str]:
-    """The one of `names` that `wanted` is in any case."""
+    """The one of `names` that equals `wanted` with case ignored; None if there is none."""
     return next((name for name in names if name.lower() == wanted.lower()), None)
 
 
 @dataclass(frozen=True)
 class ApplicationFault:
-    """A fault that an application has raised; as text, the fields of a `Fault:` line."""
+    """A fault raised by an application; its text are the fields of a `Fault:` line."""
 
     name: str
     short: str
@@ -50,7 +50,7 @@ class AnalogInput:
 
 @dataclass(frozen=True)
 class Load:
-    """What lies in a payload slot, and since when (`MM/DD/YYYY hh:mm:ss`)."""
+    """The content of a payload slot, and since when (`MM/DD/YYYY hh:mm:ss`)."""
 
     text: str
     since: str
@@ -62,7 +62,7 @@ def _switches(name: str) -> Dict[str, bool]:
 
 @dataclass
 class Equipment:
-    """Four digital inputs and outputs, one analog input; a robot's own names are not known."""
+    """Four digital inputs and outputs, one analog input; names of real robots are not known."""
 
     inputs: Dict[str, bool] = field(default_factory=lambda: _switches('Input'))
     outputs: Dict[str, bool] = field(default_factory=lambda: _switches('Output'))
@@ -75,9 +75,9 @@ class Equipment:
         default_factory=lambda: dict.fromkeys(range(1, SLOTS + 1)))
 
     def load(self, slot: int, text: str, since: str) -> None:
-        """Something lies in a slot from now on."""
+        """Puts something into a slot."""
         self.slots[slot] = Load(text, since)
 
     def unload(self, slot: int) -> None:
-        """A slot is empty again."""
+        """Empties a slot."""
         self.slots[slot] = None

@@ -1,15 +1,15 @@
-"""External I/O: named banks of inputs and outputs that a device elsewhere keeps up to date.
+"""External I/O: named banks of inputs and outputs that another device keeps up to date.
 
-Positions of bits and bytes count from 1, values are printed with a quarter as many hexadecimal
-digits as there are bits, rounded down, and more where they are needed: this is what all examples
-of ARCL manual I617-E-02 p. 82-101 have in common.
+Positions of bits and bytes count from 1. Values are printed in hexadecimal, with a quarter as many
+digits as there are bits, rounded down, and more if needed. All examples of ARCL manual I617-E-02
+p. 82-101 follow these rules.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 MAXIMUM_BITS = 4096         # of one bank
-DECIMAL_BITS = 32           # a decimal value says nothing of the bits above
+DECIMAL_BITS = 32           # a decimal value does not set the bits above
 
 
 @dataclass
@@ -25,15 +25,15 @@ class Bank:
         return f'0x{self.value:0{self.count // 4}x}'
 
     def update(self, value: int) -> None:
-        """Takes over a value, without the bits that the bank does not have."""
+        """Sets the value, without bits that the bank does not have."""
         self.value = value & ((1 << self.count) - 1)
 
     def set_bit(self, position: int, on: bool) -> None:
-        """Sets one bit; ValueError when the bank does not reach so far."""
+        """Sets one bit; ValueError if the bank has no such position."""
         self._set(position, 1, int(on))
 
     def set_byte(self, position: int, value: int) -> None:
-        """Sets eight bits, or what there is of them; ValueError beyond the bank."""
+        """Sets eight bits, or as many as the bank has there; ValueError beyond the bank."""
         self._set(position, 8, value)
 
     def _set(self, position: int, width: int, value: int) -> None:
@@ -58,7 +58,7 @@ class IoSet:
 
 
 def parse_value(text: str) -> int:
-    """`0x...` in full, a decimal number up to its 32 bits; ValueError for anything else."""
+    """`0x...` completely, a decimal number up to its 32 bits; else ValueError."""
     value = int(text, 16) if text.lower().startswith('0x') else int(text)
     if value < 0:
         raise ValueError(f"'{text}' is negative")

@@ -1,9 +1,9 @@
-"""The safety laser: what it hits from a pose, in the map frame, as ARCL reports it.
+"""The safety laser: its hits from a pose, in the map frame, in the form of ARCL.
 
-Rays march over the floor's distance field in steps as long as the nearest wall allows (sphere
-tracing), all rays at once. The data sheet gives 240 degrees and 15 m; 455 rays is what a public
-driver reserves for one scan. The place of the laser on the robot is not known: it is taken to be
-the turning centre.
+All rays march at once over the floor's distance field, in steps as long as the distance to the
+nearest wall (sphere tracing). The data sheet gives 240 degrees and 15 m. A public driver reserves
+455 rays for one scan. The position of the laser on the robot is not known; the turning centre is
+assumed.
 """
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from omron_ld90_sim.motion.kinematics import Pose
 FIELD_OF_VIEW = 240.0   # deg
 RANGE = 15000.0         # mm
 RAYS = 455
-STEPS_AT_ONCE = 8       # of a ray between two looks which ones have ended
+STEPS_AT_ONCE = 8       # steps of a ray between two checks which rays have ended
 _ANGLES = np.radians(np.linspace(-FIELD_OF_VIEW / 2, FIELD_OF_VIEW / 2, RAYS))
 
 
 def scan(floor: Floor, pose: Pose, others: Sequence[np.ndarray] = ()) -> np.ndarray:
-    """Ranges (mm) of the 455 rays from right to left; inf where nothing is within 15 m.
+    """Ranges (mm) of the 455 rays from right to left; inf if there is no hit within 15 m.
 
-    `others` are the outlines of what else stands there: arrays (K, N, 2) of K obstacles with N
-    corners each, counter-clockwise.
+    `others`: outlines of further obstacles, as arrays (K, N, 2) of K obstacles with N corners each,
+    counter-clockwise.
     """
     angles = _ANGLES + np.radians(pose.theta)
     direction = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -60,7 +60,7 @@ def _march(floor: Floor, origin: np.ndarray, direction: np.ndarray) -> np.ndarra
         for _ in range(STEPS_AT_ONCE):
             x, y = start[0] + travelled * along[0], start[1] + travelled * along[1]
             free = field.take(y.astype(int) * columns + x.astype(int), mode='clip')
-            # a cell's centre may be 0.71 cells nearer to the wall than the place of the ray in it
+            # the wall may be 0.71 cells nearer to the ray's position than to its cell's centre
             step = np.maximum(free - 0.75 * cell, 0.5 * cell)
             travelled += np.where(free < 0.5 * cell, 0.0, step)
         on_map = travelled < limit
@@ -74,9 +74,9 @@ def _march(floor: Floor, origin: np.ndarray, direction: np.ndarray) -> np.ndarra
 
 
 def _edges(start: np.ndarray, along: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Ranges to the nearest of edges (E, 2) seen from the origin; inf where a ray misses all.
+    """Ranges to the nearest of the edges (E, 2) seen from the origin; inf for rays without a hit.
 
-    Only edges that turn their outer side to the origin count.
+    Only edges whose outer side faces the origin count.
     """
     beside = start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]
     seen = beside < 0

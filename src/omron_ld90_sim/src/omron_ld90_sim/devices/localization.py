@@ -1,4 +1,4 @@
-"""Where the robot believes to be, and how sure it is."""
+"""The pose that the robot believes, and its localization score."""
 from __future__ import annotations
 
 from typing import Tuple
@@ -7,7 +7,7 @@ from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.motion.kinematics import Pose, normalise
 from omron_ld90_sim.motion.noise import noise
 
-FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: how far off a search may start and still find the robot
+FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: largest error of a search's start that still succeeds
 SCORE_FOUND, SCORE_LOST = 0.87, 0.06
 SCORE_NOISE = 0.012             # standard deviation
 
@@ -15,7 +15,7 @@ _NO_ERROR = Pose(0.0, 0.0, 0.0)
 
 
 class Localization:
-    """The belief of one robot: its true pose, or one that is off by `error` while it is lost."""
+    """The believed pose of one robot: the true pose, or wrong by `error` while it is lost."""
 
     def __init__(self, clock: Clock, seed: int) -> None:
         self.error = _NO_ERROR
@@ -23,16 +23,16 @@ class Localization:
 
     @property
     def lost(self) -> bool:
-        """Whether the robot's belief of its place is wrong."""
+        """Whether the believed pose is wrong."""
         return self.error != _NO_ERROR
 
     def believed(self, true: Pose) -> Pose:
-        """Where a robot that stands at `true` believes to be."""
+        """The believed pose of a robot whose true pose is `true`."""
         return Pose(true.x + self.error.x, true.y + self.error.y,
                     normalise(true.theta + self.error.theta))
 
     def search(self, around: Pose, true: Pose, spread: Tuple[float, float]) -> None:
-        """Looks within `spread` (mm, deg) of a pose; lost when the robot is not there."""
+        """Searches within `spread` (mm, deg) of a pose; the robot is lost if it is not there."""
         off = true.distance_to(around.x, around.y)
         turned = normalise(around.theta - true.theta)
         if off <= spread[0] and abs(turned) <= spread[1]:
@@ -42,7 +42,7 @@ class Localization:
 
     @property
     def score(self) -> float:
-        """How well the laser fits the map at the believed pose, 0 to 1; noisy."""
+        """How well the laser scan fits the map at the believed pose, 0 to 1; with noise."""
         fit = SCORE_LOST if self.lost else SCORE_FOUND
         error = noise(self._seed, self._clock.now, SCORE_NOISE, 1)[0]
         return float(min(max(fit + error, 0.0), 1.0))

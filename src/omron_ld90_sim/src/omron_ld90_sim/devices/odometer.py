@@ -15,7 +15,7 @@ class Odometer:
         self.reset()
 
     def reset(self) -> None:
-        """Starts from zero."""
+        """Resets all values to zero."""
         self._zero = self._total()
 
     @property

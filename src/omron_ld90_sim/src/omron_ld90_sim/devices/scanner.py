@@ -1,4 +1,4 @@
-"""The laser as a device: noisy scans, and the points kept of the last ones."""
+"""The laser as a device: noisy scans, and the kept points of recent scans."""
 from __future__ import annotations
 
 from collections import deque
@@ -13,13 +13,13 @@ from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.noise import noise
 
 NOISE = 6.0             # mm, standard deviation along the ray
-KEPT_FOR = 30.0         # s, mm and number of the cumulative points
-KEPT_WITHIN = 4000.0
-KEPT_POINTS = 200
+KEPT_FOR = 30.0         # s for which cumulative points are kept
+KEPT_WITHIN = 4000.0    # mm from the robot within which they are reported
+KEPT_POINTS = 200       # the most that are reported
 
 
 class Scanner:
-    """One `Laser_1`."""
+    """The range device `Laser_1`."""
 
     def __init__(self, clock: Clock, seed: int) -> None:
         self._clock, self._seed = clock, seed
@@ -27,7 +27,7 @@ class Scanner:
 
     def scan(self, floor: Floor, true: Pose, believed: Pose,
              others: Sequence[np.ndarray]) -> np.ndarray:
-        """Hits (N, 2) in mm of one scan from `true`, in the frame the robot believes in."""
+        """Hits (N, 2) in mm of one scan from `true`, in the frame of the believed pose."""
         ranges = laser.scan(floor, true, others)
         ranges = ranges + noise(self._seed, self._clock.now, NOISE, len(ranges))
         hits = laser.points(believed, ranges)
@@ -37,7 +37,7 @@ class Scanner:
         return hits
 
     def cumulative(self, around: Pose) -> np.ndarray:
-        """The points (N, 2) seen lately near by."""
+        """The points (N, 2) near `around` that were seen recently."""
         seen = np.concatenate([hits for _, hits in self._kept])
         near = np.hypot(*(seen - [around.x, around.y]).T) <= KEPT_WITHIN
         return seen[near][-KEPT_POINTS:]

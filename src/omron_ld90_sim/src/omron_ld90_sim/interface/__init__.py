@@ -1,1 +1,1 @@
-"""How the robot is talked to and run: ARCL sessions, configuration, faults, sockets, program."""
+"""The interface of the robot: ARCL sessions, configuration, faults, sockets, and the program."""

@@ -1,7 +1,7 @@
-"""What the robot does unasked: battery warnings, auto-docking, standing still without its link.
+"""Actions of the robot without a command: battery warnings, auto-docking, stopping without a link.
 
-All of it is off by default but what concerns the battery; sections `Docking` and `Outgoing ARCL
-connection setup` of the configuration switch it on.
+All of them except those about the battery are off by default. The sections `Docking` and `Outgoing
+ARCL connection setup` of the configuration switch them on.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from omron_ld90_sim.devices.battery import ChargeState
 from omron_ld90_sim.interface.configuration_table import DOCKING, OUTGOING
 from omron_ld90_sim.interface.server import ArclServer
 
-PERIOD = 1.0                # s between two looks
+PERIOD = 1.0                # s between two checks
 WARN_BELOW = 25.0           # percent
 WARN_EVERY = 60.0           # s
 # ARCL manual I617-E-02 p. 185 and 256; the robot shuts down shortly afterwards
@@ -22,7 +22,7 @@ NO_LINK = ('link', 'OutgoingARCLConnLost')
 
 
 class Autonomy:
-    """Watches one robot."""
+    """Carries out the automatic actions of one robot."""
 
     def __init__(self, server: ArclServer) -> None:
         self._server, self._robot = server, server.robot
@@ -53,7 +53,7 @@ class Autonomy:
             self._server.broadcast('TextRequestChargeVoltage')
 
     def _give_out(self) -> None:
-        """The battery is empty: everything goes off, until a person charges and starts it."""
+        """The battery is empty: the robot shuts down until a person charges and starts it."""
         self._server.broadcast(EMPTY)
         self._robot.halt()
         self._server.shut_down()

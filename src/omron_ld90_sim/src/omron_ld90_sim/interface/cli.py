@@ -26,7 +26,7 @@ _Value = TypeVar('_Value')
 
 
 def _argument(read: Callable[[str], _Value]) -> Callable[[str], _Value]:
-    """`read` for argparse, which shows the sentence of its own kind of error only."""
+    """Wraps `read` for argparse, which shows only the text of its own error class."""
     def checked(text: str) -> _Value:
         try:
             return read(text)
@@ -93,35 +93,35 @@ def parser() -> argparse.ArgumentParser:
         help='wait until the map is at least as new as these files')
     add('--port', type=_port, default=7171, help='ARCL port (7171); 0 chooses a free one')
     add('--host', default='127.0.0.1',
-        help='address to listen on (127.0.0.1; 0.0.0.0 lets other machines in)')
+        help='address to listen on (127.0.0.1; 0.0.0.0 accepts other machines)')
     secret = result.add_mutually_exclusive_group()
     secret.add_argument('--password', help='ARCL password; the process list shows it')
     secret.add_argument('--password-file', metavar='FILE',
-                        help='file that holds the ARCL password and nothing else')
+                        help='file that contains the ARCL password and nothing else')
     add('--outgoing', type=_argument(address), metavar='HOST:PORT',
-        help='where the robot dials out to')
+        help='address to which the robot opens its outgoing connection')
     add('--outgoing-commands', type=_list, action='append', metavar='SECONDS:LIST',
         help='command list of the outgoing connection, commands separated by |, up to five '
              '(0.5:Status and 0.5:RangeDeviceGetCurrent Laser_1)')
     add('--set', type=_setting, action='append', default=[], metavar='SECTION/PARAMETER=VALUE',
         help='configuration of the robot, e.g. "Docking/AutoDock=true"')
     add('--speed', type=_argument(speed_factor), default=1.0,
-        help="factor on the robot's whole clock, 0.1 to 20")
+        help="speed of the robot's whole clock as a factor, 0.1 to 20")
     add('--start', type=_pose, metavar='X,Y,DEG',
         help='start pose in metres and degrees (the dock, RobotHome, a goal, or a free place)')
     add('--battery', type=_argument(percent), default=100.0, metavar='PERCENT',
         help='state of charge (100)')
     add('--arrival-error', type=_error, default=ARRIVAL_ERROR, metavar='MM,DEG',
-        help='how far from a goal the robot may come to rest (30,1); 0,0 is exact')
-    add('--seed', type=int, default=0, help='seed of everything random (0)')
+        help='largest distance from a goal at which the robot may stop (30,1); 0,0 is exact')
+    add('--seed', type=int, default=0, help='seed of all random numbers (0)')
     add('--robots', metavar='FILE', help='YAML list of robots: a fleet in one process')
     add('--fault', action='append', default=[], metavar='"[SECONDS] FAULT"',
         help='fault at that time or at once; --help-faults lists them')
     add('--fault-script', metavar='FILE', help='file with one such fault per line')
     add('--control', type=_port, metavar='PORT',
-        help='take faults on this port of 127.0.0.1, one per line')
+        help='accept faults on this port of 127.0.0.1, one per line')
     add('--log', metavar='FILE', help="write the (first) robot's sessions to FILE")
-    add('--replay', metavar='LOG', help='serve a recorded session in place of a robot')
+    add('--replay', metavar='LOG', help='play back a recorded session instead of a robot')
     add('--help-faults', action=_FaultHelp, nargs=0, help='list the faults and end')
     return result
 
@@ -147,7 +147,7 @@ def _replay(arguments: argparse.Namespace) -> Replay:
 
 def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
     if arguments.map is None:
-        raise ValueError('which map? Name a .map file with --map')
+        raise ValueError('no map is given: name a .map file with --map')
     if arguments.made_from:
         wait_for_map(arguments.map, made_from=arguments.made_from)
     specs: List[RobotSpec] = []
@@ -175,9 +175,9 @@ def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
 
 
 def main(argv: Optional[List[str]] = None) -> int:
-    """Runs the program; 0 after a signal, 1 with one sentence when it cannot start."""
+    """Runs the program; returns 0 after a signal, 1 with one sentence if it cannot start."""
     given = sys.argv[1:] if argv is None else argv
-    # roslaunch adds remappings such as __name:=ld90_sim, which mean nothing here
+    # roslaunch adds remappings such as __name:=ld90_sim, which have no meaning here
     words = [word for word in given if ':=' not in word]
     if '--start' in words[:-1]:     # argparse takes -1.0,2.0,90 for an option
         at = words.index('--start')

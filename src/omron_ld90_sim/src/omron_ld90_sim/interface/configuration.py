@@ -1,7 +1,7 @@
-"""The robot's configuration as ARCL shows it: sections of named parameters.
+"""The robot's configuration in ARCL: sections of named parameters.
 
-Which there are stands in `configuration_table`. `configAdd` lines are collected and parsed at
-`configParse`, as on the robot.
+`configuration_table` defines them. `configAdd` lines are collected, and parsed at `configParse`, as
+on the robot.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _BOUNDS = {WHOLE: ('-2147483648', '2147483647'), REAL: ('-inf', 'inf')}
 
 @dataclass
 class Parameter:
-    """One value with what `getConfigSectionInfo` tells about it; a range of None is open."""
+    """One value and its description for `getConfigSectionInfo`; a bound of None is open."""
 
     name: str
     type: str
@@ -30,7 +30,7 @@ class Parameter:
 
     @property
     def info(self) -> str:
-        """What `getConfigSectionInfo` tells about it, the empty delimiter field included."""
+        """Its description in `getConfigSectionInfo`, with the empty delimiter field."""
         unbounded = _BOUNDS.get(self.type, ('None', 'None'))
         minimum, maximum = (other if bound is None else f'{bound:.15g}' for bound, other
                             in zip((self.minimum, self.maximum), unbounded))
@@ -38,7 +38,7 @@ class Parameter:
                 f'"{self.description}" "{self.hint}" ""')
 
     def check(self, value: str) -> None:
-        """Raises ValueError, with a sentence, for a value that is none of this type."""
+        """Raises ValueError, with a sentence, for a value that does not have the type or range."""
         if self.type == FLAG:
             if value.lower() not in ('true', 'false'):
                 raise ValueError(f"{self.name} must be true or false, not '{value}'")
@@ -64,12 +64,12 @@ class Section:
     flags: str = ''
 
     def find(self, name: str) -> Optional[Parameter]:
-        """The parameter called `name`; case matters."""
+        """The parameter with this name; case matters."""
         return next((p for p in self.parameters if p.name == name), None)
 
 
 class Configuration:
-    """All sections, and a change being imported."""
+    """All sections, and the pending import."""
 
     def __init__(self, sections: Dict[str, Section]) -> None:
         self.sections = sections
@@ -86,12 +86,11 @@ class Configuration:
         return float(self.text(section, name))
 
     def flag(self, section: str, name: str) -> bool:
-        """A parameter's value as a truth."""
+        """A parameter's value as a bool."""
         return self.text(section, name).lower() == 'true'
 
     def set(self, section: str, name: str, value: object) -> None:
-        """Changes one value; ValueError with a sentence when there is no such or it does not fit.
-        """
+        """Changes one value; ValueError with a sentence if it does not exist or does not fit."""
         parameter = self.sections[section].find(name) if section in self.sections else None
         if parameter is None:
             raise ValueError(f"there is no parameter '{name}' in section '{section}'")
@@ -105,14 +104,14 @@ class Configuration:
         self._import = []
 
     def add_to_import(self, key: str, value: str) -> bool:
-        """`configAdd`; False when no import has been started."""
+        """`configAdd`; False if no import was started."""
         if self._import is None:
             return False
         self._import.append((key, value))
         return True
 
     def finish_import(self) -> Optional[Tuple[List[Change], List[str]]]:
-        """`configParse`: the changes and the errors; None if not started."""
+        """`configParse`: the changes and the errors; None if no import was started."""
         if self._import is None:
             return None
         lines, self._import = self._import, None

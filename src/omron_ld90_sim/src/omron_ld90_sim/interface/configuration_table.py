@@ -1,8 +1,9 @@
-"""The sections of an LD robot's configuration, and the parameters that the simulator has of them.
+"""The sections of an LD robot's configuration, and the parameters that the simulator has in them.
 
-Sections, their order, and names, types, priorities and ranges of parameters are what the maps of
-real robots have in common, which hold the whole configuration; those maps win over I617-E-02.
-Parameters are here that change what the simulator does, or that clients ask every robot for.
+Sections and their order, and names, types, priorities and ranges of parameters are those that the
+maps of real robots have in common; these maps contain the whole configuration. If they differ from
+I617-E-02, the maps are used. Included are the parameters that change the simulator's behaviour, and
+those that clients query of every robot.
 """
 from __future__ import annotations
 

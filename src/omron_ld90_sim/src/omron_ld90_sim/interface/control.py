@@ -1,4 +1,4 @@
-"""The control socket of a running simulation: faults, its speed, and where its robots truly are."""
+"""The control socket of a running simulation: faults, speed, and the robots' true poses."""
 from __future__ import annotations
 
 import errno
@@ -13,8 +13,11 @@ from omron_ld90_sim.interface.transport import RECONNECT, PortTaken
 
 
 class ControlServer:
-    """A line protocol on loopback: each line is a fault or `speed FACTOR`, answered with `ok` or
-    `error: <sentence>`, or `where`, answered with one line of JSON."""
+    """A line protocol on loopback.
+
+    A line is a fault or `speed FACTOR`, answered with `ok` or `error: <sentence>`; or it is
+    `where`, answered with one line of JSON.
+    """
 
     MAX_LINE = 1000
 
@@ -43,7 +46,7 @@ class ControlServer:
         try:
             sock, _ = self._listener.accept()
         except OSError as error:
-            if error.errno in (errno.EMFILE, errno.ENFILE):     # ready for ever, and never taken
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # else it would stay ready for ever
                 self._loop.selector.unregister(self._listener)
                 self._loop.clock.after(RECONNECT, self._listen)
             return

@@ -1,10 +1,10 @@
-"""The robot's data store: named values in groups, some of them counted anew from each trip reset.
+"""The robot's data store: named values in groups; some count from the last trip reset.
 
 Names and forms are those of ARCL manual I617-E-02 p. 110-119 and 244, of the guide to the vendor's
 Python library (groups and fields of a real robot) and of public client programs (`RobotX`,
 `TransVel`, `ModeStatus`, `BatteryStateOfCharge` ...). A fleet manager's sums over its robots begin
-with `Agg`; a robot's own have the name without it (`ParkingTime`). Only what the simulator knows
-is here: a real robot has some forty groups. Its distances are taken to be metres.
+with `Agg`; a robot's own values have the name without it (`ParkingTime`). Only values that the
+simulator knows are here: a real robot has about forty groups. Distances are assumed to be in m.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CHARGE_NUMBERS = {state: number for number, state in enumerate(ChargeState)}
 JOB_COUNTS = ('CompletedJobs', 'CompletedJobSegments', 'CancelledJobs', 'CancelledJobSegments',
               'ModifiedJobSegments')
 SEGMENT_COUNTS = ('CancelledInProgressJobSegments', 'FailedJobSegments', 'InterruptedJobSegments')
-# states of the manual's list in its order, and whether their distance is counted too
+# the states of the manual's list in its order, and whether their distance is also counted
 STATES = (('DropOffDriving', True), ('PickupDriving', True), ('Parking', True), ('Docking', True),
           ('ForceDocking', True), ('Docked', False), ('ForceDocked', False), ('InFault', False),
           ('InEstop', False), ('After', False), ('Parked', False), ('Buffered', False))
@@ -41,7 +41,7 @@ class Field:
     type: str
     description: str
     read: Callable[[DataStore], object]
-    range: str = ''         # minimum and maximum, where they are not its type's
+    range: str = ''         # minimum and maximum, if they differ from its type's
 
     @property
     def info(self) -> str:
@@ -50,7 +50,7 @@ class Field:
                 f'"{self.description}" "" ""')
 
     def text(self, store: DataStore) -> str:
-        """Its present value as ARCL prints it."""
+        """Its present value in the form of ARCL."""
         value = self.read(store)
         return f'{value:.3f}' if self.type == DOUBLE else f'{value}'
 
@@ -63,7 +63,7 @@ class Group:
     description: str
     category: str
     fields: Tuple[Field, ...]
-    trip: bool = False      # whether a trip reset concerns it
+    trip: bool = False      # whether a trip reset affects it
 
 
 class DataStore:
@@ -76,11 +76,11 @@ class DataStore:
 
     @property
     def times(self) -> StateTimes:
-        """What the robot has spent in each state."""
+        """The robot's times in each state."""
         return self.robot.state_times
 
     def reset_trip(self) -> List[Field]:
-        """Counts the trip's fields anew and returns them; its dates are no counters."""
+        """Restarts the trip's fields and returns them; dates are not counters."""
         self.times.reset_trip()
         self.trip_start = self.wall_time()
         return [field for group in GROUPS.values() for field in group.fields
@@ -88,7 +88,7 @@ class DataStore:
 
     @property
     def encoder_pose(self) -> Pose:
-        """Where the wheels say that the robot is, seen from where it was switched on."""
+        """The pose that the wheels measure, relative to the pose at the start."""
         zero, here = self._encoder_zero, self.robot.true_pose
         turn = complex(math.cos(math.radians(zero.theta)), -math.sin(math.radians(zero.theta)))
         place = complex(here.x - zero.x, here.y - zero.y) * turn
@@ -101,13 +101,13 @@ class DataStore:
 
 
 def _counts(names: Tuple[str, ...], trip: str = '') -> Tuple[Field, ...]:
-    """Counters of jobs, which a robot without a fleet manager does not get."""
+    """Counters of jobs; they stay 0, because a robot without a fleet manager gets no jobs."""
     return tuple(Field(f'{trip}{name}', LONG, f'{name}, of the fleet manager\'s jobs', lambda _: 0)
                  for name in names)
 
 
 def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]) -> Tuple[Field, ...]:
-    """Hours, and metres where they count, of every state of the manual's list."""
+    """Hours, and metres if they are counted, of every state of the manual's list."""
     counted: Dict[str, WorkState] = {state.value: state for state in WorkState}
 
     def hours(name: str) -> Callable[[DataStore], object]:
@@ -129,7 +129,7 @@ def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]) -> Tu
 
 
 def _pose_fields(names: str, pose: Callable[[DataStore], Pose]) -> Tuple[Field, ...]:
-    """X and Y (mm) and Th (deg); `names` has a `*` where these stand."""
+    """X and Y (mm) and Th (deg); `names` has a `*` in place of these."""
     x, y, theta = (names.replace('*', axis) for axis in ('X', 'Y', 'Th'))
     return (Field(x, LONG, 'X (mm)', lambda store: round(pose(store).x), ANY_SIGN),
             Field(y, LONG, 'Y (mm)', lambda store: round(pose(store).y), ANY_SIGN),

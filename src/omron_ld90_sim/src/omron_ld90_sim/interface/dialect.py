@@ -1,8 +1,7 @@
-"""How a robot speaks: as an LD-90 does, and in ways in which other robots differ.
+"""The dialect of a robot: that of an LD-90, and ways in which other robots differ.
 
-The default is what the sources tell (docs/explanation/sources.md). Everything else is for
-developers whose software has to get along with robots that are less exact; the fault
-`dialect` switches it on.
+The default follows the sources (docs/explanation/sources.md). Everything else is for developers
+whose software must work with robots that are less exact; the fault `dialect` switches it on.
 """
 from __future__ import annotations
 
@@ -19,29 +18,29 @@ WELCOME = ('Welcome to the server.',
 
 
 class HelpLayout(Enum):
-    """How the help list is set, as formats of name and description."""
+    """The layout of the help list, as format of name and description."""
 
     RIGHT = '{0:>15}          {1}'      # the LD-90's: name right-aligned, ten blanks
     LEFT = '{0:<28}{1}'                 # a long name touches its description
     NAMES = '{0}'                       # no descriptions
-    NONE = ''                           # no list after the login, and an empty one on demand
+    NONE = ''                           # no list after the login, and an empty one on request
 
 
 class Encoding(Enum):
-    """What becomes of names that are not ASCII; the map's bytes as they are, by default."""
+    """The encoding of names that are not ASCII; by default the bytes of the map."""
 
     RAW = 'raw'
     ASCII = 'ascii'
     LATIN_1 = 'latin-1'
 
     def encode(self, line: str) -> bytes:
-        """A line as the robot sends it; what the encoding does not have becomes `?`."""
+        """The bytes of a line that the robot sends; unknown characters become `?`."""
         if self is Encoding.RAW:
             return line.encode('utf-8', 'surrogateescape')
         return line.encode(self.value, 'replace')
 
     def decode(self, line: bytes) -> str:
-        """A line as the robot reads it."""
+        """The text of a line that the robot receives."""
         if self is Encoding.RAW:
             return line.decode('utf-8', 'surrogateescape')
         return line.decode(self.value, 'ignore')
@@ -49,13 +48,13 @@ class Encoding(Enum):
 
 @dataclass
 class Dialect:
-    """What one robot's server says where robots differ."""
+    """The words of one robot's server that differ between robots."""
 
     prompt: bytes = PROMPT.encode() + b'\r\n'
     welcome: Tuple[str, ...] = WELCOME
     help_layout: HelpLayout = HelpLayout.RIGHT
-    unlisted: Set[str] = field(default_factory=set)     # commands that the help list leaves out
-    missing: Set[str] = field(default_factory=set)      # and those that are unknown
+    unlisted: Set[str] = field(default_factory=set)     # commands that the help list omits
+    missing: Set[str] = field(default_factory=set)      # commands that are unknown
     encoding: Encoding = Encoding.RAW
     quoted_goals: bool = False
 
@@ -92,7 +91,7 @@ def _interrupted(dialect: Dialect, robot: Robot, text: str) -> None:
     robot.interrupted_words = InterruptedWords(text)
 
 
-# what can be switched, and to what; a wrong value raises ValueError or KeyError
+# the settings that can be switched; a wrong value raises ValueError or KeyError
 SWITCHES: Dict[str, Callable[[Dialect, Robot, str], None]] = {
     'prompt': _prompt, 'welcome': _welcome, 'help': _help, 'unlisted': _unlisted,
     'missing': _missing, 'encoding': _encoding, 'goals': _goals, 'interrupted': _interrupted,

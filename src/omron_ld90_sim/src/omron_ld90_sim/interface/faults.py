@@ -1,7 +1,7 @@
-"""Faults on demand: one line of words each, the same on every way in.
+"""Faults on demand: each is one line of words, the same in all interfaces.
 
 They come from `--fault`, from a script file (`[SECONDS] FAULT` per line, `#` comments), from the
-control socket and from `Simulator.inject`. Nothing here happens unless it is asked for.
+control socket and from `Simulator.inject`. Without a request there are no faults.
 """
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from omron_ld90_sim.interface.session import Session
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.space import Disc
 
-BLOCK_AHEAD = 1500.0        # mm in front of the robot where `block` puts its obstacle
+BLOCK_AHEAD = 1500.0        # mm in front of the robot at which `block` places its obstacle
 BLOCK_RADIUS = 300.0
 LARGEST_BLOCK = 10_000.0    # mm
 
 
 class UnknownFault(ValueError):
-    """The words name no fault, or the numbers in them are none."""
+    """The words name no fault, or contain wrong numbers."""
 
 
 class Faults:
-    """Brings faults upon one robot; each public method is the fault of its name.
+    """Applies faults to one robot; each public method is the fault with its name.
 
     The first line of a method's docstring is its usage, the rest its meaning (`--help-faults`).
     """
@@ -38,7 +38,7 @@ class Faults:
         self._other = Session(server, -1, outgoing=True)
 
     def inject(self, words: str) -> None:
-        """Brings about one fault; `UnknownFault` when the words mean none."""
+        """Applies one fault; raises `UnknownFault` if the words name none."""
         name, *arguments = words.split() or ['']
         method = _method(name)
         try:
@@ -53,7 +53,7 @@ class Faults:
                 f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
-        """Brings about `[SECONDS] FAULT`, at that time of the simulated clock or at once."""
+        """Applies `[SECONDS] FAULT`, at that time of the simulated clock or at once."""
         first, _, rest = line.strip().partition(' ')
         try:
             float(first)
@@ -69,7 +69,7 @@ class Faults:
         def later() -> None:
             try:
                 self.inject(rest)
-            except UnknownFault as error:   # no client waits for an answer any more
+            except UnknownFault as error:   # no client waits for an answer now
                 print(f'ld90_sim: {error}', file=sys.stderr)
 
         self._server.clock.at(seconds, later)
@@ -101,7 +101,7 @@ class Faults:
     def lost(self, dx: str = '3000', dy: str = '0', turn: str = '90') -> None:
         """lost [DX_MM DY_MM TURN_DEG]
 
-        The robot believes to be somewhere else, until localizeToPoint tells it the truth.
+        The robot believes that it is somewhere else, until localizeToPoint corrects it.
         """
         self._robot.lose(Pose(numbers.length(dx), numbers.length(dy), numbers.angle(turn)))
 
@@ -122,7 +122,7 @@ class Faults:
     def unblock(self) -> None:
         """unblock
 
-        Takes all such obstacles away.
+        Removes all such obstacles.
         """
         self._robot.navigation.blocks.clear()
 
@@ -143,14 +143,14 @@ class Faults:
     def faildock(self, times: str = '1') -> None:
         """faildock [TIMES]
 
-        So many of the next drives into a dock miss the charger: the robot backs out and tries anew.
+        This number of next drives into a dock misses the charger: the robot backs out and retries.
         """
         self._robot.failing_docks = int(numbers.number(times, 0, 100))
 
     def battery(self, percent: str) -> None:
         """battery PERCENT
 
-        The state of charge from now on; at 0 the robot goes off until it has some and a reboot.
+        Sets the state of charge; at 0 the robot shuts down until it is charged and rebooted.
         """
         self._robot.docking.update()
         self._robot.docking.battery.percent = numbers.percent(percent)
@@ -158,7 +158,7 @@ class Faults:
     def other(self, *command: str) -> None:
         """other COMMAND
 
-        Another client, unseen, sends this ARCL command, e.g. `other goto 12`.
+        Another client, which is not visible, sends this ARCL command, e.g. `other goto 12`.
         """
         if not command:
             raise ValueError('no command')
@@ -178,7 +178,7 @@ class Faults:
     def refuse(self, action: str) -> None:
         """refuse on|off
 
-        New connections are refused; those that stand go on.
+        New connections are refused; existing ones continue.
         """
         self._server.accepting = {'on': False, 'off': True}[action]
 
@@ -199,15 +199,15 @@ class Faults:
     def prompt(self, *text: str) -> None:
         """prompt [TEXT]
 
-        What new clients are greeted with; without a text the right prompt again.
+        Changes the prompt for new clients; without a text it restores the right prompt.
         """
         self._server.dialect.prompt = (' '.join(text) or PROMPT).encode() + b'\r\n'
 
     def dialect(self, what: str, *value: str) -> None:
         """dialect WHAT VALUE
 
-        Speaks like a robot that is less exact: prompt TEXT (without a line end), welcome [TEXT],
-        help left|names|none|right, unlisted COMMAND..., missing COMMAND...,
+        Changes to the dialect of a less exact robot: prompt TEXT (without a line end),
+        welcome [TEXT], help left|names|none|right, unlisted COMMAND..., missing COMMAND...,
         encoding raw|ascii|latin-1, goals quoted|plain, interrupted name|coordinates|nothing.
         """
         SWITCHES[what](self._server.dialect, self._robot, ' '.join(value))
@@ -215,35 +215,35 @@ class Faults:
     def silence(self, seconds: str) -> None:
         """silence SECONDS
 
-        Nothing is sent for so long; then everything comes at once.
+        Nothing is sent for this time; then all lines come at once.
         """
         self._server.impairment.silent_until = self._server.clock.now + numbers.seconds(seconds)
 
     def delay(self, seconds: str) -> None:
         """delay SECONDS
 
-        Every line comes so much later; 0 ends it.
+        Every line is sent this much later; 0 ends the delay.
         """
         self._server.impairment.delay = numbers.seconds(seconds)
 
     def halfline(self, seconds: str = '1') -> None:
         """halfline [SECONDS]
 
-        The next line is cut in two; its second half comes so much later.
+        The next line is cut in two; its second half is sent this much later.
         """
         self._server.impairment.half_line = numbers.seconds(seconds)
 
     def reboot(self, seconds: str = '5') -> None:
         """reboot [SECONDS]
 
-        The robot's computer is gone for so long: no port, no connection, nothing runs.
+        The robot's computer is gone for this time: no port, no connection, no activity.
         """
         self._server.restart(numbers.seconds(seconds), abort=True)
 
     def outgoing(self, action: str) -> None:
         """outgoing on|off
 
-        Cuts the outgoing connection and keeps it away, or lets it come back.
+        Cuts the outgoing connection and prevents a new one, or allows it again.
         """
         self._server.outgoing_wanted = {'on': True, 'off': False}[action]
         for session in list(self._server.sessions):
@@ -252,7 +252,7 @@ class Faults:
 
 
 def run_script(lines: Iterable[str], schedule: Callable[[str], None]) -> None:
-    """Schedules every line of a script; `UnknownFault` names the line that means none."""
+    """Schedules every line of a script; `UnknownFault` names a line without a fault."""
     for count, line in enumerate(lines, 1):
         line = line.partition('#')[0].strip()
         if line:
@@ -286,7 +286,7 @@ def _usage(method: Callable[..., None]) -> str:
 
 
 def help_text() -> str:
-    """The faults, one paragraph each."""
+    """The faults, one line each."""
     paragraphs = []
     for _, method in sorted(_methods().items()):
         usage, *meaning = (inspect.getdoc(method) or '').splitlines()

@@ -4,7 +4,7 @@
     - {name: r1, port: 7171, outgoing: "127.0.0.1:7179", start: [1.0, 2.0, 90]}
     - {name: r2, port: 7181}
 
-`outgoing` and `start` (metres, metres, degrees) may be left out; a robot without a start takes the
+`outgoing` and `start` (metres, metres, degrees) are optional; a robot without a start takes the
 next free dock, goal or place.
 """
 from __future__ import annotations
@@ -18,7 +18,7 @@ from omron_ld90_sim.interface.numbers import percent, start_pose
 
 
 class FleetError(ValueError):
-    """The file describes no fleet; the sentence names robot and field."""
+    """The file describes no fleet; the text names the robot and the field."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class RobotSpec:
 
 
 def address(text: str) -> Tuple[str, int]:
-    """`HOST:PORT`; ValueError when it is none."""
+    """Reads `HOST:PORT`; raises ValueError for another text."""
     host, _, port = str(text).rpartition(':')
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
         raise ValueError(f"'{text}' is not HOST:PORT")
@@ -41,7 +41,7 @@ def address(text: str) -> Tuple[str, int]:
 
 
 def read_fleet(path: str) -> List[RobotSpec]:
-    """The robots of a file; FleetError when it is malformed."""
+    """The robots of a file; raises FleetError if it is malformed."""
     try:
         with open(path, encoding='utf-8') as file:
             content = yaml.safe_load(file)

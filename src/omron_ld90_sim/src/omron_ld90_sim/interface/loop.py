@@ -1,9 +1,9 @@
-"""What runs the simulation: one thread, one selector, one simulated clock.
+"""Runs the simulation with one thread, one selector and one simulated clock.
 
-The loop sleeps until a socket is ready or the clock's next callback is due; wall time times the
-speed factor is simulated time. What a client sends counts from the robot's next cycle on, and the
-clock goes there at once: no client waits, and a client that answers within a cycle finds the same
-times in every run.
+The loop sleeps until a socket is ready or the clock's next callback is due. Simulated time is wall
+time times the speed factor. Input takes effect at the robot's next cycle, and the clock advances
+there at once. So no client waits, and a client that answers within a cycle sees the same times in
+every run.
 """
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from typing import Callable, Deque, List
 
 from omron_ld90_sim.clock import Clock
 
-INPUT_CYCLE = 0.02      # s of wall time in which what comes in counts as simultaneous, at most
-LONGEST_INPUT_CYCLE = 0.1   # so many s of the robot's clock
-LONGEST_SLEEP = 3600.0  # s, more than a selector may be asked for is an error
+INPUT_CYCLE = 0.02      # s of wall time within which inputs count as simultaneous, at most
+LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock, the same limit
+LONGEST_SLEEP = 3600.0  # s; a selector does not accept much longer times
 
 
 class Loop:
@@ -37,7 +37,7 @@ class Loop:
         self.after_step: List[Callable[[], None]] = []
 
     def set_speed(self, speed: float) -> None:
-        """How many times as fast as ours its clock runs from now on; not from another thread."""
+        """Sets the speed of the clock as a factor of ours, from now on; not from another thread."""
         self.speed = speed
         self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
         self._start = time.monotonic() - self.clock.now / speed
@@ -63,23 +63,23 @@ class Loop:
                 callback()
 
     def call(self, function: Callable[[], None]) -> None:
-        """Has the loop's thread call `function` soon; safe from any thread."""
+        """Makes the loop's thread call `function` soon; safe from any thread."""
         self._calls.append(function)
         self._wake_write.send(b'.')
 
     def _woken(self, mask: int) -> None:
         self._wake_read.recv(4096)
-        for _ in range(len(self._calls)):   # what these ask for waits for the next round
+        for _ in range(len(self._calls)):   # calls that these add wait for the next round
             self._calls.popleft()()
 
     def stop(self) -> None:
-        """Ends `run`; safe from any thread, from a signal handler, early and twice."""
+        """Ends `run`; safe from any thread and signal handler, before `run`, and twice."""
         self._stopped = True
         with contextlib.suppress(OSError):      # the loop may have ended and closed already
             self._wake_write.send(b'.')
 
     def close(self) -> None:
-        """Frees the loop's own sockets and what is still registered."""
+        """Closes the loop's own sockets and all registered ones."""
         for key in list(self.selector.get_map().values()):
             if isinstance(key.fileobj, socket.socket):
                 key.fileobj.close()

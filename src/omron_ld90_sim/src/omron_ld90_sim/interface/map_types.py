@@ -1,8 +1,8 @@
-"""The types of map objects, as the map's `MapInfo:` lines declare them, and objects' parameters.
+"""The types of map objects in the map's `MapInfo:` lines, and the objects' parameters.
 
-`MapInfo: <meta type> Name=<type> Label=... Desc=...` declares a type, a line
-`MapInfo: ArgDesc Name=... Parent=<type> Type=... Priority=... Desc=...` one of its parameters, and
-`CairnInfo: Params "<object>" <value>...` gives the values of one object, in that order.
+`MapInfo: <meta type> Name=<type> Label=... Desc=...` declares a type. A line
+`MapInfo: ArgDesc Name=... Parent=<type> Type=... Priority=... Desc=...` declares one of its
+parameters. `CairnInfo: Params "<object>" <value>...` gives the values of one object, in that order.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ObjectType:
 
 @dataclass(frozen=True)
 class Argument:
-    """A parameter that the objects of one type have."""
+    """A parameter of the objects of one type."""
 
     name: str
     type: str
@@ -37,16 +37,16 @@ class Argument:
     description: str
 
 
-BUILT_IN = (    # types that a map need not declare, and the LD-90's dock
+BUILT_IN = (    # types that a map need not declare, including the LD-90's dock
     ObjectType('Goal', 'GoalType'), ObjectType('DockLynx', 'DockType'),
     ObjectType('RobotHome', 'LocationType'), ObjectType('ForbiddenArea', 'SectorType'),
     ObjectType('ForbiddenLine', 'BoundaryType'),
 )
-UNKNOWN = ObjectType('', 'SectorType')      # stands in for a type that is used undeclared
+UNKNOWN = ObjectType('', 'SectorType')      # replaces a type that is used but not declared
 
 
 def object_types(document: MapDocument) -> List[ObjectType]:
-    """The types built in, declared or used, by name."""
+    """The built-in, declared and used types, by name."""
     types = {known.name: known for known in BUILT_IN}
     for words in _lines(document, 'mapinfo:'):
         pairs = _pairs(words)
@@ -68,7 +68,7 @@ def arguments(document: MapDocument, kind: str) -> List[Argument]:
 
 
 def parameters(document: MapDocument, name: str) -> List[str]:
-    """The parameter values of the object called `name`, as the map has them."""
+    """The parameter values in the map of the object with this name."""
     for words in _lines(document, 'cairninfo:'):
         if words[0] == 'Params' and words[1:2] and words[1].lower() == name.lower():
             return words[2:]
@@ -81,7 +81,7 @@ def _lines(document: MapDocument, keyword: str) -> Iterator[List[str]]:
             try:
                 words = [token.text for token in tokenise(record.text)[1:]]
             except FieldError:
-                continue        # the map's own warnings name such a line
+                continue        # the map's own warnings report such a line
             if words:
                 yield words
 

@@ -1,18 +1,18 @@
-"""Numbers that people write: on the command line, in fleet files and in faults; always bounded.
+"""Reads numbers from the command line, fleet files and faults, always with limits.
 
-A single nan in a pose or a time would end the whole simulation, all of its robots with it.
+A single nan in a pose or a time would end the whole simulation with all of its robots.
 """
 from __future__ import annotations
 
 import math
 from typing import Tuple
 
-FARTHEST = 1e7              # mm, of places and distances
-LONGEST = 1e6               # s, of times
+FARTHEST = 1e7              # mm, for places and distances
+LONGEST = 1e6               # s, for times
 
 
 def number(text: object, minimum: float, maximum: float) -> float:
-    """A number within the limits; ValueError, with a sentence, for anything else."""
+    """A number within the limits; ValueError, with a sentence, for any other text."""
     try:
         value = float(str(text))
     except ValueError:
@@ -43,11 +43,11 @@ def percent(text: object) -> float:
 
 
 def speed_factor(text: object) -> float:
-    """How many times as fast as ours the simulated clock runs."""
+    """The speed of the simulated clock, as a factor of ours."""
     return number(text, 0.1, 20.0)
 
 
 def start_pose(x: object, y: object, theta: object) -> Tuple[float, float, float]:
-    """Metres, metres, degrees in; mm, mm, degrees out."""
+    """Converts metres, metres, degrees to mm, mm, degrees."""
     limit = FARTHEST / 1000.0
     return (number(x, -limit, limit) * 1000.0, number(y, -limit, limit) * 1000.0, angle(theta))

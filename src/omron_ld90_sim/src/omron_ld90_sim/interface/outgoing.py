@@ -1,6 +1,6 @@
-"""The robot's outgoing connection: what it sends by itself, and when.
+"""The robot's outgoing connection: the lines that it sends by itself, and their times.
 
-Times are multiples of each interval on the robot's clock, so that nothing drifts.
+The times are multiples of each interval on the robot's clock, so there is no drift.
 """
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from omron_ld90_sim.interface.configuration_table import LISTS, OUTGOING, OUTGOI
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import Session
 
-MINIMUM_STATUS_INTERVAL = 0.1   # s, SendStatusInterval is never faster
+MINIMUM_STATUS_INTERVAL = 0.1   # s, lower limit of SendStatusInterval
 MINIMUM_LIST_INTERVAL = 0.01    # s, not in the sources; leaves time for everything else
-MINIMUM_TIMEOUT = 5.0           # s, OutgoingSocketTimeoutInMins never means less
+MINIMUM_TIMEOUT = 5.0           # s, lower limit of OutgoingSocketTimeoutInMins
 
 
 class OutgoingLink:
-    """The command lists, the status lines and the time-out of one outgoing session."""
+    """The command lists, the status lines and the timeout of one outgoing session."""
 
     def __init__(self, server: ArclServer, session: Session) -> None:
         self._server, self._session = server, session
@@ -60,6 +60,6 @@ class OutgoingLink:
             self._session.close()
 
     def stop(self) -> None:
-        """Sends nothing more."""
+        """Stops sending."""
         for ticker in self._tickers:
             ticker.stop()

@@ -1,6 +1,6 @@
-"""Session logs: written by `--log`, served again by `--replay`.
+"""Session logs: `--log` writes them, `--replay` plays them back.
 
-The format is docs/reference/session_log.md; the controller's `~session_log` is written in it, too.
+docs/reference/session_log.md describes the format; the controller's `~session_log` has the same.
 """
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ _ESCAPED[ord('\\')] = '\\\\'
 
 
 def escape(line: bytes) -> str:
-    """The text of a line in a log."""
+    """The text of a line in the log."""
     return line.decode('latin-1').translate(_ESCAPED)
 
 
 def unescape(text: str) -> bytes:
-    """The line that a log's text stands for."""
+    """The line that a text in the log represents."""
     return _ESCAPE.sub(lambda match: bytes.fromhex(match.group(1).decode()) if match.group(1)
                        else b'\\', text.encode('ascii', 'replace'))
 
 
-OVERLAP = 0.5  # s that an answer waits for a command that the log has before it
+OVERLAP = 0.5  # s for which an answer waits for a command that precedes it in the log
 
 
 class LogError(ValueError):
-    """A line of a session log is none."""
+    """A line of a session log is invalid."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Transfer:
 
     time: float
     direction: str      # 'C' from the client, 'S' from the robot
-    connection: int     # 1, 2, ... in order of connecting; 0 the outgoing one
+    connection: int     # 1, 2, ... in the order of connecting; 0: the outgoing one
     text: str           # escaped: printable ASCII
 
     def __str__(self) -> str:
@@ -53,7 +53,7 @@ class Transfer:
 
 
 def read_log(lines: List[str]) -> List[Transfer]:
-    """The transfers of a log; LogError names the line that is none."""
+    """The transfers of a log; LogError names an invalid line."""
     transfers = []
     for number, line in enumerate(lines, 1):
         if not line.strip():
@@ -74,7 +74,7 @@ class SessionLog:
         self._clock, self._file = clock, file
 
     def __call__(self, connection: int, direction: str, line: bytes) -> None:
-        """Writes one line; connections below 0 are not real ones."""
+        """Writes one line; connections with numbers below 0 are internal and not written."""
         if connection >= 0:
             transfer = Transfer(self._clock.now, direction, connection, escape(line))
             self._file.write(f'{transfer}\n')
@@ -82,7 +82,7 @@ class SessionLog:
 
 
 class ReplaySession:
-    """One connection that is served from a recording."""
+    """One connection that is played back from a recording."""
 
     def __init__(self, server: ReplayServer, number: int, script: List[Transfer]) -> None:
         self.server, self.number, self.outgoing = server, number, number == 0
@@ -90,7 +90,7 @@ class ReplaySession:
         self.closed = self.aborted = False
         self._script: Deque[Transfer] = deque(script)
         self._asked: Deque[bytes] = deque()
-        self._is_asked = False  # no line has followed the last command that was found
+        self._is_asked = False  # whether no line has followed the last recognised command
         self._input = b''
         self._shift = server.clock.now - (script[0].time if script else 0.0)
         self._go_on()
@@ -101,13 +101,13 @@ class ReplaySession:
         return self.closed and not self.output
 
     def receive(self, data: bytes) -> None:
-        """Takes bytes from the client; its lines call up what the robot answered to them."""
+        """Takes bytes from the client; each of its lines triggers the recorded answers."""
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
         self._asked.extend(filter(None, map(said, lines)))
         self._go_on()
 
     def _go_on(self) -> None:
-        """Sends what is due up to the next line that only the client can call up."""
+        """Sends the due lines up to the next line for which a command of the client is needed."""
         clock = self.server.clock
         while self._script and not self.closed:
             head = self._script[0]
@@ -126,11 +126,11 @@ class ReplaySession:
             elif due + OVERLAP > clock.now:
                 clock.at(due + OVERLAP, self._go_on)
                 return
-            else:  # given before the robot answered the last command, and not given now
+            else:  # recorded before the answer to the last command, and not given this time
                 self._script.popleft()
 
     def _answer(self, line: bytes) -> None:
-        """Goes on behind the recorded `line`; a line that was not recorded is unknown."""
+        """Continues after the recorded `line`; a line that was not recorded is unknown."""
         for skipped, transfer in enumerate(self._script):
             recorded = unescape(transfer.text)
             if transfer.direction == 'C' and recorded.lower() in (line.lower(), HIDDEN):
@@ -148,7 +148,7 @@ class ReplaySession:
 
 
 class ReplayServer:
-    """Serves a recording in place of a robot; later connections get the first one's script."""
+    """Plays back a recording instead of a robot; further connections get the first one's script."""
 
     def __init__(self, clock: Clock, transfers: List[Transfer],
                  configuration: Optional[Configuration] = None) -> None:
@@ -161,13 +161,13 @@ class ReplayServer:
         self._count = 0
 
     def connect(self) -> ReplaySession:
-        """A client has connected: the next recorded connection begins."""
+        """Begins the next recorded connection for a new client."""
         self._count += 1
         number = self._count if self._count in self._scripts else 1
         return self._begin(number)
 
     def connect_outgoing(self) -> ReplaySession:
-        """The outgoing connection stands."""
+        """Begins the recorded outgoing connection."""
         return self._begin(0)
 
     def _begin(self, number: int) -> ReplaySession:
@@ -176,13 +176,13 @@ class ReplayServer:
         return session
 
     def forget(self, session: ReplaySession) -> None:
-        """The connection is gone."""
+        """Removes a connection that has ended."""
         session.closed = True
         if session in self.sessions:
             self.sessions.remove(session)
 
     def shut_down(self) -> None:
-        """Ends everything."""
+        """Ends all connections."""
         self.online = False
         for session in list(self.sessions):
             session.close()

@@ -1,7 +1,7 @@
-"""The ARCL server without I/O: which clients are connected, and what each one hears.
+"""The ARCL server without I/O: it knows the connected clients and the lines for each of them.
 
-Replies go to the session that asked; `broadcast` goes to every logged-in one, the outgoing link
-included. What a command line does is the interpreter's business (`commands`).
+Replies go to the session that asked. `broadcast` goes to every session that is logged in, including
+the outgoing one. The interpreter (`commands`) executes command lines.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from omron_ld90_sim.interface.session import Impairment, Phase, Session
 from omron_ld90_sim.motion.floor import Floor
 from omron_map import MapDocument, MapError
 
-MINIMUM_TIMEOUT = 60.0      # s, SessionTimeoutMins never means less
+MINIMUM_TIMEOUT = 60.0      # s, lower limit of SessionTimeoutMins
 
 
 class ArclServer:
@@ -28,9 +28,9 @@ class ArclServer:
     def __init__(self, clock: Clock, robot: Robot, password: str, interpreter: Interpreter,
                  configuration: Optional[Configuration] = None,
                  map_folder: Optional[Path] = None) -> None:
-        """`interpreter` carries out command lines: `commands.execute`.
+        """`interpreter` executes command lines: `commands.execute`.
 
-        `map_folder` is where the maps lie that `configAdd Map` may name.
+        `map_folder`: folder of the maps that `configAdd Map` may name.
         """
         self.clock, self.robot, self.password = clock, robot, password
         self._interpreter = interpreter
@@ -39,9 +39,9 @@ class ArclServer:
         self.sessions: List[Session] = []
         self.impairment = Impairment()
         self.dialect = Dialect()
-        self.online = True              # off: no listener and no outgoing connection
-        self.accepting = True           # off: new connections are refused
-        self.outgoing_wanted = True     # off: the outgoing connection stays away
+        self.online = True              # False: no listener and no outgoing connection
+        self.accepting = True           # False: new connections are refused
+        self.outgoing_wanted = True     # False: there is no outgoing connection
         self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
         self.outgoing_begins: Callable[[Session], object] = lambda session: None
         self.wall_time = time.localtime
@@ -52,54 +52,54 @@ class ArclServer:
 
     @property
     def robot_name(self) -> str:
-        """What the robot calls itself."""
+        """The robot's own name."""
         return self.configuration.text(FLEET, 'Identifier')
 
     @property
     def date_time(self) -> str:
-        """The wall clock as ARCL prints it."""
+        """The wall clock in the form of ARCL."""
         return time.strftime('%m/%d/%Y %H:%M:%S', self.wall_time())
 
     def connect(self) -> Session:
-        """A client has connected."""
+        """Begins the session of a new client."""
         self._count += 1
         session = Session(self, self._count)
         self.sessions.append(session)
         return session
 
     def connect_outgoing(self) -> Session:
-        """The robot's outgoing connection stands: no login, and every broadcast goes there too."""
+        """Begins the outgoing session: it has no login, and gets every broadcast."""
         session = Session(self, 0, outgoing=True)
         self.sessions.append(session)
         self.outgoing_begins(session)
         return session
 
     def forget(self, session: Session) -> None:
-        """The connection is gone."""
+        """Removes a session that has ended."""
         session.phase = Phase.CLOSED
         if session in self.sessions:
             self.sessions.remove(session)
 
     def drop_all(self, abort: bool = False) -> None:
-        """Ends every connection, the outgoing one included."""
+        """Ends every connection, including the outgoing one."""
         for session in list(self.sessions):
             session.close(abort)
 
     def shut_down(self) -> None:
-        """Ends the server: farewell, then no port and no connection."""
+        """Ends the server: sends a farewell, then closes the port and all connections."""
         for session in list(self.sessions):
             session.send('Shutting down server')
         self.online = False
         self.drop_all()
 
     def switch_off(self) -> None:
-        """The robot is switched off: it stops, and every connection ends without a word."""
+        """Switches the robot off: it stops, and every connection ends silently."""
         self.robot.halt()
         self.online = False
         self.drop_all()
 
     def restart(self, seconds: float, abort: bool = False) -> None:
-        """The robot's software is gone for so long, with a farewell or without (`abort`)."""
+        """Ends the robot's software for `seconds`, with a farewell or without (`abort`)."""
         if abort:
             self.online = False
             self.drop_all(abort)
@@ -127,11 +127,11 @@ class ArclServer:
                 session.send(line)
 
     def execute(self, session: Session, line: str) -> None:
-        """Carries out one command line for `session`."""
+        """Executes one command line for `session`."""
         self._interpreter(self, session, line)
 
     def switch_map(self, name: str) -> None:
-        """Loads another map from the map folder; ValueError with a sentence when it cannot."""
+        """Loads another map from the map folder; ValueError with a sentence if it cannot."""
         if self.map_folder is None or Path(name).name != name:
             raise ValueError(f"The file given did not exist: '{name}'")
         try:

@@ -1,7 +1,8 @@
-"""One ARCL connection without I/O: it takes bytes and holds the bytes to send.
+"""One ARCL connection without I/O: it takes received bytes and keeps the bytes to send.
 
-Framing, login and echo are a robot's (docs/explanation/sources.md): lines end with CRLF, LF or
-CR, a wrong password closes without a word, a command over 5,000 characters drops the client.
+Framing, login and echo are those of a robot (docs/explanation/sources.md): lines end with CRLF, LF
+or CR; after a wrong password the connection closes silently; a command of more than 5,000
+characters drops the client.
 """
 from __future__ import annotations
 
@@ -16,19 +17,19 @@ from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 
 MAX_COMMAND = 5000
-CYCLE = 0.1                 # s between two looks of the server at what its clients have sent
-HIDDEN = b'********'        # what a log shows in place of the password
-BLANK = b' \t\0'           # around a line; telnet sends a NUL behind a CR
+CYCLE = 0.1                 # s between two checks of the server for input of its clients
+HIDDEN = b'********'        # replaces the password in a log
+BLANK = b' \t\0'           # removed around a line; telnet sends a NUL after a CR
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
 
 
 def said(line: bytes) -> bytes:
-    """What a client's line says: without telnet negotiation and the blanks around it."""
+    """A client's line without telnet negotiation and without the blanks around it."""
     return _TELNET.sub(b'', line).strip(BLANK)
 
 
 class Phase(Enum):
-    """How far a session is."""
+    """The phase of a session."""
 
     LOGIN = 'login'
     OPEN = 'open'
@@ -37,15 +38,15 @@ class Phase(Enum):
 
 @dataclass
 class Impairment:
-    """What is wrong with the network, on demand (`faults`)."""
+    """Impairments of the network, on demand (`faults`)."""
 
-    delay: float = 0.0                  # s that every line comes late
-    silent_until: float = 0.0           # nothing is sent before
-    half_line: Optional[float] = None   # the next line is cut, its rest comes this much later
+    delay: float = 0.0                  # s by which every line is late
+    silent_until: float = 0.0           # time before which nothing is sent
+    half_line: Optional[float] = None   # s: the next line is cut, its rest comes this much later
 
 
 class Host(Protocol):
-    """What a session needs of its server."""
+    """The interface that a session needs of its server."""
 
     clock: Clock
     password: str
@@ -53,13 +54,13 @@ class Host(Protocol):
     dialect: Dialect
 
     def log(self, number: int, direction: str, line: bytes) -> None:
-        """A line was sent: by which side (`C` or `S`), over which connection."""
+        """Logs a line: its side (`C` or `S`) and its connection."""
 
     def execute(self, session: Session, line: str) -> None:
-        """Carries out a command line."""
+        """Executes a command line."""
 
     def forget(self, session: Session) -> None:
-        """The connection is gone."""
+        """Removes a session that has ended."""
 
 
 class Session:
@@ -69,12 +70,12 @@ class Session:
         self.server, self.number, self.outgoing = server, number, outgoing
         self.output = bytearray()
         self.echo: Optional[bool] = None        # None until it is set: see _echo_typed
-        self.task_list: Optional[list] = None   # what listAdd adds to
-        self.aborted = False            # ends with RST, what is queued is lost
+        self.task_list: Optional[list] = None   # the list that listAdd extends
+        self.aborted = False            # it ends with RST, and queued lines are lost
         self.phase = Phase.OPEN if outgoing else Phase.LOGIN
         self.last_received = server.clock.now
-        self._input = b''               # a line whose end has not come yet
-        self._echoed = 0                # bytes of it that went back
+        self._input = b''               # an incomplete line
+        self._echoed = 0                # number of its bytes that were echoed
         self._held: Deque[Tuple[float, bytes]] = deque()
         if not outgoing:
             self.server.log(number, 'S', server.dialect.prompt.rstrip(b'\r\n'))
@@ -82,7 +83,7 @@ class Session:
 
     @property
     def closed(self) -> bool:
-        """Whether nothing more is taken or said; what is queued still goes out."""
+        """Whether the session has ended; queued bytes are still sent."""
         return self.phase is Phase.CLOSED
 
     @property
@@ -120,7 +121,7 @@ class Session:
             self.output += self._held.popleft()[1]
 
     def close(self, abort: bool = False) -> None:
-        """Ends the session, after what is queued unless it is aborted."""
+        """Ends the session: after sending the queue, or at once (`abort`)."""
         self.aborted = abort
         if abort:
             self.output.clear()
@@ -129,7 +130,7 @@ class Session:
         self.server.forget(self)
 
     def receive(self, data: bytes) -> None:
-        """Takes bytes from the client, in any chunks."""
+        """Takes bytes from the client, in pieces of any size."""
         self.last_received = self.server.clock.now
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
         for line in lines:
@@ -142,16 +143,16 @@ class Session:
             self.server.clock.after(CYCLE, self._echo_typed)
 
     def _accepts(self, line: bytes) -> bool:
-        """Whether to go on with a line; a client that sends a longer one is dropped."""
+        """Whether to process a line; a client that sends a longer one is dropped."""
         if len(line) > MAX_COMMAND:
             self.send('String too long')
             self.close()
         if line >= b'\x80' and self.echo is None:
-            self.echo = False       # telnet negotiation: such a client shows what is typed itself
+            self.echo = False       # telnet negotiation: this client shows typed text itself
         return not self.closed
 
     def _echo_typed(self) -> None:
-        """Gives back what stands of an unfinished line, as the server does until `echo` is set."""
+        """Echoes the incomplete line, as the server does until `echo` is set."""
         if self.echo is None and not self.closed:
             typed = self._input[self._echoed:].decode('ascii', 'ignore')
             self._put(typed.encode('ascii'))

@@ -37,8 +37,8 @@ from omron_map import MapDocument
 
 CommandLists = Sequence[Tuple[float, str]]
 DEFAULT_LISTS: CommandLists = ((0.5, 'Status'), (0.5, 'RangeDeviceGetCurrent Laser_1'))
-ARRIVAL_ERROR = (30.0, 1.0)     # mm, deg; the LD-90's own goal tolerances begin there
-ANSWER_TIMEOUT = 10.0       # s of wall time that `inject` waits for the simulation's thread
+ARRIVAL_ERROR = (30.0, 1.0)     # mm, deg; lower limits of the LD-90's own goal tolerances
+ANSWER_TIMEOUT = 10.0       # s of wall time for which `inject` waits for the simulation's thread
 
 
 class Unit:
@@ -59,7 +59,7 @@ class Unit:
 
 def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: CommandLists,
                  changes: Sequence[Tuple[str, str, str]] = ()) -> Configuration:
-    """A robot's configuration; ValueError when a change (section, name, value) does not fit."""
+    """A robot's configuration; ValueError if a change (section, name, value) does not fit."""
     settings = default_configuration()
     settings.set(FILES, 'Map', map_name)
     if outgoing is not None:
@@ -74,7 +74,7 @@ def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: Comm
 
 
 class Simulator:
-    """One robot, or several; runs in this thread (`run`) or in one of its own (`with`)."""
+    """One robot, or several; runs in this thread (`run`) or in a separate one (`with`)."""
 
     def __init__(self, map_path: Union[str, Path], port: int = 0, password: str = 'adept',
                  outgoing: Optional[Tuple[str, int]] = None, speed: float = 1.0,
@@ -83,13 +83,13 @@ class Simulator:
                  settings: Sequence[Tuple[str, str, str]] = (), battery: float = 100.0,
                  robots: Optional[Sequence[RobotSpec]] = None,
                  arrival_error: Tuple[float, float] = ARRIVAL_ERROR) -> None:
-        """`start` is mm, mm, degrees; `speed` is a factor on the robots' whole clock.
+        """`start` is in mm, mm, degrees; `speed` is a factor on the robots' whole clock.
 
-        `arrival_error` (mm, degrees) is how far from a goal a robot may come to rest; docks are
-        always hit.
+        `arrival_error` (mm, degrees) is the largest distance from a goal at which a robot may
+        stop; docks are always reached exactly.
 
-        `settings` are changes of the configuration (section, parameter, value). `robots`, when
-        given, says which robots there are, in place of port, outgoing, start and battery.
+        `settings` are changes of the configuration (section, parameter, value). `robots`: the
+        robots of the simulation; replaces port, outgoing, start and battery.
         """
         path = Path(map_path)
         document = MapDocument.load(str(path))
@@ -117,7 +117,7 @@ class Simulator:
 
     @property
     def pose(self) -> Tuple[float, float, float]:
-        """Where the (first) robot really is: mm, mm, degrees."""
+        """The true pose of the (first) robot: mm, mm, degrees."""
         pose = self.robot.true_pose
         return pose.x, pose.y, pose.theta
 
@@ -135,9 +135,9 @@ class Simulator:
         return ControlServer(self.loop, port, self._inject_here, self.where).port
 
     def where(self) -> Dict[str, object]:
-        """The simulated time (s), and by name where every robot really is (m, m, degrees).
+        """The simulated time (s), and by name the true pose of every robot (m, m, degrees).
 
-        Also how far (m) it has driven since the start, forwards or backwards.
+        Also the distance (m) that it has driven since the start, the sum of both directions.
         """
         robots = {unit.name: unit.robot for unit in self.units}
         return {'time': self.loop.clock.now, 'robots': {
@@ -146,22 +146,22 @@ class Simulator:
             for name, robot in robots.items()}}
 
     def inject(self, fault: str) -> None:
-        """Brings about a fault, e.g. `estop press`; `@NAME fault` in a fleet.
+        """Applies a fault, e.g. `estop press`; `@NAME fault` in a fleet.
 
         Safe from any thread; raises UnknownFault.
         """
         self._in_loop(lambda: self._inject_here(fault))
 
     def set_speed(self, speed: float) -> None:
-        """The factor on the robots' clock, from now on; safe from any thread.
+        """Sets the factor on the robots' clock; safe from any thread.
 
-        Raises ValueError when it is none from 0.1 to 20.
+        Raises ValueError unless it is from 0.1 to 20.
         """
         factor = speed_factor(speed)
         self._in_loop(lambda: self.loop.set_speed(factor))
 
     def _in_loop(self, function: Callable[[], None]) -> None:
-        """Has the simulation's thread do it, and waits until its effects are there."""
+        """Runs a function in the simulation's thread, and waits until it has taken effect."""
         if self._thread is None:
             function()
             return
@@ -173,7 +173,7 @@ class Simulator:
                 function()
             except UnknownFault as error:
                 errors.append(error)
-            self.loop.call(done.set)    # in the next round, when ports and connections follow
+            self.loop.call(done.set)    # in the next round, after ports and connections
 
         self.loop.call(call)
         if not done.wait(ANSWER_TIMEOUT):
@@ -206,7 +206,7 @@ class Simulator:
         self.loop.close()
 
     def start(self) -> None:
-        """Runs in a thread of its own."""
+        """Runs in a separate thread."""
         self._thread = threading.Thread(target=self.run, name='ld90_sim', daemon=True)
         self._thread.start()
 
@@ -226,7 +226,7 @@ class Simulator:
 
 
 class Replay:
-    """Serves a recorded session in place of a robot."""
+    """Plays back a recorded session instead of a robot."""
 
     def __init__(self, transfers: List[Transfer], port: int = 0,
                  outgoing: Optional[Tuple[str, int]] = None, speed: float = 1.0,

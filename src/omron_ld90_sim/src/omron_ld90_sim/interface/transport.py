@@ -1,4 +1,4 @@
-"""TCP sockets for the sans-I/O server: a robot's port, its connections, and the one it dials."""
+"""TCP sockets for the server without I/O: a robot's port, its clients, its outgoing connection."""
 from __future__ import annotations
 
 import errno
@@ -12,16 +12,16 @@ from omron_ld90_sim.interface.configuration_table import OUTGOING
 from omron_ld90_sim.interface.loop import Loop
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
-_RESET = struct.pack('ii', 1, 0)    # SO_LINGER of no time: close() sends RST
-MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
+_RESET = struct.pack('ii', 1, 0)    # SO_LINGER with time 0: close() sends RST
+MAX_OUTPUT = 8_000_000  # bytes that a client may leave unread before it is dropped
 
 
 class PortTaken(Exception):
-    """The ARCL port cannot be listened on."""
+    """It is impossible to listen on the ARCL port."""
 
 
 class Session(Protocol):
-    """What a connection needs of its session."""
+    """The interface that a connection needs of its session."""
 
     output: bytearray
     outgoing: bool
@@ -29,7 +29,7 @@ class Session(Protocol):
 
     @property
     def closed(self) -> bool:
-        """Whether nothing more is taken or said."""
+        """Whether the session has ended."""
 
     @property
     def finished(self) -> bool:
@@ -39,11 +39,11 @@ class Session(Protocol):
         """Takes bytes from the other side."""
 
     def close(self) -> None:
-        """The other side has gone."""
+        """Ends the session after the other side has gone."""
 
 
 class Server(Protocol):
-    """What a port needs of its server: a robot, or a recording of one."""
+    """The interface that a port needs of its server: a robot, or a recording of one."""
 
     configuration: Configuration
     online: bool
@@ -51,13 +51,13 @@ class Server(Protocol):
     outgoing_wanted: bool
 
     def connect(self) -> Session:
-        """A client has connected."""
+        """Begins the session of a new client."""
 
     def connect_outgoing(self) -> Session:
-        """The outgoing connection stands."""
+        """Begins the session of the outgoing connection."""
 
     def shut_down(self) -> None:
-        """Says good-bye to all clients."""
+        """Sends a farewell to all clients."""
 
 
 class Connection:
@@ -84,7 +84,7 @@ class Connection:
         self.flush()
 
     def flush(self) -> None:
-        """Sends what can be sent now and waits for room for the rest."""
+        """Sends as much as possible now; the rest is sent when there is room."""
         if self.sock.fileno() < 0:
             return
         output = self.session.output
@@ -116,7 +116,7 @@ class Connection:
 
 
 class TcpServer:
-    """One robot's listening port and outgoing connection, as its server wants them."""
+    """One robot's listening port and outgoing connection, in the state that its server demands."""
 
     def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
@@ -142,7 +142,7 @@ class TcpServer:
             listener.close()
             reason = ('is taken by another program' if error.errno == errno.EADDRINUSE
                       else f'cannot be listened on ({error.strerror})')
-            raise PortTaken(f'port {port} of {self._host} {reason}: end what uses it or choose '
+            raise PortTaken(f'port {port} of {self._host} {reason}: free the port or choose '
                             f'another port with --port') from error
         listener.setblocking(False)
         self.loop.selector.register(listener, selectors.EVENT_READ, self._accept)
@@ -160,14 +160,14 @@ class TcpServer:
         try:
             sock, _ = self._listener.accept()
         except OSError as error:
-            if error.errno in (errno.EMFILE, errno.ENFILE):     # ready for ever, and never taken
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # else it would stay ready for ever
                 self._close_listener()
                 self._listen_later()
             return
         self._add(sock, self.server.connect())
 
     def _listen_later(self) -> None:
-        """Leaves the port closed for a while."""
+        """Keeps the port closed for a while."""
         self._next_listen = self.loop.clock.now + RECONNECT
         self.loop.clock.at(self._next_listen, self._maintain)
 
@@ -188,7 +188,7 @@ class TcpServer:
         return (host, port) if host and port and wanted else None
 
     def _dial(self) -> None:
-        """Tries the outgoing connection; again in a while when no program listens."""
+        """Tries to open the outgoing connection; tries again later if no program listens."""
         target, now = self._target(), self.loop.clock.now
         standing = any(c.session.outgoing for c in self._connections)
         if target is None or standing or self._dialling is not None or now < self._next_dial:
@@ -224,12 +224,12 @@ class TcpServer:
     # -- upkeep --------------------------------------------------------------------------------
 
     def _maintain(self) -> None:
-        """Does what the server wants: port open or not, outgoing connection, queued bytes."""
+        """Brings port, outgoing connection and queued bytes into the demanded state."""
         open_port = self.server.online and self.server.accepting and not self._closing
         if open_port and self._listener is None and self.loop.clock.now >= self._next_listen:
             try:
                 self._listener = self._listen(self.port)
-            except (PortTaken, OSError):    # by another program meanwhile; no free descriptor
+            except (PortTaken, OSError):    # another program took the port; or no free descriptor
                 self._listen_later()
         elif not open_port:
             self._close_listener()
@@ -239,7 +239,7 @@ class TcpServer:
         self._dial()
 
     def close(self) -> None:
-        """Says good-bye to all clients and closes."""
+        """Sends a farewell to all clients and closes."""
         self._closing = True
         self.server.shut_down()
         self._maintain()

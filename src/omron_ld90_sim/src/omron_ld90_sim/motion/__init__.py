@@ -1,1 +1,1 @@
-"""The body on its floor: poses, free space, ways, and the base that drives them. mm and degrees."""
+"""The body on its floor: poses, free space, paths, and the base that drives. mm and degrees."""

@@ -10,36 +10,36 @@ from omron_ld90_sim.motion.track import Manoeuvre, Track, Turn
 
 STEP = 0.05             # s between two steps while moving
 BISECTIONS = 10
-CLOSE = 0.05            # mm and deg from an end that count as there
+CLOSE = 0.05            # mm and deg from an end within which it is reached
 CREEP = 5.0             # mm/s and deg/s, slowest motion towards an end
 
 
 class Base:
-    """Pose and speeds of the robot, and the manoeuvres it still has to do."""
+    """Pose and speeds of the robot, and its remaining manoeuvres."""
 
     def __init__(self, pose: Pose, limits: Limits = LD90_LIMITS) -> None:
         self.pose, self.limits = pose, limits
         self.speed = 0.0            # mm/s along the driving direction, never negative
         self.rotation = 0.0         # deg/s, left positive
-        self.driven = 0.0           # mm since the start, forwards or backwards
-        self.turned = 0.0           # deg since the start, either way
+        self.driven = 0.0           # mm since the start, sum of both directions
+        self.turned = 0.0           # deg since the start, sum of both directions
         self._queue: Deque[Manoeuvre] = deque()
-        self._place = 0.0           # how far on the first manoeuvre: mm, or deg of a turn
+        self._place = 0.0           # position on the first manoeuvre: mm, or deg of a turn
         self._braking: Optional[float] = None
 
     @property
     def still(self) -> bool:
-        """Standing, with nothing left to do."""
+        """Whether the base stands and has no manoeuvres left."""
         return not self._queue and self.speed == 0.0 and self.rotation == 0.0
 
     @property
     def manoeuvre(self) -> Optional[Manoeuvre]:
-        """What the base is doing, if anything."""
+        """The present manoeuvre, if any."""
         return self._queue[0] if self._queue else None
 
     @property
     def track(self) -> Optional[Track]:
-        """The track being driven, if any."""
+        """The present track, if the manoeuvre is one."""
         return self._queue[0] if self._queue and isinstance(self._queue[0], Track) else None
 
     @property
@@ -49,19 +49,19 @@ class Base:
 
     @property
     def braking(self) -> bool:
-        """Whether the base is coming to a stop."""
+        """Whether the base is braking."""
         return self._braking is not None
 
     def follow(self, manoeuvres: List[Manoeuvre]) -> None:
-        """Replaces what is left to do. While moving, the first one continues the present motion."""
+        """Replaces the remaining manoeuvres; the first one must continue a present motion."""
         self._queue = deque(manoeuvres)
         self._place = 0.0
         self._braking = None
 
     def brake(self, deceleration: Optional[float] = None) -> None:
-        """Comes to a stop and drops what is left; an emergency brake under way stays one.
+        """Comes to a stop and drops the other manoeuvres; an emergency brake stays one.
 
-        As fast as `deceleration` (mm/s2) allows, and in a bend the rotation's own limit.
+        Brakes with `deceleration` (mm/s2), or less in a bend because of the limit of the rotation.
         """
         if self._queue:
             self._queue = deque([self._queue[0]])
@@ -70,7 +70,7 @@ class Base:
                 self._halt()
 
     def put(self, pose: Pose) -> None:
-        """Stands at another place from now on; a way that wheels did not drive is not counted."""
+        """Puts the robot at another pose; this distance is not counted as driven."""
         self._halt()
         self.pose = pose
 
@@ -80,7 +80,7 @@ class Base:
         self._braking = None
 
     def step(self, dt: float = STEP) -> None:
-        """Moves on by `dt` seconds."""
+        """Moves for `dt` seconds."""
         if not self._queue:
             return
         before = self.pose
@@ -103,7 +103,7 @@ class Base:
         if self._braking is not None:
             wanted = 0.0
         else:
-            # the fastest rate from which the rest of the angle is enough to stop
+            # the fastest rate from which the remaining angle is enough to stop
             wanted = math.sqrt(change * change / 4 + 2 * self.limits.rotation_acceleration
                                * max(abs(left) - now * dt / 2, 0.0)) - change / 2
             wanted = min(max(wanted, CREEP), turn.rate)
@@ -138,7 +138,7 @@ class Base:
 
     def _allowed(self, track: Track, slowest: float, fastest: float, now: float,
                  dt: float) -> float:
-        """The highest speed after this step that the track allows where the step ends."""
+        """The highest speed after this step that the track allows at the end of the step."""
         def fits(speed: float) -> bool:
             return speed <= track.speed_at(self._place + (now + speed) / 2 * dt)
 
@@ -151,10 +151,10 @@ class Base:
 
     @property
     def distance_left(self) -> float:
-        """Way (mm) of the manoeuvres that are left to do."""
+        """Length (mm) of the remaining tracks."""
         tracks = [part for part in self._queue if isinstance(part, Track)]
         return sum(track.length for track in tracks) - (self._place if self.track else 0.0)
 
     def stopping_distance(self) -> float:
-        """How far (mm) the base drives on when it brakes now."""
+        """Distance (mm) in which the base stops if it brakes now."""
         return self.speed * self.speed / (2.0 * self.limits.deceleration) + self.speed * STEP

@@ -1,9 +1,9 @@
-"""The floor a robot drives on: how far every place is from walls and forbidden areas.
+"""The floor of the robot: the distance of each place from walls and forbidden areas.
 
-Two fields on a grid of the map's own pitch, cells centred on multiples of it (so the scan points,
-which lie there, are exact): `clearance` to anything the robot may not touch, `sight` to what its
-laser sees. A floor never changes and is shared by all robots on the same map; what only some of
-them ask for is worked out when it is asked for.
+There are two fields on a grid with the map's own pitch: `clearance`, the distance to anything that
+the robot may not touch, and `sight`, the distance to anything that its laser sees. The cells are
+centred on multiples of the pitch, where the scan points lie, so these are exact. A floor never
+changes; all robots on a map share it. Fields that only some robots use are computed on first use.
 """
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from omron_map import MapDocument
 
 DEFAULT_RESOLUTION = 20
 MAX_CELLS = 6_000_000
-MARGIN = 1000           # mm of floor around a goal or dock that stands outside the walls
-EXACT_DISTANCE = 750    # mm around lines and areas that count; the planner asks no farther
-PLANNING_PITCH = 60     # mm, cells of the planner's grid
+MARGIN = 1000           # mm of floor around a goal or dock outside the walls
+EXACT_DISTANCE = 750    # mm around lines and areas with exact values; the planner needs no more
+PLANNING_PITCH = 60     # mm, cell size of the planner's grid
 
 
 class Floor:
@@ -30,7 +30,7 @@ class Floor:
     def __init__(self, points: np.ndarray, segments: np.ndarray, forbidden_segments: np.ndarray,
                  areas: Iterable[np.ndarray], resolution: int, places: np.ndarray,
                  body: Body = LD90_BODY) -> None:
-        """`areas` are (4, 2) corners; `places` are further points that must lie on the grid."""
+        """`areas` are (4, 2) corners; `places` are further points that the grid must contain."""
         self.body = body
         areas = [np.asarray(area, float) for area in areas]
         self._lay_out(points, segments, places, resolution)
@@ -49,7 +49,7 @@ class Floor:
 
     @cached_property
     def sight(self) -> np.ndarray:
-        """Distance (mm) from every cell to the nearest that the laser sees: points and lines."""
+        """Distance (mm) from every cell to the nearest one that the laser sees (points, lines)."""
         seen = np.zeros(self.shape, bool)
         self._mark(seen, self._points)
         for x1, y1, x2, y2 in self._segments:
@@ -66,7 +66,7 @@ class Floor:
 
     @classmethod
     def from_map(cls, document: MapDocument) -> Floor:
-        """The floor that a `.map` file describes."""
+        """The floor of a `.map` file."""
         extents = [line.extent for line in document.forbidden_lines if line.extent is not None]
         lines = [[e.from_x, e.from_y, e.to_x, e.to_y] for e in extents]
         places = [[o.x, o.y] for o in (*document.goals, *document.docks)]
@@ -102,7 +102,7 @@ class Floor:
         return (ndimage.distance_transform_edt(free) * self.resolution).astype(np.float32)
 
     def _keep_away(self, corners: np.ndarray, inside: bool) -> None:
-        """Lowers the clearance around a segment (2 corners) or polygon, exactly."""
+        """Lowers the clearance around a segment (2 corners) or a polygon, with exact values."""
         low = np.floor((corners.min(axis=0) - EXACT_DISTANCE - self.origin) / self.resolution)
         high = np.ceil((corners.max(axis=0) + EXACT_DISTANCE - self.origin) / self.resolution)
         c0, r0 = np.maximum(low, 0).astype(int)
@@ -146,7 +146,7 @@ class Floor:
     def clearance_at(self, xy: np.ndarray) -> np.ndarray:
         """Distance (mm) from each point (N, 2) to the nearest obstacle; 0 outside the map.
 
-        Interpolated between cells: within a few mm of the true distance, below it on ridges.
+        Interpolated between cells: within a few mm of the true distance, too small on ridges.
         """
         position = (np.asarray(xy, float).reshape(-1, 2) - self.origin) / self.resolution
         column, row = position[:, 0], position[:, 1]
@@ -158,17 +158,17 @@ class Floor:
                 + (field[r + 1, c] * (1 - u) + field[r + 1, c + 1] * u) * v)
 
     def clearance_of(self, x: float, y: float) -> float:
-        """The same for one point."""
+        """The clearance of one point."""
         return float(self.clearance_at(np.array([[x, y]]))[0])
 
     def planning_cell(self, x: float, y: float) -> Tuple[int, int]:
         """Row and column of the planner's grid nearest to a point."""
-        # int: before numpy 1.19 its floats round to floats
+        # int: before numpy 1.19 round() of its floats returns floats
         column = int(round((x - self.origin[0]) / self.planning_pitch))
         row = int(round((y - self.origin[1]) / self.planning_pitch))
         rows, columns = self.planning_clearance.shape
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
 
     def planning_points(self, cells: np.ndarray) -> np.ndarray:
-        """Points (N, 2) of planning cells given as (row, column)."""
+        """Points (N, 2) of planning cells that are given as (row, column)."""
         return self.origin + np.asarray(cells)[:, ::-1] * self.planning_pitch

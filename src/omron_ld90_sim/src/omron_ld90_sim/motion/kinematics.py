@@ -1,4 +1,4 @@
-"""The LD-90's body and what it can do, in figures: its data sheet, and real robots' configurations.
+"""The LD-90's body and its limits, from its data sheet and from real robots' configurations.
 
 Millimetres, degrees and seconds, as in ARCL and in the robot's own configuration.
 """
@@ -23,7 +23,7 @@ def normalise(angle: float) -> float:
 
 @dataclass(frozen=True)
 class Pose:
-    """A place and heading in the map frame: mm, mm, degrees in (-180, 180]."""
+    """A position and heading in the map frame: mm, mm, degrees in (-180, 180]."""
 
     x: float
     y: float
@@ -42,14 +42,14 @@ class Pose:
 
 @dataclass(frozen=True)
 class Body:
-    """The robot's outline, a rectangle about its turning centre (mm)."""
+    """The robot's outline, a rectangle around its turning centre (mm)."""
 
     length: float = 699.0
     width: float = 500.0
 
     @property
     def half_width(self) -> float:
-        """Free space needed at each side while driving straight."""
+        """Free space that is needed at each side while driving straight."""
         return self.width / 2
 
     @property
@@ -59,7 +59,7 @@ class Body:
 
     @property
     def half_diagonal(self) -> float:
-        """Free space needed all around while turning."""
+        """Free space that is needed all around while turning."""
         return math.hypot(self.length, self.width) / 2
 
     def corners(self, pose: Pose) -> np.ndarray:
@@ -67,7 +67,7 @@ class Body:
         return self.outlines([pose])[0]
 
     def outlines(self, poses: Sequence[Pose]) -> np.ndarray:
-        """The same at each of K poses (K, 4, 2)."""
+        """The corners at each of K poses (K, 4, 2)."""
         x, y, angle = np.array([(pose.x, pose.y, math.radians(pose.theta))
                                 for pose in poses]).T[:, :, None]
         ahead = self.half_length * np.array([1, -1, -1, 1])
@@ -76,7 +76,7 @@ class Body:
                          y + ahead * np.sin(angle) + left * np.cos(angle)], axis=-1)
 
     def distances(self, poses: Sequence[Pose], points: Points) -> np.ndarray:
-        """From the body at each of M poses to each of N points (mm), 0 inside: (M, N)."""
+        """Distances from the body at each of M poses to each of N points (mm), 0 inside: (M, N)."""
         at = np.array([(pose.x, pose.y, math.radians(pose.theta)) for pose in poses])
         x, y = (np.asarray(points, float).T[:, None, :] - at[:, :2].T[:, :, None])
         cosine, sine = np.cos(at[:, 2, None]), np.sin(at[:, 2, None])

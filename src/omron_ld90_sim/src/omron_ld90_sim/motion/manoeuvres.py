@@ -1,7 +1,7 @@
-"""From a way to motion: the turns and the tracks with rounded corners that follow it.
+"""Turns a path into motion: turns, and tracks with rounded corners.
 
-A corner is a quintic Bezier curve whose curvature is zero at both ends, so that the rotation can
-follow without a jump.
+A corner is a quintic Bezier curve whose curvature is zero at both ends, so that the rotation of the
+robot has no jump.
 """
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from omron_ld90_sim.motion.track import Manoeuvre, Track, Turn, line, straight_t
 CORNER_STEP = 15.0                                      # mm between samples
 CORNER_REACHES = (1200.0, 900.0, 650.0, 450.0, 300.0)   # mm from the vertex to the tangent points
 SHORTEST_REACH = 60.0
-REACH_PER_DEGREE = 2.0                                  # mm of reach at least, in a sharp corner
+REACH_PER_DEGREE = 2.0                                  # mm, minimum reach per degree of turn
 SHARPEST_CORNER = 120.0                                 # deg; beyond it the robot stops and turns
 NEGLIGIBLE = 0.5                                        # mm
 
 
 def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
                lead_in: Optional[np.ndarray] = None, entry_speed: float = 0.0) -> List[Manoeuvre]:
-    """What the robot does to follow `way`.
+    """The manoeuvres with which the robot follows `way`.
 
-    With `lead_in` (samples that end at the way's start, straight at their end) the robot is moving
-    at `entry_speed` at their first sample: it drives them first and rounds the corner at their end
-    if it can.
+    `lead_in`: samples that end at the start of `way`, straight at their end. The robot moves at
+    `entry_speed` at their first sample. It drives them first, and rounds the corner at their end if
+    possible.
     """
     points = _without_repeats(way.vertices)
     clearance = planner.turn_clearance
@@ -43,7 +43,7 @@ def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
             if first.entry_fits:
                 return [first, *_stretches(joined[1:], limits, joined[0][-1, 2], way)]
     begin: List[Manoeuvre] = []
-    if lead_in is not None:     # no way round the corner at this speed: stop in front of it
+    if lead_in is not None:     # the corner cannot be rounded at this speed: stop in front of it
         begin.append(Track(lead_in, limits, final=False, entry_speed=entry_speed))
     if way.escape:
         begin.append(straight_track(way.start, way.escape, limits))
@@ -53,7 +53,7 @@ def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
 
 def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
                way: Way) -> List[Manoeuvre]:
-    """The tracks, each begun standing, with turns before them and at the way's end."""
+    """The tracks, each begun from standing, with turns before them and at the end of `way`."""
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
         result += _turn(direction, samples[0, 2], limits.path_rotation)
@@ -65,7 +65,7 @@ def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
 
 
 def _turn(before: float, after: float, rate: float) -> List[Manoeuvre]:
-    """A turn on the spot between two directions (rad), unless they are the same."""
+    """A turn on the spot between two directions (rad), or nothing if they are equal."""
     if abs(math.remainder(after - before, 2 * math.pi)) < 1e-5:
         return []
     return [Turn(normalise(math.degrees(after)), rate)]
@@ -77,7 +77,7 @@ def _without_repeats(points: np.ndarray) -> np.ndarray:
 
 
 def _straight_run(samples: np.ndarray) -> float:
-    """Length of the straight at the end of `samples`."""
+    """Length of the straight part at the end of `samples`."""
     bent = np.flatnonzero(np.abs(samples[:, 3]) > 1e-9)
     first = bent[-1] + 1 if len(bent) else 0
     first = min(first, len(samples) - 1)
@@ -85,7 +85,7 @@ def _straight_run(samples: np.ndarray) -> float:
 
 
 def _drop_end(samples: np.ndarray, length: float) -> np.ndarray:
-    """`samples` without the straight of `length` at its end."""
+    """`samples` without the straight part of `length` at their end."""
     away = np.hypot(*(samples[:, :2] - samples[-1, :2]).T)
     bent = np.abs(samples[:, 3]) > 1e-9
     return samples[(away > length - 1e-6) | bent]
@@ -93,7 +93,7 @@ def _drop_end(samples: np.ndarray, length: float) -> np.ndarray:
 
 def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
             clearance: float) -> List[np.ndarray]:
-    """Samples of the tracks along `points`, one for each stretch without a stop."""
+    """Samples of the tracks along `points`, one track for each stretch without a stop."""
     finished: List[np.ndarray] = []
     current: List[np.ndarray] = list(lines)
     at = points[0]
@@ -123,7 +123,7 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
 
 def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: Space,
             clearance: float) -> Optional[np.ndarray]:
-    """Samples around the corner a-v-b, from `at` on; None where the robot must stop to turn."""
+    """Samples around the corner a-v-b, beginning at `at`; None if the robot must stop to turn."""
     inward, outward = v - a, b - v
     turn = abs(math.degrees(math.remainder(math.atan2(*outward[::-1]) - math.atan2(*inward[::-1]),
                                            2 * math.pi)))

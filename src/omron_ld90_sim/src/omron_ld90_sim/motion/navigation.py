@@ -1,4 +1,4 @@
-"""How the base gets its courses: from standing or out of its motion, around what is in the way."""
+"""Gives the base its courses: from standing or while moving, around obstacles."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -15,22 +15,22 @@ from omron_ld90_sim.motion.space import Disc
 from omron_ld90_sim.motion.track import Track
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
-FARTHEST_STOP = 3000.0      # mm that another robot comes nearer while it stops, and its size
-SHORTEST_LEAD = 5.0         # mm left on a track that a new course can still begin on
-JOIN_AHEAD = 300.0          # mm beyond the stopping distance where a new course begins
-PLAN_AROUND = 8000.0        # mm within which other robots are planned around
-LOOK_STEP = 200.0           # mm between the places that are looked at
-STOP_STEP = 600.0           # mm; discs of the half diagonal so far apart hold the body between them
+FARTHEST_STOP = 3000.0      # mm that another robot needs to stop, plus its size
+SHORTEST_LEAD = 5.0         # mm left on a track that are enough to begin a new course
+JOIN_AHEAD = 300.0          # mm beyond the stopping distance at which a new course begins
+PLAN_AROUND = 8000.0        # mm within which paths avoid other robots
+LOOK_STEP = 200.0           # mm between the examined places
+STOP_STEP = 600.0           # mm; discs of the half diagonal at this distance cover the body between
 _ANGLES = np.radians(np.arange(0, 360, 30))
-RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle as the laser sees it
+RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle for the laser
 
 
 class Navigation:
-    """Plans for one base on one floor, with the obstacles that are not on the map."""
+    """Plans for one base on one floor, around the obstacles that are not on the map."""
 
     def __init__(self, base: Base, floor: Floor) -> None:
         self.base = base
-        self.blocks: List[Disc] = []                # obstacles that are no robots
+        self.blocks: List[Disc] = []                # obstacles other than robots
         self.neighbours: Sequence[Navigation] = ()  # the other robots
         self.speed_limit: Optional[float] = None    # mm/s
         self.change_floor(floor)
@@ -40,16 +40,16 @@ class Navigation:
         self.floor, self.planner = floor, planner_for(floor)
 
     def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
-        """Everything in the way that is not on the map, other robots within so many mm.
+        """All obstacles that are not on the map, with the other robots within this distance in mm.
 
-        A moving neighbour counts where it is, where it could come to rest, and between.
+        A moving robot is present where it is, where it could come to rest, and between.
         """
         radius = self.floor.body.half_diagonal
         return [*self.blocks,
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[Pose]:
-        """Where the robots within so many mm are, could come to rest, and between."""
+        """Places of the robots within this distance in mm, and where they could come to rest."""
         stops = []
         for other in self._near(within):
             base, track = other.base, other.base.track
@@ -67,7 +67,7 @@ class Navigation:
                 if abs(other.base.pose.x - x) < within and abs(other.base.pose.y - y) < within]
 
     def outlines(self, within: float) -> List[np.ndarray]:
-        """The same as a laser sees it: corners (K, N, 2) of the robots, and of the rest."""
+        """The obstacles for the laser: corners (K, N, 2) of the robots, and of the others."""
         robots, rest = [other.base.pose for other in self._near(within)], self.blocks
         outlines = [self.floor.body.outlines(robots)] if robots else []
         if rest:
@@ -75,9 +75,9 @@ class Navigation:
         return outlines
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, out of standing or of driving forwards.
+        """Sends the base to a place, from standing or while it drives forwards.
 
-        Raises `NoWay`; `Blocked` where it would be worth to wait.
+        Raises `NoWay`, or `Blocked` if it is useful to wait.
         """
         base, limits, track = self.base, self.base.limits, self.base.track
         if self.speed_limit is not None:
@@ -98,18 +98,18 @@ class Navigation:
         except NoWay as reason:
             if not obstacles:
                 raise
-            self.planner.plan(start, x, y, heading)     # no way either: then waiting is no use
+            self.planner.plan(start, x, y, heading)     # raises if waiting would be useless
             raise Blocked(str(reason)) from reason
 
     @property
     def can_set_course(self) -> bool:
-        """Standing or driving forwards: not turning on the spot, backing up or just arriving."""
+        """Whether the base stands or drives forwards: not turning, backing up or just arriving."""
         base, track = self.base, self.base.track
         return base.still or (track is not None and not track.reverse
                               and track.length - base.place > SHORTEST_LEAD)
 
     def _join(self, track: Track) -> float:
-        """Where on the present track a new one can begin: room to turn, and far enough to brake."""
+        """Where on the present track a new one can begin: with room to turn, and to brake."""
         first = self.base.place + self.base.stopping_distance() + JOIN_AHEAD
         for s in np.arange(first, track.length, LOOK_STEP):
             pose = track.pose_at(s)
@@ -121,8 +121,8 @@ class Navigation:
     def blocked_ahead(self) -> bool:
         """Whether the body would come too near to an obstacle if the base went on for a while.
 
-        Robots that stop as soon as this is true for one of them never touch each other: each
-        leaves the other the room to turn, wherever it comes to rest.
+        Robots that stop as soon as this is true for one of them never touch each other. Each leaves
+        the other enough room to turn, wherever it comes to rest.
         """
         base, track = self.base, self.base.track
         if base.still or base.braking or not (self.blocks or self.neighbours):
@@ -131,22 +131,22 @@ class Navigation:
         obstacles = self.obstacles(within=reach + FARTHEST_STOP)
         if not obstacles:
             return False
-        if track is None:       # turning: the others may stand near, but not in its circle
+        if track is None:       # turning: others may be near, but not inside the turning circle
             return self._circle_taken()
         end = min(base.place + reach, track.length)
         count = int((end - base.place) / LOOK_STEP) + 2
         gaps = self._gaps([track.pose_at(s) for s in np.linspace(base.place, end, count)],
                           obstacles)
-        # what it is too near to already it may leave, but not come nearer to
+        # the robot may leave an obstacle that is already too near, but not come nearer to it
         return bool(gaps[1:].min() < min(gaps[0], 0.0) - 1.0)
 
     def _gaps(self, poses: Sequence[Pose], obstacles: Sequence[Disc]) -> np.ndarray:
-        """From the body at each pose to the nearest obstacle (mm); negative inside of one."""
+        """Distances from the body at each pose to the nearest obstacle (mm); negative inside."""
         discs = np.array([(disc.x, disc.y, disc.radius) for disc in obstacles])
         return (self.floor.body.distances(poses, discs[:, :2]) - discs[:, 2]).min(axis=1)
 
     def _circle_taken(self) -> bool:
-        """Whether something is, or could come to rest, where the body turns."""
+        """Whether something is in the turning circle, or could come to rest there."""
         here, body = self.base.pose, self.floor.body
         within = body.half_diagonal
         stops = self._stops(FARTHEST_STOP)

@@ -1,4 +1,4 @@
-"""Noise of sensors, as a function of seed and time: the number of queries changes nothing."""
+"""Sensor noise as a function of seed and time, so the number of queries has no effect."""
 from __future__ import annotations
 
 import numpy as np

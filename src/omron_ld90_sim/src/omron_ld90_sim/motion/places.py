@@ -1,4 +1,4 @@
-"""Where robots stand: in docks, and when a simulation starts."""
+"""Poses of robots in docks, and at the start of a simulation."""
 from __future__ import annotations
 
 import random
@@ -11,13 +11,13 @@ from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.planner import NoWay
 from omron_map import MapDocument, MapObject
 
-DRIVE_IN = 250.0            # mm from the dock's pose to where the robot charges
-FRONT_CLEARANCE = 20.0      # mm left in front of a docked robot at least
+DRIVE_IN = 250.0            # mm from the dock's pose to the pose while charging
+FRONT_CLEARANCE = 20.0      # mm, least distance in front of a docked robot
 START_DISTANCE = 1000.0     # mm between the start places of two robots
 
 
 def docked_pose(floor: Floor, dock: MapObject) -> Pose:
-    """Where a robot stands when it charges at `dock`: as far in as there is room, up to 250 mm."""
+    """The pose of a robot that charges at `dock`: as far in as there is room, up to 250 mm."""
     pose = Pose(dock.x, dock.y, dock.theta)
     steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
     fronts = [pose.ahead(step + floor.body.half_length) for step in steps]
@@ -30,10 +30,10 @@ def docked_pose(floor: Floor, dock: MapObject) -> Pose:
 def start_places(document: MapDocument, floor: Floor,
                  wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
                  ) -> List[Pose]:
-    """Where robots start: as wanted (mm, mm, degrees), the others one after another.
+    """The start poses: as wanted (mm, mm, degrees), and the others one after another.
 
     In the docks, at RobotHome, at goals with heading, at other goals, and then at random free
-    places, each robot clear of the ones before it.
+    places. Each robot keeps clear of the ones before it.
     """
     chance = random.Random(seed)
     taken = [Pose(*place) for place in wanted if place is not None]

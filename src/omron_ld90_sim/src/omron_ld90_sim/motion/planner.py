@@ -1,9 +1,9 @@
-"""Ways across the floor: straight segments between points where the robot can turn.
+"""Finds paths across the floor: straight segments between points where the robot can turn.
 
-The body is 699 x 500 mm, so a place can be wide enough to drive through (half width free) and too
-narrow to turn in (half diagonal free). A way is therefore a chain of straight segments with half
-the width free all along, whose inner vertices have half the diagonal free: for each heading,
-the body touches nothing. `manoeuvres` rounds the vertices off.
+The body is 699 x 500 mm. So a place can be wide enough to drive through (half width free) but too
+narrow to turn in (half diagonal free). A path is therefore a chain of straight segments with half
+the width free everywhere. Its inner vertices have half the diagonal free, so that the body touches
+nothing there in any heading. `manoeuvres` rounds the vertices.
 """
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.space import LOOK_STEP, Disc, Space
 
-DRIVE_MARGIN = 15.0     # mm kept on top of the half width
-TURN_MARGIN = 5.0       # mm kept on top of the half diagonal
-COMFORT = 700.0         # mm of clearance beyond which more is not worth a detour
-NARROW_COST = 8.0       # a metre where the robot cannot turn counts as this many
-CLOSED = -1.0           # cost of a cell that no way leads through
-ESCAPE = 3000.0         # mm straight ahead or back to look for room to turn
+DRIVE_MARGIN = 15.0     # mm added to the half width
+TURN_MARGIN = 5.0       # mm added to the half diagonal
+COMFORT = 700.0         # mm of clearance above which more is not worth a detour
+NARROW_COST = 8.0       # cost factor of places where the robot cannot turn
+CLOSED = -1.0           # cost of a cell that no path may use
+ESCAPE = 3000.0         # mm straight ahead or back in which room to turn is sought
 ATTEMPTS = 6
-SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
-TURN_NEAR = 300.0       # mm around the ends of a narrow place to look for places to turn
-TURN_PLACES = 80        # so many of them, at most
-COARSELY = 5            # every fifth point of many straights is looked at first
-DETOUR = 2.5            # a way from there may cost so many times the straight line in the open
+SEARCH_AROUND = 4000.0  # mm around robot and goal in which a path is sought first
+TURN_NEAR = 300.0       # mm around the ends of a narrow place in which places to turn are sought
+TURN_PLACES = 80        # largest number of these places
+COARSELY = 5            # every fifth point of many straights is examined first
+DETOUR = 2.5            # largest cost of such a path, in units of a straight line in the open
 
 
 class NoWay(Exception):
-    """There is no way for the body from the start to the goal."""
+    """There is no path for the body from the start to the goal."""
 
 
 class Blocked(NoWay):
-    """There would be a way without the obstacles that are not on the map."""
+    """There would be a path without the obstacles that are not on the map."""
 
 
 @dataclass(frozen=True)
 class Way:
-    """What to drive: optionally straight out of a narrow place, then along `vertices`."""
+    """A path: optionally straight out of a narrow place first, then along `vertices`."""
 
     start: Pose
     escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
-    vertices: np.ndarray        # (N, 2), first one where the escape ends
+    vertices: np.ndarray        # (N, 2); the first one is the end of the escape
     final_heading: Optional[float]
-    space: Space                # in which it was planned
+    space: Space                # the space in which it was planned
 
     @property
     def length(self) -> float:
@@ -73,7 +73,7 @@ class Planner:
 
     def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
              obstacles: Sequence[Disc] = ()) -> Way:
-        """The way from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
+        """The path from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
         space = Space(self.floor, obstacles)
         escape = self._escape(space, start)
         first = start.ahead(escape)
@@ -109,7 +109,7 @@ class Planner:
                                        self.drive_clearance) and space.body_fits(end, DRIVE_MARGIN))
 
     def _cost_among(self, obstacles: Sequence[Disc]) -> np.ndarray:
-        """A copy of the costs with obstacles among them."""
+        """A copy of the costs that includes the obstacles."""
         cost, pitch = self._cost.copy(), self.floor.planning_pitch
         for disc in obstacles:
             row, column = self.floor.planning_cell(disc.x, disc.y)
@@ -124,7 +124,7 @@ class Planner:
         return cost
 
     def _escape(self, space: Space, start: Pose) -> float:
-        """How far to drive straight before there is room to turn."""
+        """The distance to drive straight before there is room to turn."""
         here = space.clearance_of(start.x, start.y)
         if here >= self.turn_clearance:
             return 0.0
@@ -143,7 +143,7 @@ class Planner:
         return float(min(found, key=abs))
 
     def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
-        """Where to turn for the last straight: the goal itself where there is room."""
+        """The point at which to turn for the last straight: the goal itself if there is room."""
         here = space.clearance_of(*goal)
         if here >= self.turn_clearance:
             return goal
@@ -164,7 +164,7 @@ class Planner:
         raise NoWay('no room to turn before the goal')
 
     def _search(self, cost: np.ndarray, start: Tuple[float, float], goal: np.ndarray) -> np.ndarray:
-        """The cheapest chain of points over the planner's grid, ends exact."""
+        """The cheapest chain of points over the planner's grid, with exact ends."""
         first = self.floor.planning_cell(*start)
         last = self.floor.planning_cell(*goal)
         saved = {cell: cost[cell] for cell in (first, last)}
@@ -183,7 +183,7 @@ class Planner:
 
     def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
                      ) -> Optional[np.ndarray]:
-        """The same around both ends only, which is quicker; None for what might be a detour."""
+        """The cheapest cells near both ends, which is faster; None if it might be a detour."""
         margin = int(SEARCH_AROUND / self.floor.planning_pitch)
         low = np.maximum(np.minimum(first, last) - margin, 0)
         high = np.maximum(first, last) + margin + 1
@@ -196,13 +196,13 @@ class Planner:
 
     def _straighten(self, space: Space, raw: np.ndarray
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
-        """Long straights between turnable points of `raw`; or the cells where that got stuck."""
+        """Long straights between turnable points of `raw`; or the cells that it could not pass."""
         clear = space.clearance_at(raw)
         last = len(raw) - 1
         turnable = clear >= self.turn_clearance
         turnable[-1] = True
         i, vertices = 0, [raw[0]]
-        spare: Set[int] = set()     # vertices beside a narrow place, where others were found
+        spare: Set[int] = set()     # vertices beside a narrow place that may not be needed
         while i < last:
             candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
             j = self._farthest(space, raw, clear, i, candidates)
@@ -219,7 +219,7 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """The vertices without those of `spare` past which a straight leads as well."""
+        """The vertices without those of `spare` that a straight can bypass."""
         kept = [vertices[0]]
         for k in range(1, len(vertices)):
             if k not in spare or k + 1 == len(vertices) or not space.straight_is_free(
@@ -228,15 +228,15 @@ class Planner:
         return np.array(kept)
 
     def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
-        """Where to turn before and behind a narrow place, so as to drive through it straight.
+        """The points to turn at before and behind a narrow place, so as to drive through straight.
 
-        Near `a` and near `b`, the turnable ends of the narrow place, with the most room between:
-        the planner's grid is too coarse for a gap that hardly lets the body through.
+        Takes the turnable points near `a` and near `b` with the most room between them, because the
+        planner's grid is too coarse for a gap hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
         fractions = np.linspace(0.0, 1.0, int(np.hypot(*(b - a)) / LOOK_STEP) + 2)
-        for looked_at in (fractions[::COARSELY], fractions):    # most are out at first sight
+        for looked_at in (fractions[::COARSELY], fractions):    # a coarse check excludes most
             room = space.clearance_along(before[first], behind[second], looked_at)
             free = room >= self.drive_clearance
             first, second, room = first[free], second[free], room[free]
@@ -247,7 +247,7 @@ class Planner:
                 if not np.array_equal(place, end)]
 
     def _turnable_near(self, space: Space, end: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """(N, 2): `end`, then places to turn that a straight leads to, those nearest to `other`."""
+        """(N, 2): `end`, then places to turn that a straight reaches, those nearest to `other`."""
         if space.clearance_of(*end) < self.turn_clearance:
             return end[None]
         offsets = np.arange(-TURN_NEAR, TURN_NEAR + 1.0, self.floor.resolution)
@@ -276,7 +276,7 @@ class Planner:
 
 def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
               ) -> Tuple[Optional[np.ndarray], float]:
-    """Cells (N, 2) of the cheapest chain over a grid, None where there is none; and its cost."""
+    """Cells (N, 2) of the cheapest chain over a grid, or None; and its cost."""
     search = MCP_Geometric(cost)
     totals, _ = search.find_costs([first], [last])
     total = float(totals[last])

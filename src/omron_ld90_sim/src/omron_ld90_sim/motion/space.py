@@ -1,4 +1,4 @@
-"""The space around a robot: a floor, and what stands on it that is not on the map."""
+"""The space around a robot: a floor, and the obstacles on it that are not on the map."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 
-LOOK_STEP = 20.0        # mm between the points of a straight that are looked at
+LOOK_STEP = 20.0        # mm between the examined points of a straight
 
 
 @dataclass(frozen=True)
@@ -38,26 +38,26 @@ class Space:
         return clear
 
     def clearance_of(self, x: float, y: float) -> float:
-        """The same for one point."""
+        """The clearance of one point."""
         return float(self.clearance_at(np.array([[x, y]]))[0])
 
     def clearance_along(self, starts: np.ndarray, ends: np.ndarray, fractions: np.ndarray
                         ) -> np.ndarray:
-        """The least clearance (N,) at those fractions of each straight, from starts to ends (N, 2).
+        """The least clearance (N,) at these fractions of each straight from starts to ends (N, 2).
 
-        One start or end may stand for all.
+        A single start or end is used for all.
         """
         points = starts[:, None] + fractions[:, None] * (ends - starts)[:, None]
         return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)
 
     def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
-        """Whether `clearance` is kept all along the straight from a to b."""
+        """Whether the clearance is at least `clearance` all along the straight from a to b."""
         count = int(np.hypot(*(b - a)) / LOOK_STEP) + 2
         return bool(self.clearance_along(a[None], b[None], np.linspace(0.0, 1.0, count))[0]
                     >= clearance)
 
     def body_fits(self, pose: Pose, margin: float) -> bool:
-        """Whether the whole body, and `margin` mm around it, is free at `pose`."""
+        """Whether the whole body, with `margin` mm around it, is free at `pose`."""
         corners = self.floor.body.corners(pose)
         outline = np.concatenate([np.linspace(a, b, 15) for a, b in
                                   zip(corners, np.roll(corners, -1, axis=0))])

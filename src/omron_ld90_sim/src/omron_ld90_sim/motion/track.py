@@ -1,7 +1,7 @@
-"""Tracks: smooth lines with a speed for every place on them, and turns on the spot.
+"""Tracks: smooth lines with a speed for every place on them; and turns on the spot.
 
-The speed along a track is as fast as the limits allow: forward for the acceleration, backward for
-the deceleration, which towards the goal is a lower one.
+The speed along a track is the highest that the limits allow. The acceleration limits it forwards
+from the start, the deceleration backwards from the end; towards a goal the deceleration is lower.
 """
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ STRAIGHT_STEP = 100.0       # mm between samples
 
 @dataclass(frozen=True)
 class Turn:
-    """Turn on the spot to a heading (deg) at up to `rate` deg/s, the shorter way round.
+    """A turn on the spot to a heading (deg) at up to `rate` deg/s, in the shorter direction.
 
-    With `angle` (deg, left positive) it turns by so much instead, as often as it takes.
+    With `angle` (deg, left positive) it turns by that angle instead, even if it is more than a
+    whole turn.
     """
 
     heading: float
@@ -44,7 +45,7 @@ class Track:
         self.samples = samples = samples[keep]
         distances = np.concatenate([[0.0], np.cumsum(steps[steps > 1e-6])])
         self.length = float(distances[-1])
-        self.entry_fits = True      # whether the limits allow to begin at the entry speed
+        self.entry_fits = True      # whether the limits allow the entry speed
         self._s: List[float] = distances.tolist()
         self._v2 = self._profile(limits, distances, final, top_speed or limits.speed, entry_speed)
         self._rows: List[List[float]] = samples.tolist()
@@ -99,7 +100,7 @@ class Track:
         return self._rows[i][3] * (1 - u) + self._rows[i + 1][3] * u
 
     def cut(self, start: float, end: float) -> np.ndarray:
-        """The samples between two arc lengths, with new ones at both ends."""
+        """The samples between two arc lengths, with new samples at both ends."""
         inner = [row for s, row in zip(self._s, self._rows) if start + 1.0 < s < end - 1.0]
         return np.array([self._row_at(start), *inner, self._row_at(end)])
 
@@ -112,7 +113,7 @@ Manoeuvre = Union[Turn, Track]
 
 
 def straight(pose: Pose, distance: float) -> np.ndarray:
-    """Samples of a straight of `distance` mm from `pose`; backwards when negative."""
+    """Samples of a straight of `distance` mm from `pose`; backwards if negative."""
     direction = pose.theta if distance >= 0 else pose.theta + 180.0
     return line(np.array([pose.x, pose.y]), np.array([pose.ahead(distance).x,
                                                        pose.ahead(distance).y]),
@@ -121,14 +122,14 @@ def straight(pose: Pose, distance: float) -> np.ndarray:
 
 def straight_track(pose: Pose, distance: float, limits: Limits = LD90_LIMITS,
                    top_speed: Optional[float] = None) -> Track:
-    """A straight drive of `distance` mm; backwards when negative."""
+    """A straight drive of `distance` mm; backwards if negative."""
     fastest = limits.speed if distance >= 0 else limits.reverse_speed
     return Track(straight(pose, distance), limits, reverse=distance < 0,
                  top_speed=min(fastest, top_speed or fastest))
 
 
 def line(a: np.ndarray, b: np.ndarray, direction: float) -> np.ndarray:
-    """Samples of the straight from a to b, which lies in `direction` (rad)."""
+    """Samples of the straight from a to b, which has the direction `direction` (rad)."""
     count = int(np.hypot(*(b - a)) / STRAIGHT_STEP) + 2
     xy = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
     return np.column_stack([xy, np.full(count, direction), np.zeros(count)])

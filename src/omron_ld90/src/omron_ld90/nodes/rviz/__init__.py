@@ -1,1 +1,1 @@
-"""What RViz shows: markers and handles."""
+"""Markers and handles for RViz."""

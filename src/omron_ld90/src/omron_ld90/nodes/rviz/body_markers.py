@@ -1,7 +1,8 @@
-"""The robot's body as markers, out of its URDF: RViz's RobotModel keeps a body whose robot is gone.
+"""The robot's body as markers, made from its URDF.
 
-RobotModel goes by the last transform it knows, however old. Markers with a lifetime go away.
-The few shapes are read by hand: urdf_parser_py is part of Noetic, but not of Debian 12.
+RViz's RobotModel uses the last known transform, however old, so it keeps the body of a robot that
+is gone. Markers with a lifetime disappear. The few shapes are parsed here: urdf_parser_py is part
+of Noetic, but not of Debian 12.
 """
 from __future__ import annotations
 
@@ -14,14 +15,14 @@ from visualization_msgs.msg import Marker
 
 from omron_ld90.nodes.rviz import drawing
 
-PLAIN = drawing.colour(0.6, 0.6, 0.6)  # what names no material
+PLAIN = drawing.colour(0.6, 0.6, 0.6)  # for shapes without a material
 
 
 def body_markers(urdf: str) -> List[Marker]:
     """A marker for each visual, in the frame of its link, so that it follows the robot's TF.
 
-    Boxes and cylinders are drawn, as long as they are not turned in their link. Raises ParseError,
-    KeyError or ValueError where `urdf` is no XML, or lacks a measure.
+    Boxes and cylinders are drawn if they are not rotated in their link. Raises ParseError, KeyError
+    or ValueError if `urdf` is no XML, or lacks a dimension.
     """
     robot = ElementTree.fromstring(urdf)
     paints = {material.get('name', ''): ColorRGBA(*_numbers(colour.attrib['rgba']))

@@ -1,4 +1,4 @@
-"""Markers for RViz in a few words: a shape, where, how big, which colour."""
+"""Short functions that make markers for RViz: shape, position, size, colour."""
 from __future__ import annotations
 
 import math
@@ -15,7 +15,7 @@ from omron_ld90.nodes.rviz.fast_messages import FastMarkerArray, PointsMarker
 
 XY = Tuple[float, float]
 
-LAST_LETTER = 999  # code point; RViz's font ends there, with the Latin and Greek letters
+LAST_LETTER = 999  # code point of the last letter in RViz's font, which has Latin and Greek
 LONGEST_TEXT = 400  # characters
 _SUBSTITUTES = str.maketrans({
     '\u2018': "'", '\u2019': "'", '\u201c': '"', '\u201d': '"', '\u201e': '"',
@@ -24,13 +24,13 @@ _SUBSTITUTES = str.maketrans({
 
 
 def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
-    """A colour of parts in 0..1."""
+    """A colour with components in 0..1."""
     return ColorRGBA(red, green, blue, alpha)
 
 
 def shape(kind: int, frame: str, namespace: str, paint: ColorRGBA,
           size: Tuple[float, float, float], number: int = 0) -> Marker:
-    """A marker at the frame's origin; `size` is what `kind` takes `scale` for, in m."""
+    """A marker at the frame's origin; `size` in m has the meaning of `scale` for this `kind`."""
     marker = Marker(type=kind, ns=namespace, id=number, color=paint)
     marker.header.frame_id = frame
     marker.scale.x, marker.scale.y, marker.scale.z = size
@@ -40,9 +40,9 @@ def shape(kind: int, frame: str, namespace: str, paint: ColorRGBA,
 
 def text(frame: str, namespace: str, words: str, place: XY, height: float, paint: ColorRGBA,
          number: int = 0, z: float = 1.5) -> Marker:
-    """`words` that face the viewer, their middle at `place`; `height` of a capital letter in m.
+    """`words` that face the viewer, centred at `place`; `height` of a capital letter in m.
 
-    Letters that RViz does not have become others, see `drawable`.
+    Letters that RViz lacks are replaced, see `drawable`.
     """
     marker = shape(Marker.TEXT_VIEW_FACING, frame, namespace, paint, (0.0, 0.0, height), number)
     marker.text = drawable(words)
@@ -51,10 +51,10 @@ def text(frame: str, namespace: str, words: str, place: XY, height: float, paint
 
 
 def drawable(words: str) -> str:
-    """`words` in letters that RViz has, of bounded length.
+    """`words` in letters that RViz has, of limited length.
 
-    RViz draws nothing at all for a letter that its font lacks: so accents that it does not know
-    are left off, typographic signs become plain ones, and all else becomes `?`.
+    RViz draws no text at all if its font lacks a letter. So unknown accents are removed,
+    typographic signs become plain ones, and all other unknown letters become `?`.
     """
     drawn = ''.join(map(_drawable_letter, words[:LONGEST_TEXT + 1].translate(_SUBSTITUTES)))
     return drawn if len(drawn) <= LONGEST_TEXT else drawn[:LONGEST_TEXT] + ' ...'
@@ -70,13 +70,13 @@ def _drawable_letter(letter: str) -> str:
 
 
 def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
-    """A pose from a place on the floor, a direction and a height."""
+    """A pose from a position on the floor, a direction and a height."""
     return Pose(position=Point(place[0], place[1], z), orientation=quaternion_from_yaw(yaw))
 
 
 def many(kind: int, frame: str, namespace: str, paint: ColorRGBA,
          size: Tuple[float, float, float], places: np.ndarray, number: int = 0) -> PointsMarker:
-    """A marker of many `places` (N, 3) in m; without any it takes an older one away."""
+    """A marker of many `places` (N, 3) in m; if there are none, it deletes an older marker."""
     return PointsMarker(
         places, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
         scale=Vector3(*size), action=Marker.ADD if len(places) else Marker.DELETE,
@@ -104,7 +104,7 @@ def circle(centre: XY, radius: float, corners: int = 24) -> np.ndarray:
 def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
     """The triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
 
-    Counter-clockwise seen from above: RViz leaves the other side in the dark.
+    Counter-clockwise seen from above, because RViz does not light the other side.
     """
     along = length * np.array((math.cos(yaw), math.sin(yaw)))
     across = 0.5 * np.array((-along[1], along[0]))
@@ -113,5 +113,5 @@ def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
 
 
 def complete(markers: Iterable[Marker]) -> FastMarkerArray:
-    """All there is to see: what the display showed before is taken away first."""
+    """An array with all `markers` of a topic; it first deletes all older ones."""
     return FastMarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])

@@ -1,10 +1,10 @@
-"""Messages whose long arrays numpy writes.
+"""Messages whose long arrays are written by numpy.
 
-Why not plain messages: the 44,440 points of a real map take 120 ms to serialise as Point objects
-and 2 ms from an array, a grid of 2 million cells 50 ms and 0.2 ms, and a list of numbers needs
-eight times the memory: a node that shows a large map would stand still for seconds. On the wire
-nothing differs: each class here writes the same type, with its array in the place of the plain
-message's empty one.
+Plain messages are too slow: the 44,440 points of a real map take 120 ms to serialize as Point
+objects and 2 ms from an array. A grid of 2 million cells takes 50 ms and 0.2 ms. A list of numbers
+needs eight times the memory. A node that shows a large map would block for seconds. The bytes on
+the wire are the same: each class here writes the plain message's type, with its array in place of
+the empty one.
 """
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from nav_msgs.srv import GetMapResponse, LoadMapResponse
 from visualization_msgs.msg import Marker, MarkerArray
 
 _LENGTH = struct.Struct('<I')
-#: What follows the points of a marker without colours, text and mesh: three lengths and a bool.
+#: Bytes after the points of a marker without colours, text and mesh: three lengths and a bool.
 _AFTER_POINTS = 3 * _LENGTH.size + 1
 
 
 class PointsMarker(Marker):
-    """A marker whose points are `array` (N, 3), metres; `points`, `colors`, `text` stay empty."""
+    """A marker whose points are `array` (N, 3), m; `points`, `colors` and `text` stay empty."""
 
     def __init__(self, array: np.ndarray, **fields: object) -> None:
         super().__init__(**fields)
         self.array = np.ascontiguousarray(array, '<f8').reshape(-1, 3)
 
     def serialize(self, buff: io.BytesIO) -> None:
-        """Write the message to `buff`."""
+        """Writes the message to `buff`."""
         plain = io.BytesIO()
         super().serialize(plain)
         _write(buff, plain.getbuffer(), _AFTER_POINTS, self.array)
 
 
 class FastMarkerArray(MarkerArray):
-    """Markers of which any may be a PointsMarker: each writes itself."""
+    """An array of markers, any of which may be a PointsMarker; each serializes itself."""
 
     def serialize(self, buff: io.BytesIO) -> None:
-        """Write the message to `buff`."""
+        """Writes the message to `buff`."""
         buff.write(_LENGTH.pack(len(self.markers)))
         for marker in self.markers:
             marker.serialize(buff)
@@ -53,7 +53,7 @@ class GridMessage(OccupancyGrid):
         self.cells = np.ascontiguousarray(cells, np.int8)
 
     def serialize(self, buff: io.BytesIO) -> None:
-        """Write the message to `buff`."""
+        """Writes the message to `buff`."""
         plain = io.BytesIO()
         super().serialize(plain)
         _write(buff, plain.getbuffer(), 0, self.cells.reshape(-1, 1))
@@ -63,21 +63,21 @@ class GetGridResponse(GetMapResponse):
     """Answer of `static_map` whose `map` is a GridMessage."""
 
     def serialize(self, buff: io.BytesIO) -> None:
-        """Write the message to `buff`."""
+        """Writes the message to `buff`."""
         self.map.serialize(buff)
 
 
 class LoadGridResponse(LoadMapResponse):
-    """Answer of `change_map` whose `map` is a message that writes itself."""
+    """Answer of `change_map` whose `map` is a message that serializes itself."""
 
     def serialize(self, buff: io.BytesIO) -> None:
-        """Write the message to `buff`."""
+        """Writes the message to `buff`."""
         self.map.serialize(buff)
         buff.write(struct.pack('<B', self.result))
 
 
 def _write(buff: io.BytesIO, plain: memoryview, after: int, elements: np.ndarray) -> None:
-    """Write `plain` with `elements` put into the empty array `after` bytes before its end."""
+    """Writes `plain` with `elements` in place of the empty array `after` bytes before its end."""
     end = len(plain) - after
     buff.write(plain[:end - _LENGTH.size])
     buff.write(_LENGTH.pack(len(elements)))

@@ -1,7 +1,7 @@
-"""Handles in RViz: goals and docks that a left click drives to, with a menu on the right button.
+"""Handles in RViz: a left click drives to a goal or dock, the right button opens a menu.
 
-A robot handle stops it with one left click. The handles only report what was asked for; whether it
-is done is decided by their owner.
+A left click on the handle of the robot stops it. The handles only report the requested action;
+their owner decides whether it is carried out.
 """
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ HANDLE_COLOURS = {
     TargetKind.DOCK: drawing.colour(0.2, 0.75, 0.85, 0.4),
 }
 HANDLE_Z = 0.1  # m: above the square and the ring, so that the mouse finds the handle
-STOP_SIZE, STOP_Z = 1.1, 0.6  # wide: it moves
+STOP_SIZE, STOP_Z = 1.1, 0.6  # m: wide, because the robot moves
 STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.14)
 
 
 class Action(enum.Enum):
-    """What a handle can ask for; the value is the menu's text."""
+    """An action that a handle can request; the value is the text in the menu."""
 
     GO = 'Go here'
     DOCK = 'Dock'
@@ -54,8 +54,8 @@ class InteractiveGoals:
     """The handles of one robot, on `interactive_goals/update` and `/feedback`.
 
     `act(action, target)` is called once for each click or menu choice; `target` is None for the
-    robot's own handle. `size` (m, across) tells the handles of several robots apart: on each goal
-    the smaller ones lie on the larger ones.
+    robot's own handle. Handles of several robots differ in `size` (diameter, m): on each goal the
+    smaller ones lie on the larger ones.
     """
 
     def __init__(self, map_frame: str, base_frame: str, size: float,
@@ -67,7 +67,7 @@ class InteractiveGoals:
         self._menus: Dict[str, MenuHandler] = {}
 
     def show(self, targets: Iterable[Target]) -> None:
-        """Replace all handles by those of `targets`; the robot's handle stays as it is."""
+        """Replaces all handles by those of `targets`; the robot's handle stays as it is."""
         for name in [name for name in self._menus if name != ROBOT_HANDLE]:
             self._remove(name)
         height = HANDLE_Z * (1.0 + math.exp(-self._size))
@@ -81,7 +81,7 @@ class InteractiveGoals:
         self._server.applyChanges()
 
     def show_robot(self, visible: bool) -> None:
-        """Put the stop handle on the robot, or take it away."""
+        """Puts the stop handle on the robot, or removes it."""
         if visible == (ROBOT_HANDLE in self._menus):
             return
         if visible:
@@ -102,7 +102,7 @@ class InteractiveGoals:
         marker.controls.append(control)
 
         def on_feedback(feedback: InteractiveMarkerFeedback) -> None:
-            # One click also sends MOUSE_DOWN, MOUSE_UP and others: this event alone counts.
+            # One click also sends MOUSE_DOWN, MOUSE_UP and others: only this event counts.
             if feedback.event_type == InteractiveMarkerFeedback.BUTTON_CLICK:
                 self._act(left_click, target)
 

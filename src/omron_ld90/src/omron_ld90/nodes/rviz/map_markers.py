@@ -1,7 +1,7 @@
-"""RViz markers of a map and of the live laser: what they look like, and nothing else.
+"""RViz markers of a map and of the live laser: only their appearance.
 
 Each marker keeps its namespace and id, so that a newer one replaces it. An array begins with
-DELETEALL, because a late joiner gets only the last message. What belongs to the map has no stamp,
+DELETEALL, because a late subscriber gets only the last message. Markers of the map have no stamp,
 so that RViz need not find an old transform. Points and lines are drawn flat on the floor, in layers
 a few millimetres apart.
 """
@@ -29,7 +29,7 @@ ORANGE_EDGE = drawing.colour(1.0, 0.45, 0.0)
 VIOLET = drawing.colour(0.55, 0.3, 0.8)
 LIGHT_BLUE = drawing.colour(0.35, 0.75, 1.0)
 
-POINT_SIZE = 0.02  # m, for maps that have no pitch of their own
+POINT_SIZE = 0.02  # m, for maps without a pitch
 LINE_WIDTH = 0.05
 SQUARE = (0.3, 0.3, 0.02)
 ARROW = (0.5, 0.07, 0.07)
@@ -71,7 +71,7 @@ def docks(document: MapDocument, frame: str) -> Marker:
 
 
 def goal_names(document: MapDocument, frame: str) -> MarkerArray:
-    """The names of goals and docks, white, each ending left of its square, or of its arrow."""
+    """The names of goals and docks, white, each to the left of its square or its arrow."""
     names: List[Marker] = []
     for obj in document.goals + document.docks:
         if not obj.label:
@@ -85,7 +85,7 @@ def goal_names(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
-    """Which way the robot faces at goals with heading and at docks: black arrows."""
+    """The robot's heading at docks, and at goals that have one: black arrows."""
     arrows: List[Marker] = []
     for obj in document.goals + document.docks:
         if obj.has_heading:
@@ -129,7 +129,7 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
-    """What the laser sees at `places` (N, 2), m, light blue; gone after `lifetime` seconds."""
+    """The laser's hits at `places` (N, 2), m, light blue; removed after `lifetime` seconds."""
     marker = drawing.many(Marker.POINTS, header.frame_id, 'laser', LIGHT_BLUE,
                           (LASER_SIZE, LASER_SIZE, 0.0), drawing.at_height(places, LASER_Z))
     marker.header = header
@@ -140,7 +140,7 @@ def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
 def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
           size: Tuple[float, float, float], positions: np.ndarray, z: float,
           number: int = 0) -> PointsMarker:
-    """A marker of many `positions` (N, 2) in mm; without any it takes an older one away."""
+    """A marker of many `positions` (N, 2) in mm; if there are none, it deletes an older one."""
     places = drawing.at_height(positions / MM_PER_M, z)
     return drawing.many(kind, frame, namespace, paint, size, places, number)
 

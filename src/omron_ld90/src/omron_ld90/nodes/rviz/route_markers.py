@@ -1,7 +1,7 @@
-"""The trajectory graph and the route on it, as RViz draws them. Metres, in the map frame.
+"""Draws the trajectory graph and the route for RViz. Metres, in the map frame.
 
-However long a route is, each edge of the graph is drawn at most once per direction; however large
-a graph is, a curve has at most MAX_SAMPLES points.
+Each edge of the graph is drawn at most once per direction, however long a route is. A curve has at
+most MAX_SAMPLES points, however large a graph is.
 """
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner ones vanish on a small screen
 GRAPH_HEAD, ROUTE_HEAD = 0.25, 0.4  # m, arrowheads
 RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
-NAMED_WITHIN = 0.3  # m from a vertex: what stands there names it
+NAMED_WITHIN = 0.3  # m from a vertex within which a goal of the map shows the vertex's name
 GRAPH = drawing.colour(0.74, 0.68, 1.0)
 
 COMPLETE = drawing.colour(0.25, 0.75, 0.35)
 COMING = drawing.colour(0.30, 0.60, 1.0)
 FAILED = drawing.colour(1.0, 0.25, 0.2)
 CURRENT = drawing.colour(1.0, 0.85, 0.15)
-#: Of an edge that a route passes more than once, the last of these is what is seen.
+#: For an edge that a route passes more than once, the last of these is visible.
 _LAYERS = (COMPLETE, COMING, FAILED, CURRENT)
 
 
 class _Shape(NamedTuple):
-    """A signed edge as it is drawn: (N, 3) ends of segments and (3, 3) corners of an arrowhead."""
+    """The drawing of a signed edge: (N, 3) ends of segments, (3, 3) corners of an arrowhead."""
 
     segments: np.ndarray
     head: np.ndarray
 
 
 class GraphPicture:
-    """What is seen of one graph, and of routes on it; without a graph, nothing."""
+    """The markers of one graph and of routes on it; empty without a graph."""
 
     def __init__(self, graph: Optional[Graph], dock_vertex: int, frame: str) -> None:
         self._graph = graph
@@ -54,9 +54,9 @@ class GraphPicture:
     def graph_markers(self, named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
         """Edges as their curves with an arrowhead to the destination, vertices with their ids.
 
-        A vertex is a ring, an end vertex two, the dock three. `named` are the places (m) of the
-        map's goals and docks by name: where one of them shows a vertex's id already, it is not
-        drawn twice.
+        A vertex has one ring, an end vertex two, the dock three. `named`: the positions (m) of the
+        map's goals and docks by name. If one of them already shows a vertex's id, the id is not
+        drawn again.
         """
         if self._graph is None:
             return drawing.complete([])
@@ -83,10 +83,10 @@ class GraphPicture:
             self._lines('vertices', rings, GRAPH, EDGE_WIDTH, 0), *names])
 
     def route_markers(self, route: Sequence[EdgeProgress]) -> MarkerArray:
-        """The route's edges, each with an arrowhead the way it is driven.
+        """The route's edges, each with an arrowhead in the direction of driving.
 
-        Done ones are green, the current one (the first that is not complete) yellow, those to come
-        blue, failed ones red. Edges that the graph does not know are left out.
+        Completed edges are green, the current one (the first that is not complete) yellow, later
+        ones blue, failed ones red. Edges that are not in the graph are omitted.
         """
         graph = self._graph
         if graph is None:
@@ -113,7 +113,7 @@ class GraphPicture:
 
     def _edges(self, lines: str, heads: str, shapes: Sequence[_Shape], paint: ColorRGBA,
                width: float, number: int) -> List[Marker]:
-        """Two markers, of these namespaces, for many edges."""
+        """Two markers, with these namespaces, for many edges."""
         return [self._lines(lines, [shape.segments for shape in shapes], paint, width, number),
                 drawing.many(Marker.TRIANGLE_LIST, self._frame, heads, paint, (1.0, 1.0, 1.0),
                                 _joined(shape.head for shape in shapes), number)]

@@ -1,7 +1,7 @@
-"""The robot's state as RViz shows it: body, red arrow, destination, and a banner above the map.
+"""The robot's state for RViz: body, red arrow, destination, and a banner above the map.
 
-Everything lives for `LIFETIME` and is sent again before that, so that nothing stays behind when the
-robot, its link or this program is gone. Metres, in the map frame.
+All markers have the lifetime `LIFETIME` and are sent again before it ends. So nothing remains when
+the robot, its link or this program is gone. Metres, in the map frame.
 """
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ class Banner(NamedTuple):
 
 def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
            links: Sequence[LinkState], silence_limit: float) -> Banner:
-    """Name, battery, state and link of a robot in one line, and a reason when a link is not there.
+    """Name, battery, state and link of a robot in one line; also the reason if a link is down.
 
-    `silent_for` are the seconds since the last status.
+    `silent_for`: seconds since the last status.
     """
     broken = [link for link in links if link.state != LinkState.CONNECTED]
     parts, paint = [robot], WELL
@@ -79,7 +79,7 @@ def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
 
 
 def _doing(status: RobotStatus) -> str:
-    """The robot's words; at the dock, where they are a record of four fields, in short."""
+    """The robot's status text; at the dock, where it has four fields, a short form of it."""
     if status.activity in AT_THE_DOCK and status.docking_state:
         return f'{status.docking_state}, charger {status.charge_state}'
     return status.status
@@ -90,7 +90,7 @@ def status_markers(frame: str, words: Banner, banner_at: drawing.XY, pose: Optio
                    body: Sequence[Marker] = ()) -> MarkerArray:
     """The banner `words` at `banner_at`, and the robot at `pose`.
 
-    An `alive` robot is its body with an arrow, else a grey patch: last seen here.
+    A robot that is `alive` is shown as its body with an arrow, else as a grey box "last seen here".
     """
     markers = [drawing.text(frame, 'status', words.text, banner_at, 0.42, words.paint)]
     if pose is not None and alive:

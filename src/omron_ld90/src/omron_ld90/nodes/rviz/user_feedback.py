@@ -1,7 +1,7 @@
 """Sentences for the person at the screen: on a topic, in the log, and as text in RViz.
 
-The text stands where the person looks, at the goal that was clicked or at the robot, on a dark
-panel that keeps it readable, and within the map.
+The text is at the goal that was clicked, or at the robot, where the person looks. It is on a dark
+panel, which keeps it readable, and within the map.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from omron_ld90.nodes.rviz import drawing
 from omron_ld90.operator.notices import Notice, Severity
 
 TEXT_HEIGHT = 0.38  # m
-LINE_PITCH, CHARACTER_PITCH = 1.2, 0.48  # of the text's height
+LINE_PITCH, CHARACTER_PITCH = 1.2, 0.48  # in units of the text's height
 COLUMNS = 36  # characters in a line
 GAP = 0.5  # m between the place and the panel above it
 Z = 2.0  # m, above all else
@@ -42,7 +42,7 @@ class UserFeedback:
             'feedback_markers', MarkerArray, queue_size=10, tcp_nodelay=True)
 
     def stay_within(self, west: float, east: float) -> None:
-        """Keep the text between these x coordinates (m), as far as it fits."""
+        """Keeps the text between these x coordinates (m) if it fits."""
         self._west, self._east = west, east
 
     def say(self, severity: Severity, text: str,
@@ -52,7 +52,7 @@ class UserFeedback:
         self.show(Notice(severity, text), place)
 
     def show(self, notice: Notice, place: Optional[Tuple[float, float]] = None) -> None:
-        """Shows the notice at `place` (m, in the map), or where the robot was last."""
+        """Shows the notice at `place` (m, in the map), or at the robot's last position."""
         self._text.publish(notice.text)
         markers = self._draw(notice, place)
         for marker in markers:

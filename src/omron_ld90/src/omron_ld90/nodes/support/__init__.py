@@ -1,1 +1,1 @@
-"""What the nodes share: start, parameters, diagnostics, units, messages."""
+"""Code that the nodes share: clocks, queues, clicks, links, messages and parameters."""

@@ -1,4 +1,4 @@
-"""How long ago something was noted, regardless of the wall clock."""
+"""The age of a stored moment, independent of changes of the wall clock."""
 from __future__ import annotations
 
 import math
@@ -15,20 +15,20 @@ class Moment(NamedTuple):
 
     @classmethod
     def now(cls) -> Moment:
-        """This one."""
+        """The present moment."""
         return cls(_boot_id(), time.clock_gettime(time.CLOCK_BOOTTIME), time.time())
 
     @classmethod
     def read(cls, content: Dict[str, Any]) -> Moment:
-        """The one in `content`; raises KeyError, TypeError or ValueError."""
+        """The moment in `content`; raises KeyError, TypeError or ValueError."""
         return cls(str(content['boot']), float(content['since_boot']), float(content['time']))
 
     def content(self) -> Dict[str, Any]:
-        """As plain values."""
+        """The moment as plain values."""
         return {'boot': self.boot, 'since_boot': self.since_boot, 'time': self.wall}
 
     def age(self, now: Moment) -> float:
-        """Seconds since; of another boot by the wall clock, infinite where that was set back."""
+        """Seconds since then; after another boot by the wall clock, infinite if it was set back."""
         if self.boot == now.boot:
             return now.since_boot - self.since_boot
         return max(now.wall - self.wall, now.since_boot) if now.wall >= self.wall else math.inf

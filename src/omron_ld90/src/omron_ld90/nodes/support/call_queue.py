@@ -1,4 +1,4 @@
-"""Calls made in order by a thread of their own, so that their caller never waits."""
+"""Runs calls in order in a separate thread, so that the caller never waits."""
 from __future__ import annotations
 
 import queue
@@ -7,14 +7,14 @@ from typing import Callable, Optional
 
 import rospy
 
-_MAXIMUM_OPTIONAL = 1000  # calls waiting, beyond which optional ones are left out
+_MAXIMUM_OPTIONAL = 1000  # waiting calls, above which optional ones are dropped
 
 
 class CallQueue:
-    """Runs what `add` is given, one call after the other, until the process ends.
+    """Runs the calls that `add` gets, one after the other, until the process ends.
 
-    Meant for calls into actionlib and rospy from a thread that must not stand still: what they
-    lock and wait for holds up this queue only. A call that raises is logged, and the next one runs.
+    Use it for calls into actionlib and rospy from a thread that must not block: their locks and
+    waits hold up only this queue. If a call raises, that is logged, and the next call runs.
     """
 
     def __init__(self, name: str) -> None:
@@ -23,12 +23,12 @@ class CallQueue:
         self._thread.start()
 
     def add(self, call: Callable[[], object], optional: bool = False) -> None:
-        """Queues `call`; an `optional` one is left out where very many wait already."""
+        """Queues `call`; drops an `optional` one if very many are waiting."""
         if not optional or self._calls.qsize() < _MAXIMUM_OPTIONAL:
             self._calls.put(call)
 
     def close(self, timeout: float = 1.0) -> None:
-        """Runs what is queued, `timeout` seconds at most, and ends the thread."""
+        """Runs the queued calls, for at most `timeout` seconds, and ends the thread."""
         self._calls.put(None)
         self._thread.join(timeout)
 

@@ -1,4 +1,4 @@
-"""Whether a person's click in RViz may move the robot: not while a fleet drives it."""
+"""Decides whether a person's click in RViz may move the robot: not while a fleet drives it."""
 from __future__ import annotations
 
 import threading
@@ -11,17 +11,17 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, FleetRobot, FleetState
 from node_lifecycle import parameter
 from omron_ld90.operator.route_watch import RouteWatch
 
-SILENCE = 3.0  # s without /fleet_state after which no fleet manages the robot any more
+SILENCE = 3.0  # s without /fleet_state after which the robot counts as unmanaged
 WITH_A_PERSON = frozenset((FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                            FleetRobot.OUT_OF_SERVICE))
 """States in which the fleet manager waits for a person to bring the robot back."""
 
 
 class ClickRule:
-    """Knows the driver of the robot, by /fleet_state and by the routes that it reports.
+    """Knows from /fleet_state and from the reported routes whether a fleet drives the robot.
 
     robot          -- its name in the fleet: that of its namespace
-    allow_takeover -- clicks always may: a route ends as `taken over`
+    allow_takeover -- clicks are always allowed: a route then ends as `taken over`
     """
 
     def __init__(self, robot: str, allow_takeover: bool = False,
@@ -30,12 +30,12 @@ class ClickRule:
         self._allow_takeover = allow_takeover
         self._clock = clock
         self._lock = threading.Lock()
-        self._managed: Optional[float] = None  # when it was heard that a fleet manager does
+        self._managed: Optional[float] = None  # when a fleet manager last reported the robot
         self._routes = RouteWatch()
 
     @classmethod
     def of_this_node(cls) -> ClickRule:
-        """For the robot of the node's namespace, by `~allow_takeover`; listens from now on."""
+        """The rule for the robot of the node's namespace, by `~allow_takeover`; subscribes now."""
         rule = cls(rospy.get_namespace().strip('/'), parameter('~allow_takeover', False, bool))
         rospy.Subscriber('/fleet_state', FleetState, rule.on_fleet, queue_size=1)
         rospy.Subscriber('execution_route_states', ExecutionRouteStates, rule.on_route,
@@ -44,13 +44,13 @@ class ClickRule:
 
     @property
     def asks_for_missions(self) -> bool:
-        """Does a fleet manager manage the robot, so that clicks become missions?"""
+        """Whether a fleet manager manages the robot, so that clicks become missions."""
         with self._lock:
             return (not self._allow_takeover and self._managed is not None
                     and self._clock() - self._managed <= SILENCE)
 
     def refusal(self) -> Optional[str]:
-        """Why a click must not move the robot, and what to do instead; None where it may."""
+        """Why a click must not move the robot, and what to do instead; None if it may."""
         if self.asks_for_missions:
             return (f'Not sent: the fleet manager drives {self.robot}. Use "rosrun '
                     f'graph_fleet_manager mission VERTEX --robot {self.robot}", or "fleet out '
@@ -62,14 +62,14 @@ class ClickRule:
         return None
 
     def on_fleet(self, message: FleetState) -> None:
-        """What the fleet manager says of its robots."""
+        """Takes the fleet manager's report on its robots."""
         own = next((robot for robot in message.robots if robot.name == self.robot), None)
         is_managed = own is not None and own.state not in WITH_A_PERSON
         with self._lock:
             self._managed = self._clock() if is_managed else None
 
     def on_route(self, message: ExecutionRouteStates) -> None:
-        """What the robot says of its route."""
+        """Takes the robot's report on its route."""
         with self._lock:
             self._routes.update(message.route_id, [edge.state for edge in message.edge_states],
                                 self._clock())

@@ -1,4 +1,4 @@
-"""The places in a PointCloud2, from every maker."""
+"""Reads the points of a PointCloud2, in any valid layout."""
 from __future__ import annotations
 
 import numpy as np
@@ -8,14 +8,14 @@ MAX_POINTS = 100_000
 
 
 def places_in(cloud: PointCloud2) -> np.ndarray:
-    """(N, 2) x, y in the cloud's frame, m; without the points that have none.
+    """(N, 2) x, y in the cloud's frame, m; points that are not finite are omitted.
 
-    Raises ValueError, with a clause for people, for a cloud that is not laid out as it says, has no
-    float32 x and y, or more than MAX_POINTS points.
+    Raises ValueError, with a clause for a person, if the cloud does not have the layout that it
+    declares, has no float32 x and y, or has more than MAX_POINTS points.
     """
     count = cloud.width * cloud.height
     if count > MAX_POINTS:
-        raise ValueError(f'it has {count} points, and {MAX_POINTS} are the most')
+        raise ValueError(f'it has {count} points, but at most {MAX_POINTS} are accepted')
     offsets = {field.name: field.offset for field in cloud.fields
                if field.datatype == PointField.FLOAT32}
     if not {'x', 'y'} <= set(offsets):
@@ -23,7 +23,7 @@ def places_in(cloud: PointCloud2) -> np.ndarray:
     last = max(offsets['x'], offsets['y']) + 4
     if last > cloud.point_step or count * cloud.point_step > len(cloud.data) or (
             cloud.height > 1 and cloud.row_step != cloud.width * cloud.point_step):
-        raise ValueError('its data are not laid out as it says')
+        raise ValueError('its data do not have the layout that it declares')
     order = '>f4' if cloud.is_bigendian else '<f4'
     layout = np.dtype({'names': ['x', 'y'], 'formats': [order, order],
                        'offsets': [offsets['x'], offsets['y']], 'itemsize': cloud.point_step})

@@ -1,7 +1,7 @@
-"""Commands given to the controller by its action `execute_command`, each to its end.
+"""Gives commands to the controller by its action `execute_command`, and reports their ends.
 
-For callers that want a command done and its outcome. actionlib calls back with its own lock held;
-here callbacks come from a thread of their own, so that they may take locks and give commands.
+For callers that need the outcome of a command. actionlib calls back while it holds its own lock.
+Here a separate thread calls back, so that callbacks may take locks and give commands.
 """
 from __future__ import annotations
 
@@ -22,37 +22,37 @@ from omron_ld90_msgs.msg import (
 
 _LOSSES = {
     Loss.SERVER: 'omron_controller is gone',
-    Loss.GOAL: 'omron_controller did not hear the command',
-    Loss.RESULT: 'the result of omron_controller did not come'}
+    Loss.GOAL: 'omron_controller did not receive the command',
+    Loss.RESULT: 'the result of omron_controller did not arrive'}
 
 OnEnd = Callable[[int, ExecuteCommandResult], None]
 OnLine = Callable[[int, str], None]
 
 
 class CommandClient:
-    """Gives commands, and tells how each ends, exactly once: LOST where the controller is gone."""
+    """Gives commands, and reports each end exactly once: LOST if the controller is gone."""
 
     def __init__(self, on_end: OnEnd, on_line: Optional[OnLine] = None) -> None:
-        """`on_end` and `on_line` (a line of the robot that belongs to it) get the number given."""
+        """`on_end` and `on_line` (for a line of the robot) get the number of the command."""
         self._on_end = on_end
         self._on_line = on_line
-        self._lock = threading.Lock()  # guards _open; not held while others are called
-        self._open: Dict[int, Optional[GoalWatch]] = {}  # None: it is being sent
+        self._lock = threading.Lock()  # guards _open; not held during callbacks
+        self._open: Dict[int, Optional[GoalWatch]] = {}  # None: the command is being sent
         self._callbacks = CallQueue('execute_command')
         self._client = actionlib.ActionClient('execute_command', ExecuteCommandAction)
         self._server = ServerWatch(self._client)
 
     @property
     def controller_is_there(self) -> bool:
-        """Whether a command would reach the controller, and its end would be heard."""
+        """Whether a command would reach the controller, and its result would come back."""
         client = self._client
         return all(end.get_num_connections() > 0
                    for end in (client.pub_goal, client.status_sub, client.result_sub))
 
     def give(self, number: int, command: str, known_epoch: int = 0) -> None:
-        """Gives an ARCL command; `number` is its name in the callbacks, used once.
+        """Gives an ARCL command; `number` identifies it in the callbacks, and is used once.
 
-        known_epoch: of the motion in which it makes sense; 0 for a person's, which always does.
+        known_epoch: the epoch in which it is valid; 0 for a person's command, valid in any epoch.
         """
         with self._lock:
             self._open[number] = None
@@ -70,10 +70,10 @@ class CommandClient:
                 self._open[number] = GoalWatch(self._server, handle)
 
     def check(self) -> None:
-        """Ends what the controller will not end; to be called several times a second.
+        """Ends commands that the controller will not end; to be called several times a second.
 
-        That is everything once it is gone, and what got lost on its way: a goal to one that has
-        just started, or a result.
+        Those are all commands once the controller is gone, and commands that were lost: a goal sent
+        to a controller that has just started, or a result.
         """
         self._server.look()
         with self._lock:
@@ -108,9 +108,9 @@ class CommandClient:
 
 
 def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:
-    """How a command ended, of a goal that is done.
+    """The result of a command whose goal is done.
 
-    actionlib itself ends a goal that was cancelled before it came, with an empty result.
+    If a goal was cancelled before it arrived, actionlib itself ends it, with an empty result.
     """
     result = handle.get_result()
     text = handle.get_goal_status_text()

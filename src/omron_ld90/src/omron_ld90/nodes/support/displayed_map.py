@@ -1,4 +1,4 @@
-"""The map on display, for nodes that draw on it or take clicks on it.
+"""Follows the map on display, for nodes that draw on it or accept clicks on it.
 
 Subscribes
     map_file (std_msgs/String, latched): path of the map that `map_visualisation` shows
@@ -14,15 +14,15 @@ from omron_ld90.nodes.support.callers import caller_of
 from omron_map import MapDocument, MapError
 
 SHOWN_BY = 'map_visualisation'
-STRANGERS_TOLD = 60.0  # s between two words about them
+STRANGERS_TOLD = 60.0  # s between two log lines about them
 
 
 class DisplayedMap:
-    """Calls `on_map(document, path)` for every map that is displayed, or displayed anew.
+    """Calls `on_map(document, path)` each time a map is displayed or loaded again.
 
-    `document` is None where no map is displayed, or its file cannot be read; `without` says, for
-    people, what is missing then. Only the node `map_visualisation` of the same namespace is
-    believed: the path of another publisher would make this node read, and tell of, any file.
+    `document` is None if no map is displayed, or its file cannot be read; `without` then says, for
+    a person, what is missing. Only messages of the node `map_visualisation` in the same namespace
+    are accepted: the path of another publisher could make this node read and reveal any file.
     `on_map` runs in a thread of the subscriber, and must take its own locks.
     """
 
@@ -32,11 +32,11 @@ class DisplayedMap:
         self._shown_by = rospy.resolve_name(SHOWN_BY)
 
     def subscribe(self) -> rospy.Subscriber:
-        """Follow `map_file` from now on."""
+        """Follows `map_file` from now on."""
         return rospy.Subscriber('map_file', String, self.take, queue_size=1, tcp_nodelay=True)
 
     def take(self, message: String) -> None:
-        """Load what a message of `map_file` names."""
+        """Loads the map that a message of `map_file` names."""
         sender = caller_of(message)
         if sender != self._shown_by:
             rospy.logwarn_throttle(

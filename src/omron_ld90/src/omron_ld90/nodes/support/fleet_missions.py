@@ -1,4 +1,4 @@
-"""Clicks on a robot that a fleet manager manages become missions."""
+"""Turns clicks on a robot that a fleet manager manages into missions."""
 from __future__ import annotations
 
 import random
@@ -12,7 +12,7 @@ from itrci_nav_msgs.srv import GetMissionStatus
 from omron_ld90.operator.goal_clicks import Target
 from omron_ld90.operator.notices import Notice, Severity
 
-SILENCE = 10.0  # s without news of a mission after which the fleet manager is asked
+SILENCE = 10.0  # s without news of a mission after which the fleet manager is queried
 
 _ENDINGS = {
     MissionStatus.SUCCEEDED: (Severity.GOOD, 'has succeeded'),
@@ -24,10 +24,10 @@ Tell = Callable[[Notice, Optional[Target]], None]
 
 
 class FleetMissions:
-    """Sends missions to a robot, and hears what becomes of them.
+    """Sends missions to a robot, and reports how they end.
 
     robot -- its name in the fleet: that of its namespace
-    tell  -- is called with what became of a mission, and the target that it was for
+    tell  -- called with the end of a mission, and the target of the mission
     """
 
     def __init__(self, robot: str, tell: Tell) -> None:
@@ -35,15 +35,15 @@ class FleetMissions:
         self._tell = tell
         self._sent: Dict[int, Target] = {}
         self._heard: Dict[int, float] = {}
-        """When each of them was sent, or there was news of it."""
+        """When each mission was sent, or the last news of it came."""
         self._stored = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=10)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
 
     def send(self, target: Target) -> Notice:
-        """Sends the robot to the vertex that `target` is named after; tells that, or why not."""
+        """Sends the robot to the vertex that `target` names; returns a message about it."""
         if not self._requests.get_num_connections():
-            return Notice(Severity.BAD, 'Not sent: no node takes missions. Is path_supervisor '
+            return Notice(Severity.BAD, 'Not sent: no node accepts missions. Is path_supervisor '
                                         'running?')
         request = MissionRequest(request_id=random.randint(1, 2 ** 31 - 1), robot=self._robot,
                                  destination_vertices_id=[int(target.name)])
@@ -55,14 +55,14 @@ class FleetMissions:
                                      f'{request.request_id} ...')
 
     def ask(self) -> None:
-        """Asks about missions without news: their end may have been missed. It may wait."""
+        """Queries missions without news: their end may have been missed. This call may block."""
         silent = time.monotonic() - SILENCE
         for id, heard in list(self._heard.items()):
             if heard > silent or id not in self._sent:
                 continue
             try:
                 answer = self._stored(id, rospy.Time())
-            except rospy.ServiceException:  # it is being restarted: it is asked again
+            except rospy.ServiceException:  # it is being restarted: the next call queries it again
                 continue
             if answer.found:
                 self._on_status(answer.status)

@@ -1,4 +1,4 @@
-"""JSON files in which a node keeps what must outlive its process."""
+"""JSON files with the data that a node must keep longer than its process lives."""
 from __future__ import annotations
 
 import fcntl
@@ -12,19 +12,19 @@ import rospkg
 from file_replacement import replace_file
 from node_lifecycle import ConfigurationError
 
-PATIENCE = 4.0  # s in which the node that this one replaces has ended
+PATIENCE = 4.0  # s in which the node that this one replaces must have ended
 
 
 def in_ros_home(path: str) -> str:
-    """Where a file lies: a relative path begins in ROS_HOME; an empty one means none."""
+    """The path of a file: a relative path begins in ROS_HOME; an empty one means no file."""
     return os.path.join(rospkg.get_ros_home(), path) if path else ''
 
 
 def hold(path: str, parameter: str) -> None:
-    """Keeps a file for this process until its end, by a locked one beside it.
+    """Reserves a file for this process until its end, with a lock file beside it.
 
-    Raises ConfigurationError where another process holds it. Where nothing can be written or
-    locked, nothing is held: to keep nothing is no reason not to drive.
+    Raises ConfigurationError if another process has it. If nothing can be written or locked,
+    nothing is reserved: a node without a stored memory can still drive.
     """
     if not path:
         return
@@ -53,9 +53,10 @@ def _lock(descriptor: int, given_up: threading.Event) -> None:
 
 
 def replace_json(path: str, content: Any) -> None:
-    """Writes a file that is complete at any time; raises OSError.
+    """Writes a file such that it is complete at any time; raises OSError.
 
-    It is not forced to the disk: it must outlive the process, and nothing may wait for a disk.
+    The file is not forced to the disk: it must outlive the process only, and the node must not wait
+    for a disk.
     """
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     replace_file(path, json.dumps(content), on_disk=False)

@@ -1,8 +1,8 @@
-"""Tells what a link does: latched on `link_state`, in /diagnostics, and in the log when it changes.
+"""Reports the state of a link: latched on `link_state`, in /diagnostics, and in the log.
 
 Topics out:
-  link_state (omron_ld90_msgs/LinkState, latched): one message per link, again every second, so
-      that others know that the node is alive
+  link_state (omron_ld90_msgs/LinkState, latched): one message per link, repeated every second to
+      show that the node is alive
 """
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTE
 
 
 def words_of(state: int) -> str:
-    """A LinkState's `state`, for people."""
+    """A LinkState's `state` in words."""
     return _WORDS.get(state, f'state {state}')
 
 
 def robot_host() -> str:
-    """`~robot_ip`: a name or an address; raises ConfigurationError for what can be neither."""
+    """`~robot_ip`: a name or an address; raises ConfigurationError if it can be neither."""
     host = parameter('~robot_ip')
     if not is_host(host):
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~robot_ip")} is '
@@ -47,8 +47,10 @@ def robot_host() -> str:
 
 
 def session_log() -> Optional[SessionLog]:
-    """The file that `~session_log` names, of `~session_log_size` MB; None for ''. Raises
-    ConfigurationError."""
+    """The session log in the file `~session_log`, of `~session_log_size` MB; None for ''.
+
+    Raises ConfigurationError.
+    """
     path, size = parameter('~session_log', ''), number('~session_log_size', 50.0, 0.1)
     try:
         return SessionLog(path, round(size * 1e6)) if path else None
@@ -58,7 +60,7 @@ def session_log() -> Optional[SessionLog]:
 
 
 def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
-    """For `node_lifecycle.run`: publishes once on `link_state` why `link` will not come about."""
+    """For `node_lifecycle.run`: publishes once on `link_state` why `link` cannot be set up."""
     def tell(reason: str) -> rospy.Publisher:
         publisher = _publisher()
         message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)
@@ -73,13 +75,13 @@ def _publisher() -> rospy.Publisher:
 
 
 class LinkReporter:
-    """Give `report` as on_link, and call `line` for every line received."""
+    """Reports one link: pass `report` as on_link, and call `line` for every received line."""
 
     def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
         self._name = name
         self._log = log
         self._publisher = _publisher()
-        self._lock = threading.Lock()  # guards _message, so that no old one follows a newer one
+        self._lock = threading.Lock()  # guards _message, so that no old message follows a new one
         self._message: Optional[LinkState] = None
         self._link: Optional[Link] = None
         self._last_reported: Optional[Link] = None
@@ -92,7 +94,7 @@ class LinkReporter:
         rospy.on_shutdown(timer.shutdown)
 
     def line(self) -> None:
-        """A line came."""
+        """Counts a received line."""
         self._last_line = time.monotonic()
         self._lines += 1
 
@@ -102,7 +104,7 @@ class LinkReporter:
                 self._publisher.publish(self._message)
 
     def report(self, link: Link) -> None:
-        """The link changed."""
+        """Takes and publishes a change of the link."""
         if self._link is None or link.phase is not self._link.phase:
             self._since = rospy.Time.now()
         self._link = link
@@ -117,9 +119,9 @@ class LinkReporter:
         if link.phase in _LASTING and link != self._last_reported:
             self._last_reported = link
             if link.connected:
-                rospy.loginfo('Link "%s" to %s stands.', self._name, link.peer)
-            elif rospy.core.is_shutdown_requested():  # is_shutdown() comes after our last words
-                rospy.loginfo('Link "%s" to %s is closed, as this node ends.', self._name,
+                rospy.loginfo('Link "%s" to %s is up.', self._name, link.peer)
+            elif rospy.core.is_shutdown_requested():  # is_shutdown() is still False here
+                rospy.loginfo('Link "%s" to %s is closed, because this node ends.', self._name,
                               link.peer)
             else:
                 warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')

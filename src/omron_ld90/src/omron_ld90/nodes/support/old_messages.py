@@ -1,4 +1,4 @@
-"""Which commands, goals and clicks are too old to be carried out."""
+"""Decides which commands, goals and clicks are too old to be carried out."""
 from __future__ import annotations
 
 import threading
@@ -12,29 +12,29 @@ import rospy
 from omron_ld90.nodes.support.callers import header_of, process_of
 
 LATCHED = ('It was published before this node started, or before its connection came back, and is '
-           'not carried out late: give it again.')
-WAITED = ('It waited while this node stood still, and is not carried out late: give it '
+           'not carried out late: send it again.')
+WAITED = ('It waited while this node was suspended, and is not carried out late: send it '
           'again.')
-STANDSTILL = 2.5  # s in which the process did nothing at all
-WAITED_WITHIN = 1.0  # s afterwards in which what waited meanwhile comes
+STANDSTILL = 2.5  # s without any activity after which the process counts as suspended
+WAITED_WITHIN = 1.0  # s afterwards in which messages that waited may still arrive
 _MOST_PUBLISHERS = 1000
 
 
 class _Connection(NamedTuple):
-    """The last one of a publisher that latches; `header` is an object of its own for each."""
+    """The last connection of a latching publisher; each has its own `header` object."""
 
     header: Dict[str, str]
     process: str
 
 
 class OldMessages:
-    """Tells which commands and goals are too old to be carried out.
+    """Decides which commands and goals are too old to be carried out.
 
-    A publisher that latches gives its last message with every new connection. To carry that out
-    after a restart of this node, or after a break of the connection, would be to repeat a motion
-    by itself. So the first message of such a connection is old, unless its publisher is new, too.
-    And what waited while this process stood still (suspended, or starved) was meant for another
-    moment.
+    A latching publisher sends its last message over every new connection. To carry that out after a
+    restart of this node, or after a break of the connection, would repeat a motion. So the first
+    message of such a connection is old, unless its publisher is also new. Messages that waited
+    while this process was suspended, or got no processor time, were meant for another moment and
+    are also old.
     """
 
     def __init__(self, publishers: Callable[[str], Iterable[str]],
@@ -49,17 +49,16 @@ class OldMessages:
         self._waited_until = 0.0
 
     def start(self) -> OldMessages:
-        """Begins to notice when the process stands still."""
+        """Begins to check whether the process is suspended."""
         threading.Thread(target=self._run, name='standstill', daemon=True).start()
         return self
 
     def watch(self, topic: str) -> None:
-        """Notes the publishers that `topic` has already; to be called before it is subscribed
-        to."""
+        """Notes the publishers that `topic` already has; call it before subscribing."""
         self._earlier[topic] = set(self._publishers(topic))
 
     def reason(self, message: rospy.Message, topic: str, is_stop: bool = False) -> Optional[str]:
-        """Why a message is too old; None where it is not. A stop never waited too long."""
+        """Why a message is too old; None if it is not. A stop that waited is never too old."""
         now = self._clock()
         self.tick(now)
         if self.comes_again(message, topic):
@@ -67,7 +66,7 @@ class OldMessages:
         return WAITED if now < self._waited_until and not is_stop else None
 
     def comes_again(self, message: rospy.Message, topic: str) -> bool:
-        """Whether a connection begins with it, to a publisher that latches and was there before."""
+        """Whether it is the first message of a connection to a latching publisher known before."""
         header = header_of(message)
         if header.get('latching') != '1':
             return False
@@ -86,7 +85,7 @@ class OldMessages:
         return was_there
 
     def tick(self, now: float) -> None:
-        """It is `now`; called often, unless the process stands still."""
+        """Passes the time `now`; called often, unless the process is suspended."""
         if now - self._ticked > STANDSTILL:
             self._waited_until = now + WAITED_WITHIN
         self._ticked = now
@@ -98,7 +97,7 @@ class OldMessages:
 
 
 def publishers_by_master(topic: str) -> Iterable[str]:
-    """The nodes that publish `topic`, by the ROS master."""
+    """The nodes that publish `topic`, from the ROS master."""
     resolved = rospy.resolve_name(topic)
     published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     return [node for name, nodes in published if name == resolved for node in nodes]

@@ -1,4 +1,4 @@
-"""Poses between the robot's units (mm, degrees) and those of ROS (m, rad; REP 103)."""
+"""Converts poses between the robot's units (mm, degrees) and those of ROS (m, rad; REP 103)."""
 from __future__ import annotations
 
 import math
@@ -9,12 +9,12 @@ from geometry_msgs.msg import Pose, Transform
 from node_lifecycle.headings import quaternion_from_yaw, yaw_from_quaternion
 from omron_ld90.units import metres, millimetres
 
-FARTHEST = metres(2 ** 31)  # m from the map's origin: ARCL and maps hold 32 bits of mm
+FARTHEST = metres(2 ** 31)  # m from the map's origin: ARCL and maps use 32 bits for mm
 UNIT_TOLERANCE = 0.01  # of the square of a quaternion's length
 
 
 def is_plausible(pose: Pose) -> bool:
-    """Can a robot be there? Not at NaN, nor farther away than ARCL and maps can say."""
+    """Whether a robot can be there: not at NaN, nor beyond the range of ARCL and maps."""
     place, turn = pose.position, pose.orientation
     norm = turn.x ** 2 + turn.y ** 2 + turn.z ** 2 + turn.w ** 2
     return all(abs(value) <= FARTHEST for value in (place.x, place.y, place.z)) and (
@@ -31,7 +31,7 @@ def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:
 
 
 def pose_to_robot(pose: Pose) -> Tuple[int, int, int]:
-    """x, y (mm) and heading (degrees, -180..180) as ARCL takes them, of a pose in `map`."""
+    """x, y (mm) and heading (degrees, -180..180) in the form of ARCL, for a pose in `map`."""
     heading = math.degrees(yaw_from_quaternion(pose.orientation))
     return millimetres(pose.position.x), millimetres(pose.position.y), int(round(heading))
 

@@ -1,4 +1,4 @@
-"""Messages made of what a robot says: lines byte for byte, and numbers that may not fit."""
+"""Messages from a robot's lines: lines byte for byte, and numbers that may not fit."""
 from __future__ import annotations
 
 import struct
@@ -14,7 +14,7 @@ _UNSERIALISABLE = (genpy.SerializationError, struct.error, ArithmeticError, Type
 
 
 class LineMessage(String):
-    """A String whose `data` is bytes. ROS strings are bytes; only rospy's own type wants UTF-8."""
+    """A String whose `data` are bytes. ROS strings are bytes; only rospy's own type needs UTF-8."""
 
     def serialize(self, buff: BytesIO) -> None:
         """Writes length and bytes."""
@@ -23,10 +23,10 @@ class LineMessage(String):
 
 
 def publish_checked(publisher: rospy.Publisher, message: genpy.Message) -> bool:
-    """Publishes a message that can be serialised; drops any other, and logs that. Whether it was.
+    """Publishes a message that can be serialized; drops and logs any other. Returns whether it did.
 
-    rospy would leave half of a message that cannot be serialised in the topic's buffer. The next
-    one then reaches no subscriber, for every subscriber drops the connection.
+    rospy would leave a part of a message that cannot be serialized in the topic's buffer. Then the
+    next message reaches no subscriber, because every subscriber drops the connection.
     """
     try:
         message.serialize(BytesIO())

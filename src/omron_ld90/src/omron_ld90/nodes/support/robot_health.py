@@ -19,20 +19,20 @@ from omron_arcl.replies import (
     StatusText,
 )
 
-LOW_CHARGE = 25.0  # %, where the robot's auto-dock begins by default
-EMPTY_CHARGE = 10.0  # %, where the robot itself warns
+LOW_CHARGE = 25.0  # %, at which the robot's auto-dock begins by default
+EMPTY_CHARGE = 10.0  # %, at which the robot itself warns
 LOW_SCORE = 0.2
 OLD = 10.0  # s
 
 
 class RobotHealth:
-    """Keeps the last word on each matter; `observe` every reply."""
+    """Keeps the last value of each condition; call `observe` with every reply."""
 
     def __init__(self) -> None:
         self.forget()
 
     def forget(self) -> None:
-        """Nothing is known, as in the beginning and after the link broke."""
+        """Resets all values to unknown, as at the start and after the link broke."""
         self._observed: Optional[float] = None
         self._status = ''
         self._lost = False
@@ -44,7 +44,7 @@ class RobotHealth:
         self._faults: Dict[str, Fault] = {}
 
     def observe(self, reply: Reply) -> None:
-        """Takes what a line tells of the robot's condition."""
+        """Takes the robot's condition from a reply."""
         if isinstance(reply, OneLineStatus):
             self._observe_status(reply.status)
             for part in (reply.state_of_charge, reply.localization_score):
@@ -82,10 +82,10 @@ class RobotHealth:
             self.observe(activity.reply)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Task for diagnostic_updater: the worst of all."""
+        """Task for diagnostic_updater: the worst of all conditions."""
         status.summary(DiagnosticStatus.OK, self._status or 'well')
         if self._observed is None or time.monotonic() - self._observed > OLD:
-            status.summary(DiagnosticStatus.STALE, 'nothing heard of the robot')
+            status.summary(DiagnosticStatus.STALE, 'no recent line from the robot')
             return status
         for bad, level, message in (
                 (self._emergency_stop, DiagnosticStatus.ERROR, 'emergency stop'),

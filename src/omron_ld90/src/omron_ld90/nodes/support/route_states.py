@@ -1,7 +1,7 @@
-"""The state of every edge of a route, read as one array, however long the route is.
+"""Reads the states of all edges of a route as one array, for routes of any length.
 
-Routes come ten times a second; 10,000 edges as objects would take a core for that, and a forged
-report of a million some hundred megabytes.
+Routes are reported ten times a second. 10,000 edges as objects would take a whole core for that,
+and a forged report of a million edges some hundred megabytes.
 """
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _FRAME_ID, _ROUTE_ID = 12, 4  # bytes: where the header's frame_id begins; lengt
 class RouteStates(ExecutionRouteStates):
     """The same message with its edges in `edges`, an array of EDGE; `edge_states` stays empty.
 
-    A report of more than MAX_EDGES edges has none, and is `too_long`.
+    A report of more than MAX_EDGES edges has no `edges`, and is `too_long`.
     """
 
     edges = _NONE
     too_long = False
 
     def deserialize(self, str: bytes) -> RouteStates:  # noqa: A002  genpy's name
-        """Read the message."""
+        """Reads the message."""
         frame_id, = _LENGTH.unpack_from(str, _FRAME_ID)
         before = _FRAME_ID + _LENGTH.size + frame_id + _ROUTE_ID
         count, = _LENGTH.unpack_from(str, before)

@@ -1,4 +1,4 @@
-"""Parameters that mean the same in several nodes."""
+"""Parameters that have the same meaning in several nodes."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -25,7 +25,7 @@ def _frame_of_robot(link: str) -> str:
 
 
 def trajectory_graph() -> Optional[Graph]:
-    """The graph in `~graph_file`, None where that is empty; raises ConfigurationError."""
+    """The graph in `~graph_file`, None if that is empty; raises ConfigurationError."""
     file = parameter('~graph_file', '')
     try:
         return load_graph(file) if file else None
@@ -34,6 +34,6 @@ def trajectory_graph() -> Optional[Graph]:
 
 
 def map_sources() -> Tuple[str, ...]:
-    """The files that `~map_file` is made from and waited for; none where `~base_map` is empty."""
+    """The source files of `~map_file`, for which a node waits; none if `~base_map` is empty."""
     base_map = parameter('~base_map', '')
     return (base_map, parameter('~graph_file', '')) if base_map else ()

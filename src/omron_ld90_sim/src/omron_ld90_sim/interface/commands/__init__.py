@@ -2,8 +2,8 @@
 
 Importing this package fills `TABLE`.
 
-What no source tells (docs/explanation/sources.md) is not here: the server answers
-`Unknown command`.
+Commands that no source describes (docs/explanation/sources.md) are not implemented: the server
+answers `Unknown command`.
 """
 from omron_ld90_sim.interface.commands import (
     application_faults,

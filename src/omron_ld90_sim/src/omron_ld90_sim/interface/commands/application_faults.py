@@ -1,4 +1,4 @@
-"""Application faults: an application tells the robot that something is wrong."""
+"""Application faults: an application reports an error to the robot."""
 from __future__ import annotations
 
 from omron_ld90_sim.behaviour import instant_tasks
@@ -21,7 +21,7 @@ def application_fault_set(call: Call) -> None:
 
 @command('applicationFaultClear', 'Clears an application fault', '<name>', 1, 'afc')
 def application_fault_clear(call: Call) -> None:
-    """Takes a fault back."""
+    """Clears a fault."""
     name = call.arguments[0]
     if not instant_tasks.clear_fault(call.robot, name):
         raise CommandFailed(f"No application fault '{name}'")
@@ -39,7 +39,7 @@ def application_fault_query(call: Call) -> None:
 
 @command('faultsGet', 'Gets the list of any faults currently triggered', shortcut='fg')
 def faults_get(call: Call) -> None:
-    """Lists all faults; the simulated robot knows those of applications."""
+    """Lists all faults; the simulated robot only has those of applications."""
     for fault in call.robot.equipment.faults.values():
         call.reply(f'FaultList: {fault}')
     call.reply('End of FaultList')

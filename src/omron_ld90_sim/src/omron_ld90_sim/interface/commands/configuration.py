@@ -1,4 +1,4 @@
-"""Commands that read and change the robot's configuration; every one needs `ArclConfig`."""
+"""Commands that read and change the robot's configuration; all of them need `ArclConfig`."""
 from __future__ import annotations
 
 from functools import wraps
@@ -27,7 +27,7 @@ from omron_ld90_sim.interface.configuration_table import FILES, SERVER
 
 NOT_STARTED = 'You need to start a config before you can {} it.'
 MAP = (FILES, 'Map')
-LOOK_EVERY = 0.1        # s between looks whether the robot is idle
+LOOK_EVERY = 0.1        # s between checks whether the robot is idle
 TYPES = {'integer': WHOLE, 'int': WHOLE, 'double': REAL, 'string': TEXT, 'boolean': FLAG,
          'bool': FLAG, 'separator': SEPARATOR}      # the words of newConfigParam
 
@@ -44,7 +44,7 @@ def _gated(handler: Handler) -> Handler:
 
 
 def _section(call: Call) -> Section:
-    """The section that the command names; case matters, and quotes are not taken off."""
+    """The section that the command names; case matters, and quotes are not removed."""
     name = call.rest.strip()
     section = call.server.configuration.sections.get(name)
     if section is None:
@@ -69,7 +69,7 @@ def section_list(call: Call) -> None:
 @command('getConfigSectionValues', 'Gets the values in a section of the config', '<section>', 1)
 @_gated
 def section_values(call: Call) -> None:
-    """Lists the values of one section; an empty one keeps its blank, clients split there."""
+    """Lists the values of one section; an empty one keeps the blank at which clients split."""
     for parameter in _section(call).parameters:
         call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}')
     call.reply('EndOfGetConfigSectionValues')
@@ -109,7 +109,7 @@ def config_add(call: Call) -> None:
          'Parses the imported config values and terminates the configStart command.')
 @_gated
 def config_parse(call: Call) -> None:
-    """Makes the changes, all of them or none, as soon as the robot is idle."""
+    """Makes all changes or none, as soon as the robot is idle."""
     result = call.server.configuration.finish_import()
     if result is None:
         raise SetUpError(NOT_STARTED.format('parse'))
@@ -122,7 +122,7 @@ def config_parse(call: Call) -> None:
 
 
 def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
-    """Changes wait until the robot does nothing and stands (ARCL manual I617-E-02 p. 46)."""
+    """Runs the action when the robot is idle and stands (ARCL manual I617-E-02 p. 46)."""
     if robot.activity is None and robot.base.still:
         action()
     else:
@@ -132,13 +132,13 @@ def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
 def _change(call: Call, changes: List[Change]) -> None:
     try:
         for _, _, value in (change for change in changes if change[:2] == MAP):
-            call.server.switch_map(value)       # may fail, before anything else has changed
+            call.server.switch_map(value)       # it may fail, so it comes before all other changes
     except ValueError as error:
         call.reply(f'Config had errors parsing: {error}')
         return
     for change in (change for change in changes if change[:2] != MAP):
         call.server.configuration.set(*change)
-    if changes:         # a map, too: public clients wait for this line behind `Map changed`
+    if changes:         # also for a map: public clients wait for this line after `Map changed`
         call.server.broadcast('Configuration changed')
     call.reply('Config parsed fine')
 
@@ -148,7 +148,7 @@ def _change(call: Call, changes: List[Change]) -> None:
          '<DisplayHint>', 9)
 @_gated
 def new_config_parameter(call: Call) -> None:
-    """Adds a parameter; the robot keeps its value, not its definition, over a restart."""
+    """Adds a parameter; after a restart the robot keeps its value, but not its definition."""
     section, name, description, priority, kind, default, low, high, hint = call.arguments[:9]
     if kind.lower() not in TYPES:
         raise CommandFailed(f"Bad type '{kind}'")

@@ -61,7 +61,7 @@ def group_values(call: Call) -> None:
 @command('getDataStoreTripGroupList', 'Gets the list of groups in the Data Store with trip values',
          shortcut='dstgl')
 def trip_group_list(call: Call) -> None:
-    """Lists the groups that a trip reset concerns."""
+    """Lists the groups that a trip reset affects."""
     for group in GROUPS.values():
         if group.trip:
             call.reply(f'GetDataStoreTripGroupList: {group.name}')
@@ -70,7 +70,7 @@ def trip_group_list(call: Call) -> None:
 
 @command('tripReset', 'Resets the trip values in the Data Store', shortcut='tr')
 def trip_reset(call: Call) -> None:
-    """Begins a new trip and answers its values, now zero."""
+    """Begins a new trip, and answers its values, which are zero now."""
     store = call.server.data_store
     for field in store.reset_trip():
         call.reply(f'tripReset: {field.name} {field.text(store)}')

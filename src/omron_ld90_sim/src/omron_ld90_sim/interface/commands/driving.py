@@ -1,4 +1,4 @@
-"""Commands that move the robot, stop it or tell it where it is."""
+"""Commands that move, stop or localize the robot."""
 from __future__ import annotations
 
 from omron_ld90_sim.behaviour import activities, instant_tasks, task
@@ -12,7 +12,7 @@ LOCALIZING = 1.0    # s between the two lines of localizeToPoint
 
 
 def check_drivable(call: Call) -> None:
-    """Refuses a driving command while the motors are off or driving is blocked."""
+    """Refuses a driving command if the motors are off, the robot is lost, or driving is blocked."""
     robot = call.robot
     if robot.motors is not Motors.ENABLED:
         raise CommandFailed(robot.motors.value)
@@ -33,7 +33,7 @@ def find_goal(call: Call, name: str) -> MapObject:
 
 @command('goto', 'Goes to a goal', '<goal> [heading]', 1)
 def goto(call: Call) -> None:
-    """Drives to a goal, out of the dock if need be."""
+    """Drives to a goal; leaves the dock first if necessary."""
     arguments = call.arguments
     goal = find_goal(call, arguments[0])
     heading = normalise(call.number(1)) if len(arguments) > 1 else None
@@ -52,15 +52,15 @@ def goto_point(call: Call) -> None:
 
 @command('stop', 'Stops the robot')
 def stop(call: Call) -> None:
-    """Ends all that runs."""
+    """Ends the activity."""
     call.robot.stop()
 
 
 @command('go', 'Lets the robot go on')
 @command('stay', 'Lets the robot stay')
 def known_by_name(call: Call) -> None:
-    """Stands in the help lists of real robots; no source describes what it does or answers, so
-    it does and answers nothing."""
+    """A command in the help lists of real robots that no source describes. It does and answers
+    nothing."""
 
 
 @command('dock', 'Sends the robot to the dock')
@@ -106,14 +106,14 @@ def query_motors(call: Call) -> None:
 
 @command('localizeToPoint', 'Localizes to a point', '<X> <Y> <T> [xySpread angleSpread]', 3)
 def localize_to_point(call: Call) -> None:
-    """Looks for the robot around a pose."""
+    """Searches for the robot around a pose."""
     pose = Pose(call.number(0), call.number(1), normalise(call.number(2)))
     _localize(call, pose, call.number(3, -1.0), call.number(4, -1.0), 'point')
 
 
 @command('localizeAtGoal', 'Localizes at a goal', '<goal> [xySpread angleSpread]', 1)
 def localize_at_goal(call: Call) -> None:
-    """Looks for the robot around a goal, in its heading or in the present one."""
+    """Searches for the robot around a goal, with its heading or the present one."""
     goal = find_goal(call, call.arguments[0])
     heading = goal.theta if goal.has_heading else call.robot.true_pose.theta
     _localize(call, Pose(goal.x, goal.y, heading), call.number(1, -1.0), call.number(2, -1.0),
@@ -133,7 +133,7 @@ def _localize(call: Call, pose: Pose, xy_spread: float, angle_spread: float, wha
 
 @command('distanceBetween', 'Gets the distance between two goals', '<goal> <goal>', 2)
 def distance_between(call: Call) -> None:
-    """Answers the length of the way from one goal to another."""
+    """Answers the length of the path from one goal to another."""
     first, second = (find_goal(call, name) for name in call.arguments[:2])
     length = _length(call, Pose(first.x, first.y, first.theta), second)
     call.reply(f'DistanceBetween: {length:.0f} "{first.name}" "{second.name}"')
@@ -141,7 +141,7 @@ def distance_between(call: Call) -> None:
 
 @command('distanceFromHere', 'Gets the distance from here to a goal', '<goal>', 1)
 def distance_from_here(call: Call) -> None:
-    """Answers the length of the way to a goal, as clients of real robots read it."""
+    """Answers the length of the path to a goal, in the form that clients of real robots read."""
     goal = find_goal(call, call.arguments[0])
     call.reply(f'DistanceFromHere: {_length(call, call.robot.pose, goal):.0f} "{goal.name}"')
 
@@ -156,7 +156,7 @@ def _length(call: Call, start: Pose, goal: MapObject) -> float:
 @command('applicationBlockDrivingSet', 'Sets an application blockDriving',
          '<name> <shortDesc> <longDesc>', 3, 'abds')
 def block_driving(call: Call) -> None:
-    """Forbids driving and cancels what drives; no source tells an answer."""
+    """Forbids driving and cancels a drive; no source describes an answer."""
     call.robot.block('application', call.arguments[0])
 
 

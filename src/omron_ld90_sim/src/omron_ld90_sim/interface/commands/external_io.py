@@ -1,7 +1,7 @@
-"""External inputs and outputs: sets are added and removed, and their values updated.
+"""External inputs and outputs: commands that add and remove sets and update their values.
 
-An update goes to all clients, since one may be the device that drives the outputs; the rest is
-answered to the asker.
+An update is sent to all clients, because one of them may be the device that drives the outputs.
+All other answers go to the asker.
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from omron_ld90_sim.devices.equipment import find_name
 from omron_ld90_sim.devices.external_io import MAXIMUM_BITS, Bank, IoSet, parse_value
 from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
 
-RESTART = 5.0       # s that the robot's software is gone after a set was removed
+RESTART = 5.0       # s for which the robot's software is gone after a set was removed
 
 
 def _find(call: Call) -> IoSet:
@@ -28,7 +28,7 @@ def _count(call: Call, index: int) -> int:
 
 @command('extIOAdd', 'Adds an external IO set', '<name> <numInputs> <numOutputs>', 3, 'eda')
 def add(call: Call) -> None:
-    """Creates a set, all off."""
+    """Creates a set with all bits off."""
     name, sets = call.arguments[0], call.robot.equipment.io_sets
     if find_name(sets, name) is not None:
         raise CommandFailed(f"There is an external I/O set '{name}' already")
@@ -39,7 +39,7 @@ def add(call: Call) -> None:
 
 @command('extIORemove', 'Removes an external IO set', '<name>', 1, 'edr')
 def remove(call: Call) -> None:
-    """Removes a set; the robot's software starts anew then, and every connection ends."""
+    """Removes a set; the robot's software then restarts, and every connection ends."""
     name = _find(call).name
     del call.robot.equipment.io_sets[name]
     call.reply(f'extIORemove: {name} removed')
@@ -60,12 +60,12 @@ def dump(call: Call) -> None:
 
 @command('extIODumpLocal', "Dumps this robot's external IO sets", shortcut='eddl')
 def dump_local(call: Call) -> None:
-    """Lists every set with its values; a lone robot knows no others."""
+    """Lists every set with its values; a robot without a fleet knows no others."""
     _dump(call, 'ExtIODumpLocal')
 
 
 def _enter_updates(kind: str, key: str) -> None:
-    """Enters the three update commands of the inputs or the outputs."""
+    """Adds the three update commands of the inputs or the outputs to the table."""
     lower = kind.lower()
 
     def found(call: Call) -> Tuple[str, Bank]:

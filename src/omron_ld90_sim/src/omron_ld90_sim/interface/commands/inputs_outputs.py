@@ -1,4 +1,4 @@
-"""Digital inputs and outputs, analog inputs, sound and other small things."""
+"""Digital inputs and outputs, analog inputs, sound, log and popup."""
 from __future__ import annotations
 
 from omron_ld90_sim.interface.commands.table import Call, SetUpError, command
@@ -11,7 +11,7 @@ ANALOG_HELP = (     # ARCL manual I617-E-02 p. 54
     'The data returned by analogInputQueryRaw is an int called <rawValue>',
     "To get <rawValue> to voltage do '<minV> + (<maxV> - <minV>) * <rawValue> / <maxRaw>'",
 )
-SOUNDS = ('.wav', '.mp3', '.ogg')       # what real robots' maps say of the task `play`
+SOUNDS = ('.wav', '.mp3', '.ogg')       # from real robots' maps, about the task `play`
 NO_SOUND = 'There was nothing given to replay.'
 
 
@@ -92,7 +92,7 @@ def say(call: Call) -> None:
 
 @command('play', 'Plays the given sound file', '<path_file>', 1)
 def play(call: Call) -> None:
-    """Plays a sound file; this robot has every one that it could play."""
+    """Plays a sound file; this robot has every file with a known suffix."""
     if not call.text.lower().endswith(SOUNDS):
         raise SetUpError(NO_SOUND)
     call.reply(f'Playing {call.text}')
@@ -100,7 +100,7 @@ def play(call: Call) -> None:
 
 @command('log', 'Logs the given message', '<message> [level]', 1)
 def log(call: Call) -> None:
-    """Puts a message into the robot's own log."""
+    """Writes a message to the robot's own log."""
     words = call.rest.strip().split()
     level = 'Normal'
     if len(words) > 1 and words[-1].capitalize() in ('Terse', 'Normal', 'Verbose'):
@@ -112,6 +112,6 @@ def log(call: Call) -> None:
 @command('popupSimple', 'Creates a simple popup',
          '<"title"> <"message"> <"buttonLabel"> <timeout>', 4)
 def popup_simple(call: Call) -> None:
-    """Shows a message in MobilePlanner, where there is one."""
+    """Shows a message in MobilePlanner, if there is one."""
     call.number(3)
     call.reply('Creating simple popup')

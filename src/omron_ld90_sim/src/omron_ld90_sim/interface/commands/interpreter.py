@@ -1,4 +1,4 @@
-"""What a command line does: its variables, its handler, and the answers to what is wrong."""
+"""Executes a command line: expands variables, calls the handler, answers errors."""
 from __future__ import annotations
 
 import re
@@ -34,10 +34,10 @@ def execute(server: ArclServer, session: Session, line: str) -> None:
 
 
 def _variables(server: ArclServer) -> Dict[str, str]:
-    """What `$g`, `$y` and so on in a command line stand for (ARCL manual I617-E-01 p. 51).
+    """The values of `$g`, `$y` and so on in a command line (ARCL manual I617-E-01 p. 51).
 
-    I617-E-02 p. 45 has them in lower case; so they are understood, too, but for `$m` and `$y`,
-    which are the month and the year.
+    I617-E-02 p. 45 has them in lower case, so these are accepted, too, except `$m` and `$y`, which
+    are the month and the year.
     """
     robot, now = server.robot, server.wall_time()
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))

@@ -7,7 +7,7 @@ from omron_map import MapObject
 
 
 def _asked(call: Call) -> map_types.ObjectType:
-    """The type that the command names; case matters, and quotes are not taken off."""
+    """The type that the command names; case matters, and quotes are not removed."""
     name = call.rest.split()[0]
     for known in map_types.object_types(call.robot.document):
         if known.name == name:
@@ -25,7 +25,7 @@ def map_object_type_list(call: Call) -> None:
 
 @command('mapObjectTypeInfo', 'Gets the information about a map object type', '<type>', 1)
 def map_object_type_info(call: Call) -> None:
-    """Tells about one type and the parameters of its objects."""
+    """Describes one type and the parameters of its objects."""
     known = _asked(call)
     call.reply(f'MapObjectTypeList: {known.name} {known.meta} "{known.label}" '
                f'"{known.description}"')
@@ -47,7 +47,7 @@ def map_object_list(call: Call) -> None:
 
 @command('mapObjectInfo', 'Gets the information about a map object', '<name>', 1)
 def map_object_info(call: Call) -> None:
-    """Tells type, description, parameters and pose of one object."""
+    """Answers type, description, parameters and pose of one object."""
     obj = call.robot.document.find(call.text)
     if obj is None:
         raise CommandFailed(f"No map object '{call.text}'")

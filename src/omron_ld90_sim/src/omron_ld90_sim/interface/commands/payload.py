@@ -1,4 +1,4 @@
-"""The payload: what a client says lies in each of the robot's slots."""
+"""The payload: the contents of the robot's slots, as clients declare them."""
 from __future__ import annotations
 
 from typing import List
@@ -16,7 +16,7 @@ def _slot(call: Call) -> int:
 @command('payloadQueryLocal', "Queries this robot's payload", '[slotNumber or "default"] '
          '[echoString]', shortcut='pql')
 def query_local(call: Call) -> None:
-    """Lists what is in every slot, or in one."""
+    """Lists the content of every slot, or of one."""
     slots = call.robot.equipment.slots
     wanted: List[int] = list(slots)
     if call.arguments and call.arguments[0].lower() != 'default':
@@ -32,7 +32,7 @@ def query_local(call: Call) -> None:
 @command('payloadSet', "Sets the payload of one of this robot's slots",
          '<slot_number> <slot_string>', 2, 'ps')
 def set_slot(call: Call) -> None:
-    """Says what lies in a slot."""
+    """Declares the content of a slot."""
     slot, text, robot = _slot(call), ' '.join(call.arguments[1:]), call.server.robot_name
     call.reply(f'payloadset attempting to set payload {slot} "{text}"')
     call.robot.equipment.load(slot, text, call.server.date_time)
@@ -43,7 +43,7 @@ def set_slot(call: Call) -> None:
 
 @command('payloadRemove', "Empties one of this robot's slots", '<slot_number>', 1, 'pr')
 def remove(call: Call) -> None:
-    """Says that a slot is empty."""
+    """Declares a slot empty."""
     slot, robot = _slot(call), call.server.robot_name
     call.reply(f'payloadremove attempting to remove slot {slot}')
     call.robot.equipment.unload(slot)
@@ -53,6 +53,6 @@ def remove(call: Call) -> None:
 
 @command('payloadSlotCountLocal', "Queries this robot's number of slots", shortcut='pscl')
 def slot_count_local(call: Call) -> None:
-    """Answers how many slots there are."""
+    """Answers the number of slots."""
     call.reply(f'PayloadSlotCount: "{call.server.robot_name}" {len(call.robot.equipment.slots)}')
     call.reply('EndPayloadSlotCount')

@@ -1,4 +1,4 @@
-"""The robot's own half of queuing: what a fleet manager, or a client in its place, asks of it."""
+"""The robot's part of queuing: queries of a fleet manager, or of a client in its place."""
 from __future__ import annotations
 
 from typing import Tuple
@@ -11,7 +11,7 @@ from omron_ld90_sim.interface.commands.table import Call, command
 @command('queueShowRobotLocal', "Shows this robot's queuing status", '[echo_string]',
          shortcut='qsrl')
 def queue_show_robot_local(call: Call) -> None:
-    """Answers the robot's status in the words of queuing."""
+    """Answers the robot's status in the terms of queuing."""
     status, detail = _status(call.robot)
     call.reply(f'QueueRobot: "{call.server.robot_name}" {status} {detail} {_echo(call, 0)}')
     call.reply('EndQueueShowRobot')
@@ -20,7 +20,7 @@ def queue_show_robot_local(call: Call) -> None:
 @command('queueQueryLocal', 'Queries the jobs of this robot', '<type> <string> [echo_string]', 2,
          'qql')
 def queue_query_local(call: Call) -> None:
-    """Lists the robot's jobs that fit; without a fleet manager it has none."""
+    """Lists the robot's matching jobs; without a fleet manager there are none."""
     call.reply('EndQueueQuery')
 
 

@@ -14,7 +14,7 @@ def show_help(call: Call) -> None:
 
 @command('echo', 'with no args gets echo, with args sets echo', '[state]')
 def echo(call: Call) -> None:
-    """Gets or sets whether typed characters come back."""
+    """Gets or sets whether the server echoes typed characters."""
     wanted = call.text.lower()
     if wanted in ('on', 'off'):
         call.session.echo = wanted == 'on'
@@ -27,14 +27,14 @@ def echo(call: Call) -> None:
 
 @command('quit', 'closes this connection to the server')
 def end_session(call: Call) -> None:
-    """Says good-bye and closes."""
+    """Sends a farewell line and closes the connection."""
     call.reply('Closing connection')
     call.session.close()
 
 
 @command('arclSendText', 'Sends the given message to all ARCL clients', '<string>', 1)
 def send_text(call: Call) -> None:
-    """Sends a text, as it is, to all clients."""
+    """Sends a text unchanged to all clients."""
     call.server.broadcast(call.text)
 
 
@@ -56,6 +56,8 @@ def connect_outgoing(call: Call) -> None:
 
 @command('shutDown', 'Shuts down the robot')
 def shut_down(call: Call) -> None:
-    """Switches the robot off, without a word (ARCL manual I617-E-02 p. 240); the program goes on
-    without answering until it is ended."""
+    """Switches the robot off silently (ARCL manual I617-E-02 p. 240).
+
+    The program keeps running without answering until it is ended.
+    """
     call.server.switch_off()

@@ -1,4 +1,4 @@
-"""Commands that ask what the robot is doing, where, and what its laser sees."""
+"""Queries of the robot's state, its location and its laser."""
 from __future__ import annotations
 
 from typing import Callable, Dict, List
@@ -10,7 +10,7 @@ LASER = 'Laser_1'
 TEMPERATURE = 36        # deg C
 
 # A robot's own infos: those of I617-E-02 p. 124 and 126, and those that clients of real robots ask
-# for, which read numbers from them. Of what is not simulated the values are plausible constants.
+# for and read numbers from. Infos that are not simulated have plausible constant values.
 INFOS: Dict[str, Callable[[Robot], object]] = {
     'WirelessLink': lambda robot: 100,
     'WirelessQuality': lambda robot: 70,
@@ -101,7 +101,7 @@ def range_device_get_current(call: Call) -> None:
 
 @command('rangeDeviceGetCumulative', 'Gets the cumulative readings of a range device', '<name>', 1)
 def range_device_get_cumulative(call: Call) -> None:
-    """Answers the points kept of the last 30 s within 4 m, 200 at most."""
+    """Answers the kept points of the last 30 s within 4 m, at most 200."""
     if call.arguments[0].lower() != LASER.lower():
         raise CommandFailed(f"No range device '{call.arguments[0]}'")
     call.robot.scan()
@@ -112,7 +112,7 @@ def range_device_get_cumulative(call: Call) -> None:
 @command('rangeDeviceGetList', 'Gets the list of range devices')
 @command('rangeDeviceList', 'Gets the list of range devices')
 def range_device_get_list(call: Call) -> None:
-    """Lists the laser and how it is drawn."""
+    """Lists the laser and its drawing data."""
     call.reply(f'RangeDevice: {LASER} LASER')
     call.reply(f'RangeDeviceCurrentDrawingData: {LASER} polyDots 0x0000ff 0x000000 80 75 DefaultOn')
     call.reply(f'RangeDeviceCumulativeDrawingData: {LASER} polyDots 0x0000ff 0x000000 80 75 '
@@ -136,7 +136,7 @@ def get_info_list(call: Call) -> None:
 
 @command('getInfo', 'Gets a piece of information', '<infoName>', 1)
 def get_info(call: Call) -> None:
-    """Answers one info; a robot's own may have blanks in its name, which goes unquoted."""
+    """Answers one info; the robot's own infos may have blanks in their names, without quotes."""
     name, own = call.text, call.robot.equipment.infos
     if name in INFOS:
         value = INFOS[name](call.robot)
@@ -150,7 +150,7 @@ def get_info(call: Call) -> None:
 
 @command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
 def create_info(call: Call) -> None:
-    """Creates an info; a value with blanks gets cut."""
+    """Creates an info; only the first word of an unquoted value is kept, up to the length."""
     name, length = call.arguments[0], int(call.number(1))
     if name in INFOS:
         raise CommandFailed(f"Info '{name}' is the robot's own")

@@ -13,25 +13,25 @@ from omron_ld90_sim.interface.session import Session
 
 
 class CommandFailed(Exception):
-    """A bad argument: answered with CommandError and CommandErrorDescription."""
+    """The argument of a command is bad: answered with CommandError and CommandErrorDescription."""
 
 
 class SetUpError(Exception):
-    """Wrong order, missing file or a feature that is not set up."""
+    """A command came in the wrong order, or a file or a feature that it needs is missing."""
 
 
 @dataclass(frozen=True)
 class Call:
-    """One command line being answered."""
+    """One command line that is being answered."""
 
     server: ArclServer
     session: Session
-    line: str           # as typed, variables expanded
-    rest: str           # behind the command's name, as typed
+    line: str           # as typed, with variables expanded
+    rest: str           # the text after the command's name, as typed
 
     @property
     def robot(self) -> Robot:
-        """The robot that is asked."""
+        """The robot of this server."""
         return self.server.robot
 
     @property
@@ -41,18 +41,21 @@ class Call:
 
     @property
     def text(self) -> str:
-        """Everything behind the name as one string, without quotes around it."""
+        """Everything after the name as one string, without quotes around it."""
         text = self.rest.strip()
         if len(text) >= 2 and text[0] == text[-1] == '"':
             return text[1:-1]
         return text
 
     def reply(self, line: str) -> None:
-        """Answers the asker only."""
+        """Answers only the asker."""
         self.session.send(line)
 
     def named(self, names: Iterable[str], what: str) -> str:
-        """The one of `names` that the first argument is in any case; `what` it is a name of."""
+        """The one of `names` that equals the first argument with case ignored.
+
+        Raises CommandFailed; `what`: the kind of thing that is named, for its text.
+        """
         name = find_name(names, self.arguments[0])
         if name is None:
             raise CommandFailed(f"No {what} '{self.arguments[0]}'")
@@ -83,7 +86,7 @@ class Command:
     name: str
     description: str
     usage: str
-    required: int          # arguments without which the usage is answered
+    required: int          # number of arguments; with fewer ones the usage is answered
     shortcut: str
     handler: Handler
 
@@ -98,7 +101,7 @@ TABLE: Dict[str, Command] = {}
 
 def command(name: str, description: str, usage: str = '', required: int = 0,
             shortcut: str = '') -> Callable[[Handler], Handler]:
-    """Enters a handler into the table under its name and shortcut, both case-insensitive."""
+    """Adds a handler to the table under its name and shortcut, both case-insensitive."""
     def enter(handler: Handler) -> Handler:
         row = Command(name, description, f'{name} {usage}'.strip(), required, shortcut, handler)
         for key in filter(None, (name.lower(), shortcut.lower())):
@@ -110,7 +113,7 @@ def command(name: str, description: str, usage: str = '', required: int = 0,
 
 
 def help_lines(dialect: Dialect) -> List[str]:
-    """The command list as the server prints it."""
+    """The command list in the form in which the server prints it."""
     hidden = dialect.unlisted | dialect.missing
     rows = sorted((row for row in set(TABLE.values()) if row.name.lower() not in hidden),
                   key=lambda row: row.name.lower())

@@ -27,7 +27,7 @@ def do_task(call: Call) -> None:
 
 @command('doTaskInstant', "does an instant task (doesn't interrupt modes)", '<task> <argument>', 1)
 def do_task_instant(call: Call) -> None:
-    """Carries out a task that is over at once."""
+    """Carries out an instant task."""
     task = _task(call.rest)
     if task.name.lower() not in INSTANT:
         raise CommandFailed(f"Task '{task.name}' is not an instant task")
@@ -67,7 +67,7 @@ def list_execute(call: Call) -> None:
 
 @command('waitTaskState', 'Gets the state of the wait task')
 def wait_task_state(call: Call) -> None:
-    """Answers what the wait task does."""
+    """Answers the state of the wait task."""
     status = call.robot.waiting
     call.reply(f'WaitState: Waiting with status "{status}"' if status
                else 'WaitState: Not waiting')
@@ -75,7 +75,7 @@ def wait_task_state(call: Call) -> None:
 
 @command('waitTaskCancel', 'Cancels the wait task')
 def wait_task_cancel(call: Call) -> None:
-    """Ends a running wait; the announcement tells all clients."""
+    """Ends a running wait; an announcement informs all clients."""
     if call.robot.waiting:
         call.robot.waiting = ''
     else:
@@ -84,13 +84,13 @@ def wait_task_cancel(call: Call) -> None:
 
 @command('pauseTaskState', 'Gets the state of the pause task')
 def pause_task_state(call: Call) -> None:
-    """Answers what the pause task does."""
+    """Answers the state of the pause task."""
     call.reply('PauseTask: pausing' if call.robot.pausing else 'PauseTask: not pausing')
 
 
 @command('pauseTaskCancel', 'Cancels the pause task')
 def pause_task_cancel(call: Call) -> None:
-    """Ends a running pause; the announcement tells all clients."""
+    """Ends a running pause; an announcement informs all clients."""
     if call.robot.pausing:
         call.robot.pausing = False
     else:
@@ -107,7 +107,7 @@ def get_macros(call: Call) -> None:
 
 @command('executeMacro', 'executes a given macro', '<macro_name>', 1)
 def execute_macro(call: Call) -> None:
-    """Carries out one of the map's macros; its name goes unquoted and may hold blanks."""
+    """Carries out one of the map's macros; its name has no quotes and may contain blanks."""
     known = {name.lower(): (name, steps)
              for name, steps in map_scripts.macros(call.robot.document).items()}
     if call.text.lower() not in known:
@@ -139,7 +139,7 @@ def _route(call: Call, name: str) -> map_scripts.Route:
 
 @command('patrol', 'Patrols a route', '<route_name>', 1)
 def patrol(call: Call) -> None:
-    """Drives along a route without end."""
+    """Drives along a route endlessly."""
     route = _route(call, call.text)
     check_drivable(call)
     call.robot.start(map_scripts.patrol(call.robot, route, once=False))
@@ -158,7 +158,7 @@ def patrol_once(call: Call) -> None:
 
 @command('patrolResume', 'Resumes a patrol', '<route_name>', 1)
 def patrol_resume(call: Call) -> None:
-    """Goes on with a route that was stopped."""
+    """Continues a route that was stopped."""
     route = _route(call, call.text)
     first = call.robot.patrol_places.get(route.name.lower(), 0)
     check_drivable(call)
@@ -167,7 +167,7 @@ def patrol_resume(call: Call) -> None:
 
 @command('gotoRouteGoal', 'Goes to a goal in a route', '<route> <goal>', 2)
 def goto_route_goal(call: Call) -> None:
-    """Drives straight to a goal that a route lists."""
+    """Drives directly to a goal that a route lists."""
     route = _route(call, call.arguments[0])
     goal = find_goal(call, call.arguments[1])
     if goal.name.lower() not in (listed.lower() for listed in route.goals):
