@@ -65,7 +65,7 @@ def test_an_argument_that_is_none_is_refused(tmp_path):
     ((), 'multimaster:=true needs peer:=ADDRESS'),
     (('peer:=127.0.0.9', 'fleet_manager:=true'), 'fleet_manager:=true would be a second master'),
     (('peer:=127.0.0.9', 'vda5050:=true'), 'vda5050:=true would be a second master'),
-    (('peer:=nobody.invalid',), 'there is no way to peer:=nobody.invalid')])
+    (('peer:=nobody.invalid',), 'there is no network route to peer:=nobody.invalid')])
 def test_a_robot_gets_one_master_and_its_ros_master_is_joined_with_somebody(
         arguments, problem, tmp_path, monkeypatch):
     monkeypatch.delenv('ROS_IP', raising=False)
