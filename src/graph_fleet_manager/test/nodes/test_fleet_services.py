@@ -1,4 +1,5 @@
-"""Stop all is obeyed at once: without a graph, without a disk, past a supervisor that hangs."""
+"""The fleet stop is obeyed at once: without a graph, without a disk, beside a hanging supervisor.
+"""
 from __future__ import annotations
 
 import threading
@@ -35,7 +36,7 @@ class Services:
                                      self.past.append)
 
     def call(self, name, supervisor=None, hangs=False, request=None):
-        """The answer, and what the supervisor's thread is to do."""
+        """The answer, and the actions for the supervisor's thread."""
         answers, actions = [], []
 
         def ask():
@@ -68,7 +69,7 @@ def test_a_stop_does_not_wait_for_a_graph(services):
 
 
 def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
-    """Of what a person did to the whole fleet nothing else stands in the log."""
+    """The log is the only record of what a person did to the whole fleet."""
     logged = []
     monkeypatch.setattr(fleet_services.rospy, 'loginfo', lambda text, *words: logged.append(
         text % words))
@@ -97,7 +98,7 @@ def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
 
 @pytest.mark.parametrize('dies', [True, False])
 def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
-    """Whether the same process begins to supervise or, having stored the stop, dies before."""
+    """Either this process begins to supervise, or it dies after it has stored the stop."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
@@ -225,6 +226,6 @@ def test_before_the_fleet_manager_has_begun_no_mission_is_called_unknown(service
 
 
 class FixedTime:
-    """A clock for messages where there is no ROS."""
+    """A clock for messages without ROS."""
 
     now = staticmethod(lambda: genpy.Time(5))
