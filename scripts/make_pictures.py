@@ -89,8 +89,7 @@ def keep(window: RvizWindow, name: str) -> None:
 
 
 def film(window: RvizWindow) -> None:
-    """Clicks on a goal, films the robot until it arrives, then films a route of the fleet manager.
-    """
+    """Clicks on a goal, films the robot until it arrives, then a route of the fleet manager."""
     lab = MapDocument.load(str(ROOT / 'maps/lab.map'))
     clicks = Recorder('/clicked_point', PointStamped)
     lines = Recorder('/omron_ld90/arcl_response', String)
@@ -160,8 +159,7 @@ def graph_pictures(screen: Screen) -> None:
 
 
 def fleet_film(screen: Screen) -> None:
-    """Eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows them.
-    """
+    """Eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
         f'http://127.0.0.1:{port}')

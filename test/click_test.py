@@ -285,8 +285,7 @@ class FleetManager:
 
 
 class FakeController:
-    """The action `execute_command` in a namespace: drives at once, or answers by `answers`.
-    """
+    """The action `execute_command` in a namespace: drives at once, or answers by `answers`."""
 
     def __init__(self, namespace: str) -> None:
         self.commands = []

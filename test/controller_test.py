@@ -130,8 +130,7 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
     def test_a_cancellation_holds_back_no_later_stop_or_drive(self):
-        """actionlib refuses goals older than the last cancellation, by the clients' clocks.
-        """
+        """actionlib refuses goals older than the last cancellation, by the clients' clocks."""
         cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
                                       to='omron_controller')
         before = len(self.responses.messages)
@@ -261,8 +260,7 @@ class ControllerTest(unittest.TestCase):
         self.result_of(self.run_command('stop'))
 
     def test_a_simple_goal_is_a_new_goal_of_the_action(self):
-        """Some clients, such as Open-RMF's adapter, wait for it in the action's status.
-        """
+        """Some clients, such as Open-RMF's adapter, wait for it in the action's status."""
         statuses = Recorder('/omron_ld90/move_base/status', GoalStatusArray)
         publisher = connected_publisher('/omron_ld90/move_base_simple/goal', PoseStamped)
         publisher.publish(pose_in_map(0.0, 0.0, 0.0))

@@ -151,7 +151,7 @@ class FleetPlannerTest(unittest.TestCase):
             lambda array: any(status.name == 'graph_server: graph'
                               and status.level == DiagnosticStatus.OK
                               and 'in force' in status.message for status in array.status),
-            20, 'diagnosis that all is well')
+            20, 'diagnosis without errors')
 
     def test_edges_that_are_closed_before_there_is_a_graph_are_closed_on_it(self):
         self.assertEqual([[3, 99], [3]], [list(told.edges) for told in self.closed.messages[:2]])
@@ -161,15 +161,18 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual((corridor().vertices, corridor().edges), (graph.vertices, graph.edges))
         docks = rospy.wait_for_message('/docking_points', DockingPoints, 10).docking_points
         self.assertEqual([(6, ['truck'])], [(dock.vertex_id, dock.robot_types) for dock in docks])
-        # the end 1, the siding 7 and the way round 8; on 5 a robot would keep others from the dock
+        # the end 1, the siding 7 and vertex 8 of the second route; a robot on 5 would cut off the
+        # dock
         parking = wait_until(lambda: self.parking_told([1, 6, 7, 8]), 20, 'parking of the graph')
         self.assertEqual(self.graphs.messages[-1].header.stamp, parking.header.stamp)
         capacities = {one.robot_type: (one.robots, one.docks) for one in parking.capacities}
         self.assertEqual({'agv': (3, 0), 'truck': (3, 1)}, capacities)
 
     def parking_told(self, vertices: List[int]) -> Optional[ParkingPlaces]:
-        """What a late joiner is told, if that are these vertices: without what was closed before
-        it follows a moment later."""
+        """The message for a late subscriber, if it has these vertices; otherwise None.
+
+        The message without the earlier closure follows a moment later.
+        """
         told = rospy.wait_for_message('/parking', ParkingPlaces, 20)
         return told if list(told.vertices) == vertices else None
 
@@ -209,7 +212,7 @@ class FleetPlannerTest(unittest.TestCase):
     def test_closed_edges_outlive_graph_server_and_unknown_ones_are_told(self):
         self.assertEqual([3], self.close(3, 99))
         self.log.wait_for(lambda line: line.name == '/graph_server' and 'Edges 99' in line.msg,
-                          10, 'a word about edge 99')
+                          10, 'a log line about edge 99')
         closures = len(self.closed.messages)
         self.restart()
         told = self.closed.wait_for(lambda message: list(message.edges) == [3], 30,
@@ -242,13 +245,13 @@ class FleetPlannerTest(unittest.TestCase):
     def test_a_list_that_is_not_used_is_told(self):
         self.closing.publish(ClosedEdges(edges=[3], header=Header(stamp=rospy.Time(1))))
         self.log.wait_for(lambda line: line.name == '/graph_server'
-                          and 'of 1.000 s is not used' in line.msg, 10, 'a word about the list')
+                          and 'of 1.000 s is not used' in line.msg, 10, 'a log line about the list')
 
     def test_a_restart_does_not_take_up_a_file_that_breaks_a_running_route(self):
         save_graph(corridor(7), self.graph_file)
         self.report(at=1, left=[1, 2, 7])
         self.restart()
-        self.assertEqual(8, len(self.graphs.messages[-1].edges), 'what agv_1 drives on')
+        self.assertEqual(8, len(self.graphs.messages[-1].edges), 'the edge on which agv_1 drives')
         self.report(at=2)
         wait_until(lambda: self.accepted(corridor(7)), 10, 'a new graph in force')
 

@@ -59,8 +59,7 @@ class Simulators:
         self._streams = [_connected(port) for port in ports]
 
     def _ask(self, number: int, line: str) -> str:
-        """Sends one line, returns the answer; connects again if an idle connection was closed.
-        """
+        """Sends one line, returns the answer; connects again if an idle connection was closed."""
         for _ in range(2):
             try:
                 self._streams[number].write(line.encode() + b'\n')
@@ -199,8 +198,7 @@ class Factory:
 
     @property
     def stations(self) -> List[int]:
-        """Vertices to which robots can be sent: no docks, no points where a long edge was cut.
-        """
+        """Vertices to which robots can be sent: no docks, no points where a long edge was cut."""
         return [id for id, vertex in self.graph.vertices.items()
                 if vertex.parking is not False and not vertex.dock]
 

@@ -276,7 +276,7 @@ class Editor:
         return self.graph()
 
     def _red_near(self, x: float, y: float):
-        """What is missing of a red mark at a place of a picture."""
+        """A function that reports a missing red mark at a place of a picture."""
         def missing(picture) -> List[str]:
             left, top = self._window.pixel(x, y)
             around = picture.crop((left - 15, top - 15, left + 16, top + 16))
@@ -286,8 +286,7 @@ class Editor:
 
 
 def far_vertices(graph: Graph, start: int, count: int) -> List[int]:
-    """The given number of vertices, each as far as possible from the start and all previous ones.
-    """
+    """The given number of vertices, each as far as possible from the start and all others."""
     chosen = [start]
     while len(chosen) <= count:
         chosen.append(max(graph.vertices, key=lambda id: (min(

@@ -220,8 +220,7 @@ class Odometer:
                    f'the robot drives another {metres} m')
 
     def wait_for_rest_or(self, metres: float) -> None:
-        """Waits until the robot has driven that far from now on, or stands where it was last sent.
-        """
+        """Waits until the robot has driven that far, or stands where it was last sent."""
         begin = last = self.metres
         moved = time.monotonic()
 

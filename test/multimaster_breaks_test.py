@@ -72,8 +72,7 @@ class Breaks(unittest.TestCase):
             journal.write(f'{text}\n')
 
     def drive(self, kinds: List[str]) -> float:
-        """Drives one mission with breaks of these kinds, from the last; returns the metres driven.
-        """
+        """Drives one mission with these breaks, from the last kind; returns the metres driven."""
         fleet = self.fleet
         gone_to, docked = len(fleet.sent_to_ld90('goto')), len(fleet.sent_to_ld90('dock'))
         with Odometer(fleet) as odometer:

@@ -95,8 +95,7 @@ def entering(namespace: str) -> List[str]:
 
 
 def inside(namespace: str, act: Callable[[], Result]) -> Result:
-    """The result of `act` in a namespace, run in another thread. A socket made there stays there.
-    """
+    """The result of `act` in a namespace, run in another thread. A socket stays there."""
     if not namespace:
         return act()
     results: List[Result] = []

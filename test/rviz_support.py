@@ -119,7 +119,7 @@ class RvizWindow:
             raise AssertionError('RViz ended before its window was seen')
         return len(self.look().getcolors(WIDTH * HEIGHT)) > 100
 
-    # Where things are
+    # Positions
 
     def calibrate(self, pixel: Tuple[int, int], place: Tuple[float, float]) -> None:
         """Tells that the map's `place` (m) is at `pixel`, where there is no handle."""

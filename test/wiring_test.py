@@ -201,8 +201,7 @@ class Wiring(unittest.TestCase):
                     self.assertEqual(len(robots), 1, f'{wire}: of one robot only')
 
     def test_z_the_tables_hold_nothing_else(self) -> None:
-        """Each entry of the tables exists, and this or another test starts each launch file.
-        """
+        """Each entry of the tables exists, and this or another test starts each launch file."""
         self.assertEqual(self.services, set(SERVICES))
         self.assertEqual(sorted(self.to_outside), sorted(
             name for names in TO_OUTSIDE.values() for name in names))

@@ -63,8 +63,7 @@ def in_chunks(data: bytes) -> List[bytes]:
 
 
 def statuses() -> Row:
-    """Parses status lines with different locations in a session; the floor only splits and decodes.
-    """
+    """Parses status lines with different locations in a session; floor: split and decode only."""
     draw = random.Random(1)
     blocks = [f'ExtendedStatusForHumans: Going to {i}\r\nStatus: Going to {i}\r\n'
               f'StateOfCharge: {draw.uniform(0, 100):.1f}\r\n'

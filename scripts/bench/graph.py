@@ -46,7 +46,8 @@ LAB = ROOT / 'maps' / 'lab_base.map'
 REAL = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
 RUNS = 3
 OPTIONS = MakingOptions()
-ROOM = 1.1  # m of clearance: the middles of the laboratory's rooms and halls, parted by their doors
+# m of clearance; it selects the middles of the laboratory's rooms and halls, separated at doors
+ROOM = 1.1
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
 # m: radius of the circle on which the vertex is dragged
 MIDDLE = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)
@@ -159,8 +160,7 @@ def compare_with_hand() -> None:
 
 
 def large_site(folder: str) -> Tuple[str, str, int]:
-    """A hall as a ROS map, a graph with 500 vertices and 1,000 edges, and a vertex in its middle.
-    """
+    """A hall as a ROS map, a graph with 500 vertices and 1,000 edges, a vertex in its middle."""
     width, height = (COLUMNS + 1) * PITCH, (ROWS + 1) * PITCH
     grey = np.full((int(height / 0.05), int(width / 0.05)), 254, np.uint8)
     grey[(0, -1), :] = grey[:, (0, -1)] = 0
@@ -281,8 +281,7 @@ def editing() -> None:
 
 
 def in_process(command: List[str], vertex: int, more=lambda mouse: None) -> List[float]:
-    """Measures the delays of the drags that a node answers, then calls `more` with the same mouse.
-    """
+    """Measures the delays of drags that a node answers, then calls `more` with the same mouse."""
     node = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     mouse = Mouse(vertex)
     try:

@@ -133,8 +133,7 @@ def memory(path: Path) -> Row:
 
 
 def node(path: Path) -> List[Row]:
-    """Time from the start of the node to all topics, and its memory; the floor is a bare publisher.
-    """
+    """Time from the node's start to all topics, and its memory; the floor is a bare publisher."""
     import rospy
     with own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)
@@ -160,8 +159,7 @@ def node(path: Path) -> List[Row]:
 
 
 def start_node(command: List[str], topics: List[str]) -> tuple:
-    """Seconds from the start of a Python process to a message on each topic, and its memory then.
-    """
+    """Seconds from the start of a process to a message on each topic, and its memory then."""
     import rospy
     missing, everything = set(topics), threading.Event()
 

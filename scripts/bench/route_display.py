@@ -25,8 +25,7 @@ Reports = Iterator[ExecutionRouteStates]
 
 
 class Load(NamedTuple):
-    """The load of the node for some reports: largest growth of memory in MB, and share of a core.
-    """
+    """The node's load for some reports: largest growth of memory in MB, and share of a core."""
 
     growth: float
     share: float

@@ -171,8 +171,7 @@ def whole(master: Master, track: Track) -> Callable[[str], int]:
 
 def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
                     ) -> Callable[[str], int]:
-    """Sends the order edge by edge, so that the base ends `AHEAD` m or more ahead of the vehicle.
-    """
+    """Sends the order edge by edge; the base ends `AHEAD` m or more ahead of the vehicle."""
     def send(order_id: str) -> int:
         base, update = 1, 0
         heard = master.send('order', track.part(0, 1).order(order_id))

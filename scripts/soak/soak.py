@@ -61,8 +61,7 @@ class Soak:
         self._sent = 0
 
     def run(self) -> bool:
-        """Runs the soak. True if every promise held; raises SystemExit if the fleet does not start.
-        """
+        """True if all promises held; raises SystemExit if the fleet does not start."""
         names = set(self.hall.radii)
         if not self.fleet.wait_for(lambda: self.fleet.is_connected and names <= {
                 name for name, robot in self.fleet.robots().items() if robot.state in READY},

@@ -102,8 +102,7 @@ def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Grap
 
 
 def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
-    """The given number of edges between near vertices on a jittered grid; half of them are splines.
-    """
+    """The given number of edges between near vertices on a jittered grid; half are splines."""
     random = Random(seed)
     columns = math.ceil(math.sqrt(vertices))
     drawing = _Drawing()

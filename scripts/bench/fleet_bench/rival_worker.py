@@ -17,8 +17,7 @@ class TooLong(Exception):
 
 
 def pymapf_solver(name, edges, limit):
-    """LaCAM and PIBT of pymapf, pure Python: one robot per vertex, and no two robots swap places.
-    """
+    """LaCAM and PIBT of pymapf, pure Python: one robot per vertex, no two robots swap places."""
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
 

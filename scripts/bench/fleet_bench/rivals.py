@@ -38,8 +38,7 @@ class Judged(NamedTuple):
     solved: bool
     """True if a plan was found in time."""
     ratio: Optional[float]
-    """Its cost divided by the lower bound, with true durations; None if it cannot be driven safely.
-    """
+    """Its cost over the lower bound, with true durations; None if it cannot be driven safely."""
 
 
 def environment(package: str) -> Tuple[Optional[Path], str]:

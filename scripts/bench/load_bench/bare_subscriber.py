@@ -10,8 +10,7 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 
 
 def main() -> None:
-    """Runs the node. The arguments are the names of the robots; reports of the first are answered.
-    """
+    """Runs the node. The arguments are names of robots; reports of the first are answered."""
     rospy.init_node('bare_subscriber')
     first, *others = rospy.myargv(sys.argv)[1:]
     answers = rospy.Publisher('/bare_answer', TargetRoute, queue_size=10, tcp_nodelay=True)

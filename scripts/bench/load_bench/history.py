@@ -28,8 +28,7 @@ _PERIOD = 86400.0  # s over which the missions ended
 
 
 def fill(path: Path, count: int) -> None:
-    """Writes the given number of ended missions into a new journal; each has three state changes.
-    """
+    """Writes the given number of ended missions into a new journal, each with three changes."""
     Journal(str(path)).close()
     database = sqlite3.connect(path)
     now, done = time.time(), int(MissionState.SUCCEEDED)

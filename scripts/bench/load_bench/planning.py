@@ -41,8 +41,7 @@ class _Site:
         self._kept: Dict[str, Tuple[PlannedDrive, ...]] = {}
 
     def send(self, count: int, is_new: bool) -> None:
-        """Gives a destination to the given number of robots, either without or with a destination.
-        """
+        """Gives destinations to the given number of robots, either without or with one."""
         names = [name for name in self._places if (name in self.goals) != is_new]
         for name in self._random.sample(names, count):
             self.goals[name] = self._random.choice(self._vertices)

@@ -19,8 +19,7 @@ RELEASE_AHEAD = 4.0  # m
 
 
 class Site(NamedTuple):
-    """The graph, the start of each robot, the vertices of the grid and of each ring, and the files.
-    """
+    """The graph, the start of each robot, the vertices of the grid and of each ring, the files."""
 
     graph: Graph
     places: Dict[str, int]
@@ -30,8 +29,7 @@ class Site(NamedTuple):
 
 
 def grid(side: int) -> Graph:
-    """A grid with the given numbers of rows and columns; each vertex is joined to its neighbours.
-    """
+    """A grid with these numbers of rows and columns; each vertex is joined to its neighbours."""
     vertices = [Vertex(side * row + column + 1, SPACING * column, SPACING * row, 0.0)
                 for row in range(side) for column in range(side)]
     pairs = [(vertex.id, vertex.id + step) for vertex in vertices for step, is_inside in (

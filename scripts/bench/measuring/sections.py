@@ -1,5 +1,4 @@
-"""Benchmarks in sections. Each section runs in its own process, because a process is one ROS node.
-"""
+"""Benchmarks in sections, each in its own process, because a process is one ROS node."""
 from __future__ import annotations
 
 import argparse

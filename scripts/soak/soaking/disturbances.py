@@ -290,8 +290,7 @@ class Disturbances:
         self._resume()
 
     def _stop_and_kill(self) -> None:
-        """Stops the fleet and kills the fleet manager, which must know the stop after its restart.
-        """
+        """Stops the fleet and kills the fleet manager, which must know the stop afterwards."""
         if self._is_stopped():
             with self._affected(self._names, Effect.CUT):
                 self._kill_node('/path_supervisor')

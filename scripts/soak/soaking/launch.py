@@ -93,8 +93,7 @@ class Launch:
 
 
 def process_of(node: str) -> int:
-    """The process of a node, from the ROS master; raises OSError, or errors of rosgraph or xmlrpc.
-    """
+    """The process of a node, from the ROS master; raises OSError, rosgraph or xmlrpc errors."""
     _, _, pid = ServerProxy(rosgraph.Master('/soak').lookupNode(node)).getPid('/soak')
     return int(pid)
 

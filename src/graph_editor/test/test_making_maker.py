@@ -55,8 +55,7 @@ def floor_of_robot(site: Site) -> np.ndarray:
 
 def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
                      near: coo_matrix) -> bool:
-    """True if a straight line with room to pass leads from one of `starts` to a near one of `ends`.
-    """
+    """True if a straight with room to pass leads from one of `starts` to a near one of `ends`."""
     first, last = starts[near.row], ends[near.col]
     room = np.full(len(first), np.inf)
     for fraction in np.linspace(0.0, 1.0, 31):

@@ -159,8 +159,7 @@ class FleetRun:
                    default=float('inf'))
 
     def _may_begin_at(self, robot: RobotState) -> float:
-        """The time at which other robots are out of the way of a robot's next drive, or infinity.
-        """
+        """The time at which others are out of the way of a robot's next drive, or infinity."""
         begin = self.now
         for first, before, fraction in self._needs.get((robot.name, robot.done), ()):
             other = self.robots[first]

@@ -44,8 +44,7 @@ def restart(fleet, graph=None, robots=None):
 
 
 def test_a_place_where_a_robot_was_driven_while_the_planner_thought_is_given_to_no_other():
-    """Robot a is idle when the planner is asked, and stands on b's path when the plan comes (A1).
-    """
+    """Robot a is idle when the planner is asked, but on b's path when the plan comes (A1)."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 8), 'b': (AGV, 1)}, planning=1.0)
     fleet.run(2.0)
     fleet.request(1, 5, robot='b')

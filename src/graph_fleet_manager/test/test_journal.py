@@ -1,5 +1,4 @@
-"""The journal: transactions are complete, old layouts are read, a second user is refused, growth.
-"""
+"""The journal: whole transactions, old layouts, refusal of a second user, its file, its growth."""
 from __future__ import annotations
 
 import json

@@ -18,8 +18,7 @@ TRUCK = RobotType('truck', 0.6, 1.0)
 
 
 def square():
-    """Vertices 1 to 4 on a square of 4 m; edge 1 from 1 to 2, edges 2, 3, 4 in the other direction.
-    """
+    """Vertices 1 to 4 on a square of 4 m; edge 1 from 1 to 2, edges 2, 3, 4 the other way round."""
     return graph_of({1: (0, 0), 2: (4, 0), 3: (4, 4), 4: (0, 4)},
                     {1: (1, 2), 2: (1, 4), 3: (4, 3), 4: (3, 2)})
 

@@ -26,8 +26,7 @@ LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 
 class RunningFleet:
-    """A random fleet with one robot that is out of service where it stands, and some closed edges.
-    """
+    """A random fleet with one robot out of service where it stands, and some closed edges."""
 
     def __init__(self, random: Random) -> None:
         self.case = Case(random)

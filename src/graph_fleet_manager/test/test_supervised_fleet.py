@@ -196,7 +196,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.agvs['a'].fail(EMERGENCY_STOP)  # said before it refuses orders for it
+    fleet.agvs['a'].fail(EMERGENCY_STOP)  # reported before it refuses orders because of it
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].outage is Outage.STOPPED
     fleet.run_until_done(1)
@@ -246,8 +246,7 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
 
 
 def _stopped_between(least: float, most: float) -> SupervisedFleet:
-    """Robot `a` drives to the end of a corridor when the fleet is stopped, that far along an edge.
-    """
+    """Robot `a` drives to the end of a corridor; the fleet is stopped that far along an edge."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: least < fleet.agvs['a'].arc < most)

@@ -349,8 +349,7 @@ def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
 
 @pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
 def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
-    """Near another edge it may be reported on that edge; pushed along its own edge it is elsewhere.
-    """
+    """Near another edge it may be reported there; pushed along its own edge it is elsewhere."""
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (3, 5)})
     fleet = SupervisedFleet(graph, {'a': (AGV, 1)})

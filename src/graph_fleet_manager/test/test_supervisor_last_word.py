@@ -104,8 +104,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mi
 
 
 def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
-    """It shows the route that the cancel asks for, but a longer route is on its way to the robot.
-    """
+    """It shows the route that the cancel asks for, but a longer one is on its way to the robot."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)

@@ -70,8 +70,7 @@ def test_how_long_a_robot_will_stand_is_learned_from_how_long_robots_stood():
     robot, standstills = fleet.supervisor.robots['a'], Standstills()
 
     def stands(seconds: float) -> float:
-        """The expected further standstill, in s, after the robot has stood for the given seconds.
-        """
+        """The expected further standstill, in s, after a standstill of the given seconds."""
         robot.liveness._moved = fleet.now + 100.0 - seconds
         robot.liveness.seen = fleet.now + 100.0
         return standstills.further(robot, fleet.now + 100.0)

@@ -155,8 +155,7 @@ ABOUT_COMMANDS = (
 
 
 class History:
-    """Commands given and cancelled, lines, waits and losses of the link, determined by some bytes.
-    """
+    """Commands given and cancelled, lines, waits and losses of the link, read from some bytes."""
 
     def __init__(self, script: bytes) -> None:
         self.talk, self.given, self.ends = Conversation(), [], []

@@ -1,5 +1,4 @@
-"""The login as the robot does it, the possible ends of a session, and the secrecy of the password.
-"""
+"""The login as the robot does it, the possible ends of a session, the secrecy of passwords."""
 from __future__ import annotations
 
 from typing import List

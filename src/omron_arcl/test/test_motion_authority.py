@@ -130,8 +130,7 @@ class TestEpochs:
             bench.drive(Giver(ROUTE.name, 'another process'), known_epoch=known)
 
     def test_a_persons_own_stop_is_not_passed_by_software_that_knew_only_of_the_drive(self, bench):
-        """B13: the result once depended on whether the stop was its giver's own, which was chance.
-        """
+        """B13: the result once depended on chance: was the stop its giver's own or not?"""
         bench.drive(PERSON, 'goto 3')
         known = bench.epoch
         bench.stop(PERSON)

@@ -129,8 +129,7 @@ FAR = 300.0  # mm between two bodies, beyond which an approximate value is enoug
 
 
 def gap(a: Pose, b: Pose) -> float:
-    """The gap between the bodies of two robots (mm): 0 if they touch, a lower bound if it is large.
-    """
+    """The gap between two robots' bodies (mm): 0 if they touch, a lower bound if it is large."""
     apart = a.distance_to(b.x, b.y) - 2.0 * LD90_BODY.half_diagonal
     if apart > FAR:
         return apart
@@ -221,8 +220,7 @@ class Obstacles:
         return float(outside(pose, self._points[near]).min()) if near else 270.0
 
     def clearances(self, places: np.ndarray) -> np.ndarray:
-        """The distance from each place (N, 2) of the turning centre to the nearest obstacle (mm).
-        """
+        """The distance (mm) from each place (N, 2) of the turning centre to the next obstacle."""
         return self._tree.query(places)[0]
 
 

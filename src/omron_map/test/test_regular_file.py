@@ -1,5 +1,4 @@
-"""A path that is no regular file, or too large for a map, is refused at once, without its content.
-"""
+"""A path that is no regular file, or too large, is refused at once, without its content."""
 from __future__ import annotations
 
 import os

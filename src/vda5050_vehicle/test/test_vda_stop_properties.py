@@ -151,8 +151,7 @@ class RandomStops(RuleBasedStateMachine):
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     def attempt(self, call):
-        """Carries out an act; the adapter may be killed meanwhile, and restarts from its journal.
-        """
+        """Carries out an act; the adapter may be killed, and restarts from its journal."""
         try:
             call()
         except Killed:

@@ -1,5 +1,4 @@
-"""Common parts of the tests: a laboratory vehicle, the robot's side of the route protocol, orders.
-"""
+"""Common parts of the tests: a laboratory vehicle, the robot's side of the protocol, orders."""
 from __future__ import annotations
 
 import json

@@ -20,8 +20,7 @@ SPEED = 1.0
 
 
 class ObedientAgv(RuleBasedStateMachine):
-    """A fleet manager that sends right and wrong orders, and checks the AGV's reports and motion.
-    """
+    """A fleet manager that sends right and wrong orders, and checks the AGV's reports, motion."""
 
     @initialize(seed=st.integers(0, 2 ** 32), vertices=st.integers(2, 6))
     def build(self, seed: int, vertices: int) -> None:

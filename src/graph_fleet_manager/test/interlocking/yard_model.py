@@ -283,8 +283,7 @@ class Yard:
         return None
 
     def begin(self) -> World:
-        """The initial state: each robot stands at the beginning of its edge, and has reported so.
-        """
+        """The initial state: each robot stands at the beginning of its edge, and has reported."""
         machines = {name: Machine(edge) for name, edge in self._begins.items()}
         robots = {name: Believed(name, self.kind, self._client(self.graph)) for name in machines}
         world = World(machines, robots)

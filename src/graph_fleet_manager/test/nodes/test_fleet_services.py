@@ -1,5 +1,4 @@
-"""The fleet stop is obeyed at once: without a graph, without a disk, beside a hanging supervisor.
-"""
+"""The fleet stop is obeyed at once: without graph, without disk, beside a hanging supervisor."""
 from __future__ import annotations
 
 import threading
@@ -131,7 +130,7 @@ def stop_past(fleet):
 
 
 def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
-    """Nothing of it is on the disk, but the robots tell of it."""
+    """The stop is not on the disk, but the robots report it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 3, robot='a')
     fleet.run_until_done(1)
@@ -150,7 +149,7 @@ def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
 
 @pytest.mark.parametrize('dies', [True, False])
 def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume(dies):
-    """It did not forget its route: no person needs to look at it."""
+    """The robot has not forgotten its route, so it needs no person."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 5, robot='a')
     fleet.run(3.0)
@@ -183,7 +182,7 @@ def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
 
 @pytest.mark.parametrize('name', ['/resume_fleet', '/a/join_fleet'])
 def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name):
-    """A caller that was told that robots do not go on may be among them by then."""
+    """The caller was told that the robots do not go on, and may stand among them by then."""
     monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     fleet.run(3.0)

@@ -73,8 +73,7 @@ def through_ros(message):
 
 
 def close(one, other):
-    """True if both are equal, except for the precision of ROS times (1 ns) and of the float sizes.
-    """
+    """True if both are equal, except for the precision of ROS times (1 ns) and of floats."""
     if isinstance(one, float):
         return other == pytest.approx(one, abs=2e-8)
     if isinstance(one, (tuple, list)):

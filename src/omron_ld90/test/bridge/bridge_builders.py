@@ -30,8 +30,7 @@ ENDINGS = {
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:
-    """A graph of straight edges `ends` {id: (origin, destination)} between vertices {id: (x, y)}.
-    """
+    """Straight edges `ends` {id: (origin, destination)} between vertices `places` {id: (x, y)}."""
     return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
                  [Edge(id, *pair) for id, pair in ends.items()])
 

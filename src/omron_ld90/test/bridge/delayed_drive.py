@@ -280,8 +280,7 @@ class DelayedDrive:
         self._controller.say(line)
 
     def _on_motion(self, motion: Motion) -> None:
-        """The controller publishes the robot's giver; a bridge that starts later receives it too.
-        """
+        """The controller publishes the robot's giver, also to a bridge that starts later."""
         self._told = motion
         if motion.memory.cause is Cause.OTHER_CLIENT and self.stopped_at is not None:
             self.controller_knows = True

@@ -20,8 +20,7 @@ GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links
 
 
 class Word(NamedTuple):
-    """A command that the controller took, or learnt of from another client (then `giver` is None).
-    """
+    """A command that the controller took, or learnt of from another client (`giver` None)."""
 
     giver: Optional[Giver]
     drives: bool
@@ -217,8 +216,7 @@ class Witness(DelayedDrive):
         self._powered_at = self.now
 
     def _heard(self, line: str) -> None:
-        """Notes another client's command, unless one of ours has the same effect at the same time.
-        """
+        """Notes another client's command, unless ours has the same effect at the same time."""
         memory, state = self._controller.motion
         if line == 'Stopping':
             is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)

@@ -55,8 +55,7 @@ def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
 
 
 def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], None]) -> None:
-    """Calls a function the given time after an event of the drive has happened for the n-th time.
-    """
+    """Calls a function some time after an event of the drive has happened for the n-th time."""
     what, count, seconds = moment
     happened = []
 

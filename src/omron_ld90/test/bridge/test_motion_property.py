@@ -201,7 +201,7 @@ class Robots(RuleBasedStateMachine):
 
 
 class SimulatedRobots(Robots):
-    """The same with the simulated LD-90, in every dialect; its emergency stop is pressed, too."""
+    """The same with the simulated LD-90, in every dialect; its emergency stop is also pressed."""
 
     @initialize(strategy=STRATEGIES, dialect=st.sampled_from(DIALECTS), delays=DELAYS)
     def begin(self, strategy: str, dialect: str, delays: Delays) -> None:

@@ -1,5 +1,4 @@
-"""A fault ends a route with a reason, stops the robot, and completes no edge that was not driven.
-"""
+"""A fault ends a route with a reason, stops the robot, and completes no undriven edge."""
 from __future__ import annotations
 
 import pytest

@@ -82,7 +82,7 @@ def test_the_robot_brakes_for_a_goal_from_metres_away() -> None:
 def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
     rig = Rig(start=(-3000.0, 2200.0, 0.0))
     client = rig.client()
-    client.send('goto 12')  # round the end of the wall
+    client.send('goto 12')  # around the end of the wall
     while abs(rig.robot.base.rotation) < 30.0 or rig.robot.base.speed < 300.0:
         rig.clock.advance(rig.clock.now + STEP)
     start = rig.robot.base.speed

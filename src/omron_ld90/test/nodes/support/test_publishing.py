@@ -1,5 +1,4 @@
-"""Lines are published unchanged, byte for byte; a message that cannot be serialised ends no topic.
-"""
+"""Lines are published byte for byte; a message that cannot be serialised ends no topic."""
 from __future__ import annotations
 
 import struct
