@@ -46,7 +46,7 @@ VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
 NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
 FLEET_FILM = 45.0  # s
 CORNER = (1240, 860)  # pixel at which the mouse hides nothing
-ROUTE = (9, 3, 4, 31, 32, 34)  # pixels on the way from vertex 4 to 52
+ROUTE = (9, 3, 4, 31, 32, 34)  # edges from vertex 4 to 52
 
 
 class Film:

@@ -39,7 +39,7 @@ class Case(NamedTuple):
 
     name: str
     graph: Graph
-    base: bytes  # map objects
+    base: bytes  # content of the base map
     aim: float  # fence objects per edge
     runs: int
     dock: Optional[int] = None

@@ -49,7 +49,7 @@ OPTIONS = MakingOptions()
 # m of clearance; it selects the middles of the laboratory's rooms and halls, separated at doors
 ROOM = 1.1
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
-# m: radius of the circle on which the vertex is dragged
+# m: position of the vertex that is dragged
 MIDDLE = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)
 DRAGS, RATE = 300, 30.0  # s-1
 SETTLE, MEASURE = 8.0, 6.0  # s
@@ -116,7 +116,7 @@ def length(graph: Graph) -> float:
 
 
 def robot_floor(site: Site, graph: Graph) -> np.ndarray:
-    """The mask of the floor that a robot of half its width reaches by flooding from the graph."""
+    """Mask of the floor with half a robot's width of room, flooded from the graph."""
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 
@@ -131,7 +131,7 @@ def share_served(site: Site, graph: Graph) -> float:
 
 
 def errors(site: Site, graph: Graph) -> int:
-    """The errors that check_graph reports, such as an edge in a wall or an unreachable vertex."""
+    """The number of errors in check_graph, such as edges in walls or unreachable vertices."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return sum(finding.severity is Severity.ERROR for finding in findings)
 
@@ -247,7 +247,7 @@ def drags(mouse: Mouse, count: int) -> List[float]:
 
 
 def circle(count: int) -> Iterator[Tuple[float, float]]:
-    """The distance of the mouse from the dragged vertex, in m."""
+    """Displacements (x, y) of the mouse from the first place of the vertex, in m."""
     for angle in np.linspace(0.0, 4.0 * np.pi, count, endpoint=False):
         yield np.cos(angle), np.sin(angle)
 

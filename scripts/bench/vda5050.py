@@ -165,13 +165,13 @@ def drive(master: Master, track: Track, send: Callable[[str], int]) -> float:
 
 
 def whole(master: Master, track: Track) -> Callable[[str], int]:
-    """Sends the order in one message."""
+    """Returns a function that sends the order in one message."""
     return lambda order_id: master.send('order', track.order(order_id))
 
 
 def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
                     ) -> Callable[[str], int]:
-    """Sends the order edge by edge; the base ends `AHEAD` m or more ahead of the vehicle."""
+    """Returns a function that sends the order edge by edge, with a base of `AHEAD` m or more."""
     def send(order_id: str) -> int:
         base, update = 1, 0
         heard = master.send('order', track.part(0, 1).order(order_id))

@@ -21,7 +21,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_messages import fill_refusal
 
 PERIOD = 0.1  # s between two reports of a robot
-_SLICES = 10  # s over which the reports of a period are spread
+_SLICES = 10  # parts of a period over which the reports are spread
 
 
 class Release(NamedTuple):

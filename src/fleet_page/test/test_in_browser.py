@@ -35,7 +35,7 @@ def window(browser, served):
     browser.resize(1400, 900)
     browser.open(served.url)
     browser.one('.robot[data-name=a]')
-    browser.wait(lambda: 'wheel blocked' in browser.text('#alarms'))  # the click moves the map
+    browser.wait(lambda: 'wheel blocked' in browser.text('#alarms'))  # this text moves the map
     browser.addresses()
     browser.problems()
     yield browser

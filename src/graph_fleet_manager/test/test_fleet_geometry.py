@@ -45,11 +45,11 @@ class Measured(NamedTuple):
     network: RoadNetwork
     conflicts: Conflicts
     world: World
-    shapes: list  # first of the vertices, then of the edges
+    shapes: list  # shapes of the vertices, then of the edges
 
 
 def _measured(seed) -> Measured:
-    """Skips the few drawings that are no valid graph."""
+    """Measures a random graph; skips the few drawings that are no valid graph."""
     random = Random(seed)
     try:
         graph = random_graph(random, random.randint(3, 10), random.randint(0, 8), 2.0)

@@ -115,7 +115,7 @@ def moment(case: Case, random: Random) -> Moment:
 
 
 def a_case(seed: int) -> Case:
-    """A random moment that is usable."""
+    """A random case that makes sense."""
     try:
         return Case(Random(seed))
     except GraphError:
@@ -286,5 +286,5 @@ def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
     all_of_them = switch_order(courses, found)
     assert all_of_them.reversed == set(range(25))
     some = switch_order(courses, found, trials=11)
-    assert len(some.reversed) == 10 and 24 in some.reversed  # after the first look at the clock
+    assert len(some.reversed) == 10 and 24 in some.reversed  # the first trial counts the present order
     assert switch_order(courses, found, deadline=time.monotonic() - 1.0) is None

@@ -318,7 +318,7 @@ def test_who_is_silent_is_ordered_nothing_but_to_stop():
 
 
 def trembling(fleet, name, metres):
-    """A robot whose location is never the same twice, as on a real floor."""
+    """Makes a robot report a location that is never the same twice, as on a real floor."""
     agv, report = fleet.agvs[name], fleet.agvs[name].report
 
     def tremble(stamp):

@@ -41,7 +41,7 @@ def batch(request) -> int:
 
 
 def share(percent: int):
-    """The number of examples for a property that gets this percentage of all examples."""
+    """Decorates a property so that it gets this percentage of all examples."""
     def decorate(test):
         few = settings(max_examples=EXAMPLES * percent // 100, database=None,
                        suppress_health_check=list(HealthCheck))

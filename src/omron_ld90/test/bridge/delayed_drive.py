@@ -42,19 +42,19 @@ class DelayedDrive:
         self._time = Timeline(100.0)
         self.later, self.run = self._time.later, self._time.run
         self._graph = graph
-        self._edges: Tuple[int, ...] = ()  # number of the route
+        self._edges: Tuple[int, ...] = ()  # edges of the route
         self.delays = delays
         self.up = dict.fromkeys(p.Link, True)
-        self.stopped_at: Optional[float] = None  # the person's last stop
+        self.stopped_at: Optional[float] = None  # time of the person's last stop
         self.bridge_knows = self.controller_knows = False
         self.crossed = self._stopped_at_robot = False
         self.spared = False  # True: no more links or nodes fail
         self.passed: List[str] = []
         self.trace: List[str] = []
-        self.watchers: List[Callable[[str], None]] = []  # moments of the drive
-        self._generation = 0  # generation of the bridge's process
-        self._last_number = 0  # generation of its commands
-        self._drives: List[Execution] = []  # last report of the route
+        self.watchers: List[Callable[[str], None]] = []  # called at each moment of the drive
+        self._generation = 0  # number of the bridge's process
+        self._last_number = 0  # number of the bridge's last command
+        self._drives: List[Execution] = []  # drives of the route, let through
         self.bridge: Optional[RouteFollower] = None
         self._told: Optional[Motion] = None  # latched message of the controller
         self._controller = self.make_controller(delays)

@@ -42,7 +42,7 @@ class ModelledController:
         self._send_line, self._on_motion = send, on_motion
         self._connection = 0  # number of the link
         self.on_taken: Callable[[Giver, bool], None] = lambda giver, drives: None
-        self._memory: Optional[Memory] = None  # state that survives the link
+        self._memory: Optional[Memory] = None  # memory that survives the process
         self.start()
         timeline.every(HEARTBEAT, self._ask_status)
 

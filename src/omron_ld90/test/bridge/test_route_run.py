@@ -239,7 +239,7 @@ class TestAVertexThatWasMissed:
         assert drive.go((2.0, 0.0), (2.0, 0.0)) == (
             'The robot missed vertex 2 and is sent back to it.')
         assert drive.tracker.command == 'goto 2'
-        drive.now += 25.0  # the robot may choose this edge
+        drive.now += 25.0  # the robot may take this time
         drive.go((2.0, 0.0))
 
     def test_but_once_only(self, drive):

@@ -16,7 +16,7 @@ from omron_ld90.converter.corridors import CorridorRules, corridors_of
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STRETCH = 0.43
-LENGTH, WIDTH = 699.0, 500.0  # radius of the robot, mm
+LENGTH, WIDTH = 699.0, 500.0  # of the robot, mm
 
 
 def arc(radius, degrees):

@@ -148,7 +148,7 @@ def test_a_program_without_a_free_file_descriptor_waits_before_it_listens_again(
                 client.connect_ex(('127.0.0.1', robot.port))
                 assert refused.wait(20.0)
                 for _ in range(20):
-                    robot.inject('unblock')  # cycles of the loop
+                    robot.inject('unblock')  # each call takes a cycle of the loop
         assert len(calls) == 1
         with closing(connected(robot.port)) as client:
             client.send('queryMotors')
