@@ -79,7 +79,7 @@ class Fleet:
 
 @contextmanager
 def launched(command: List[str]) -> Iterator[subprocess.Popen]:
-    """Starts a program; at the end roslaunch ends it as Ctrl-C does."""
+    """Starts a program, and ends it as Ctrl-C does."""
     with LOG.open('a', encoding='utf-8') as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, start_new_session=True)
         try:

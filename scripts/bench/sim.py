@@ -96,7 +96,7 @@ class Listener:
 
 def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
                     ) -> Tuple[float, float]:
-    """Percent of a core that a program uses, median of several periods; and their start times."""
+    """Percent of a core that a program uses, median of several periods; and when they began."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:
             ports = [int(program.stdout.readline().split('127.0.0.1:')[1].split()[0])
