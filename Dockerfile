@@ -3,7 +3,7 @@
 #   docker build -t omron_ld90 .
 #   docker run --rm --read-only --tmpfs /tmp -v omron_ld90:/data --network host omron_ld90 fleet:=4 longest_edge:=1.5 demo:=true
 #
-# Arguments are those of scripts/run.sh. What outlives a restart (journals, logs, maps) is written to /data only.
+# The arguments are those of scripts/run.sh. Everything that must survive a restart (journals, logs, maps) is written to /data.
 # ROS nodes and robots open connections to each other: they need the network of the host.
 FROM debian:12-slim
 WORKDIR /opt/omron_ld90

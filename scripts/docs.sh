@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds the documentation site of docs/ as build/site; fails on any warning, such as a broken link.
+# Builds the documentation site from docs/ in build/site; fails on any warning, such as a broken link.
 #
 #   scripts/docs.sh     then open build/site/index.html, which needs neither a web server nor a network
 #
-# Exit status: 0 built; 1 a page has a fault, or mkdocs could not be installed from PyPI.
+# Exit status: 0 built; 1 a page has an error, or mkdocs could not be installed from PyPI.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -18,6 +18,6 @@ install_missing 1 "python3-venv python3-venv"
 virtual_environment mkdocs /usr/bin/python3 $docs_packages ||
   die "mkdocs could not be installed from PyPI (offline?): see build/pip.log"
 cd "$root"
-# --quiet would keep warnings from --strict, too
+# --quiet would also hide warnings from --strict
 NO_MKDOCS_2_WARNING=1 build/mkdocs/bin/mkdocs build --strict
 say "The site is build/site/index.html"

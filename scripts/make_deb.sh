@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds Debian 12 packages of this workspace, and has lintian judge them.
+# Builds Debian 12 packages of this workspace, and checks them with lintian.
 #
 #   scripts/make_deb.sh            the packages are build/deb/*.deb
-#   scripts/make_deb.sh --try      then installs them in a bare Debian 12 root (build/deb/root) and drives a simulated
-#                                  robot there; needs root and a network
+#   scripts/make_deb.sh --try      then installs them in a bare Debian 12 system (build/deb/root) and drives a simulated
+#                                  robot there; needs root rights and a network
 #
-# Exit status: 0 done; 1 not built, an error of lintian, or the robot did not drive.
+# Exit status: 0 success; 1 the build failed, lintian found an error, or the robot did not drive.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -14,7 +14,7 @@ case "${1:-}" in
   *) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; [ "$1" = -h ] || [ "$1" = --help ]; exit ;;
 esac
 [ "$(operating_system)" = "debian 12" ] ||
-  die "Debian packages of ROS 1 are those of Debian 12; this is $(operating_system)."
+  die "the packages need Debian 12, whose packages they depend on; this is $(operating_system)."
 
 install_missing 1 "${run_packages[@]}" "${deb_packages[@]}"
 here="$root/build/deb" log="$root/build/deb.log"
@@ -35,19 +35,19 @@ lintian --fail-on error --tag-display-limit 0 "$here"/*.changes
 say "The packages:" "$here"/*.deb
 [ "${1:-}" = --try ] || exit 0
 
-# A root with nothing but Debian's base system; apt takes the packages as a user's machine would.
-[ "$(id -u)" = 0 ] || die "a bare root is made by root only."
+# A folder with nothing but Debian's base system; apt installs the packages as on a user's machine.
+[ "$(id -u)" = 0 ] || die "only root can make the bare Debian 12 system: run this as root."
 install_missing 1 "debootstrap debootstrap" "iproute2 iproute2"
 bare="$here/root"
 if [ ! -f "$bare/.bare" ]; then
-  say "Making a bare Debian 12 root: $bare"
+  say "Making a bare Debian 12 system: $bare"
   rm -rf "$bare"
   debootstrap --variant=minbase --include=ca-certificates bookworm "$bare" >>"$log" 2>&1 || die "debootstrap failed: see $log"
   touch "$bare/.bare"
 fi
 rm -rf "$bare/debs" && mkdir "$bare/debs" && cp "$here"/*.deb "$bare/debs"
 cp /etc/resolv.conf "$bare/etc/resolv.conf"
-echo '127.0.0.1 localhost' >"$bare/etc/hosts"  # the installer of a system writes it, debootstrap does not
+echo '127.0.0.1 localhost' >"$bare/etc/hosts"  # Debian's installer writes this file, debootstrap does not
 mountpoint -q "$bare/proc" || mount -t proc proc "$bare/proc"
 trap 'umount "$bare/proc"' EXIT
 say "Installing the packages there"
@@ -56,7 +56,7 @@ inside sh -ec 'apt-get update -q; apt-get install -y -q --no-install-recommends 
   die "the packages could not be installed: see $log"
 say "Driving a simulated robot there"
 cp "$root/scripts/try_packages.sh" "$bare/tmp/"
-# A network of its own: what runs on this machine is neither heard nor disturbed.
+# A network namespace of its own: it has no connection to ROS nodes that run on this machine.
 unshare --net sh -c 'ip link set lo up; exec "$@"' - chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
   timeout 600 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
 say "Removing the packages"

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the README: a real RViz on the simulated robot, clicked on with the mouse.
+"""Makes the pictures of the README: a real RViz shows the simulated robot; the mouse clicks in it.
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
 Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png and fleet.gif
-into docs/images; with `stack`, `graph` or `fleet` the first three, the next two, the last one.
+into docs/images. With `stack` it writes only the first three, with `graph` the next two, with
+`fleet` the last one.
 """
 from __future__ import annotations
 
@@ -38,24 +39,25 @@ WINDOW = (0, 0, 1280, 871)
 GIF_WIDTH, GIF_COLOURS = 900, 160
 SCALE = 40.0
 NOTHING_HERE = (640, 440)
-PERIOD, SPEED_UP = 1.0, 5.0  # s between two pictures of the film, and how much faster it plays
-STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger stands
+# s between two pictures of the film, and the factor by which it plays faster
+PERIOD, SPEED_UP = 1.0, 5.0
+STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger is
 VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
 NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
 FLEET_FILM = 45.0  # s
-CORNER = (1240, 860)  # pixel where the mouse hides nothing
-ROUTE = (9, 3, 4, 31, 32, 34)  # from vertex 4 to 52
+CORNER = (1240, 860)  # pixel at which the mouse hides nothing
+ROUTE = (9, 3, 4, 31, 32, 34)  # edges from vertex 4 to 52
 
 
 class Film:
-    """Pictures of the 3D view, with a ring where the mouse just clicked."""
+    """Pictures of the 3D view, with a ring where the mouse has just clicked."""
 
     def __init__(self, window: RvizWindow) -> None:
         self._window = window
         self._pictures: List[Image.Image] = []
 
     def take(self, click: Optional[Tuple[int, int]] = None) -> None:
-        """One picture; `click` is the pixel that was just clicked on."""
+        """Takes one picture; `click` is the pixel that was just clicked."""
         picture = self._window.look()
         if click is not None:
             pen = ImageDraw.Draw(picture)
@@ -66,7 +68,7 @@ class Film:
         self._pictures.append(view.resize((GIF_WIDTH, round(GIF_WIDTH * view.height / view.width))))
 
     def take_until(self, done: Callable[[], bool], longest: float) -> None:
-        """Pictures at an even pace until `done`, but not longer than `longest` s."""
+        """Takes pictures at an even pace until `done`, for at most `longest` s."""
         end = time.monotonic() + longest
         while not done() and time.monotonic() < end:
             begun = time.monotonic()
@@ -74,7 +76,7 @@ class Film:
             time.sleep(max(0.0, begun + PERIOD - time.monotonic()))
 
     def save(self, path: Path) -> None:
-        """Save with one palette for all, so that unchanged parts cost nothing."""
+        """Saves the film with one palette, so that unchanged parts need no space."""
         palette = self._pictures[len(self._pictures) // 2].quantize(GIF_COLOURS, Image.MAXCOVERAGE)
         frames = [picture.quantize(palette=palette, dither=0) for picture in self._pictures]
         frames[0].save(path, save_all=True, append_images=frames[1:], loop=0, optimize=True,
@@ -82,12 +84,12 @@ class Film:
 
 
 def keep(window: RvizWindow, name: str) -> None:
-    """A picture of the window without its status bar."""
+    """Saves a picture of the window without its status bar."""
     window.look().crop(WINDOW).save(IMAGES / f'{name}.png', optimize=True)
 
 
 def film(window: RvizWindow) -> None:
-    """Click on a goal, see the robot arrive, then see it drive a route of the fleet."""
+    """Clicks on a goal, films the robot until it arrives, then a route of the fleet manager."""
     lab = MapDocument.load(str(ROOT / 'maps/lab.map'))
     clicks = Recorder('/clicked_point', PointStamped)
     lines = Recorder('/omron_ld90/arcl_response', String)
@@ -102,7 +104,7 @@ def film(window: RvizWindow) -> None:
     wait_until(calibrated, 60.0, 'a click lands')
     point = clicks.messages[0].point
     window.calibrate(NOTHING_HERE, (point.x, point.y))
-    rospy.sleep(9.0)  # until the words about that click are gone
+    rospy.sleep(9.0)  # until the text about that click has disappeared
     keep(window, 'rviz_map')
 
     pictures = Film(window)
@@ -127,7 +129,7 @@ def film(window: RvizWindow) -> None:
 
 
 def graph_pictures(screen: Screen) -> None:
-    """The graph made of the laboratory's bare map, drawn, and in the editor."""
+    """Pictures of the graph made from the laboratory's bare map: drawn, and in the editor."""
     lab = str(ROOT / 'maps' / 'lab_base.map')
     with tempfile.TemporaryDirectory() as folder:
         graph = f'{folder}/graph.yaml'
@@ -157,7 +159,7 @@ def graph_pictures(screen: Screen) -> None:
 
 
 def fleet_film(screen: Screen) -> None:
-    """Eight robots at work: what `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows."""
+    """Eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
         f'http://127.0.0.1:{port}')
@@ -187,7 +189,7 @@ def fleet_film(screen: Screen) -> None:
 
 
 def main() -> int:
-    """Start what is filmed on free ports, film it, and end it."""
+    """Starts on free ports what is filmed, films it, and ends it."""
     missing = missing_programs()
     if missing:
         print(f'Not installed: {", ".join(missing)}.', file=sys.stderr)
@@ -195,7 +197,7 @@ def main() -> int:
     IMAGES.mkdir(parents=True, exist_ok=True)
     parts = {'stack': stack_pictures, 'graph': graph_pictures, 'fleet': fleet_film}
     if sys.argv[1:] not in [[name] for name in parts]:
-        for name in parts:  # each in a program of its own: a program has one ROS master
+        for name in parts:  # each part in its own process, because a process has one ROS master
             subprocess.run([sys.executable, __file__, name], check=True)
         return 0
     screen = Screen()
@@ -207,7 +209,7 @@ def main() -> int:
 
 
 def stack_pictures(screen: Screen) -> None:
-    """The stack with a simulated robot, on ports of its own."""
+    """Pictures of the stack with a simulated robot, on ports of its own."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
     stack = subprocess.Popen(

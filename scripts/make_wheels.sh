@@ -2,10 +2,10 @@
 # Builds wheels and sdists of the libraries that need no ROS: build/dist/*.whl and *.tar.gz.
 #
 #   scripts/make_wheels.sh                       builds them
-#   scripts/make_wheels.sh python3.8 python3.12  then installs both kinds with each of these Pythons, with dependencies
-#                                                from PyPI, and drives a simulated robot there without ROS
+#   scripts/make_wheels.sh python3.8 python3.12  then, for each of these Pythons, installs both kinds with their dependencies from
+#                                                PyPI, and drives a simulated robot with them without ROS
 #
-# Exit status: 0 done; 1 not built, not installed, or the robot did not arrive.
+# Exit status: 0 success; 1 the build or the installation failed, or the robot did not arrive.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -19,7 +19,7 @@ virtual_environment wheels /usr/bin/python3 --system-site-packages $wheel_packag
   die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
 rm -rf "$here"
 mkdir -p "$here/sources"
-cp -r "${pure_libraries[@]/#/$root/src/}" "$here/sources"  # building leaves files beside the sources
+cp -r "${pure_libraries[@]/#/$root/src/}" "$here/sources"  # a copy, because building leaves files beside the sources
 for library in "${pure_libraries[@]}"; do
   "$root/build/wheels/bin/python" -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
     die "$library was not built: see $log"
@@ -27,7 +27,7 @@ done
 rm -rf "$here/sources"
 say "Built:" "$here"/*
 
-# drive PYTHON: a simulated robot and a client that drives it, both as installed
+# drive ENVIRONMENT: starts the installed simulated robot, and drives it with a client that uses the installed library
 drive() {
   local port sim
   port="$(free_port)"
@@ -50,7 +50,7 @@ for python in "$@"; do
     say "$("$python" --version), from .$kind files"
     "$python" -m venv "$environment" &&
       "$environment/bin/python" -m pip install -q --disable-pip-version-check "$here"/*."$kind" >>"$log" 2>&1 ||
-      die "they could not be installed with $python: see $log"
+      die "the .$kind files could not be installed with $python: see $log"
     "$environment/bin/ld_map" info "$root/maps/lab.map" >/dev/null || die "ld_map does not run"
     drive "$environment" || die "the robot did not arrive: see $log"
   done

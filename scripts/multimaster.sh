@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
-# Brings fkie multimaster into this workspace: needed only where the fleet manager has its own ROS master. Installs what
-# it imports, builds it in src/multimaster_fkie, and joins two masters on this machine once to see that it works.
+# Adds fkie multimaster to this workspace. It is needed only if the fleet manager has its own ROS master. Installs the packages
+# that it imports, builds it in src/multimaster_fkie, and joins two masters on this machine once to check that it works.
 #
 #   scripts/multimaster.sh                      sources from the address in catkin_ws.repos
 #   FKIE_ARCHIVE=FILE scripts/multimaster.sh    sources from an archive (.tar.gz), without a network
 #
-# Sources that are there already are kept. On Ubuntu with Noetic, `apt-get install ros-noetic-fkie-multimaster` will do too.
+# Existing sources are kept. On Ubuntu with Noetic, `apt-get install ros-noetic-fkie-multimaster` is enough.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 [ $# = 0 ] || { sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
 
-# find_each_other: two ROS masters, on two addresses of the loopback interface, run the launch file that joins them;
-# discovery on either side lists the other, and synchronisation answers.
+# find_each_other: starts two ROS masters on two addresses of the loopback interface, with the launch file that joins them.
+# Succeeds if discovery on each side lists the other side, and synchronisation answers on both.
 find_each_other() {
   local log="$root/build/multimaster.log" verdict=0 ports
   export ROS_HOME="$root/build/ros_home"
@@ -38,7 +38,7 @@ _join() {  # ADDRESS MASTER_PORT PEER
     roslaunch -p "$2" omron_ld90 multimaster.launch peer:="$3" rpc_port:="$(free_port)"
 }
 
-_answers() {  # ADDRESS MASTER_PORT SERVICE [WORD]: within 30 s it is offered, and its answer holds the word
+_answers() {  # ADDRESS MASTER_PORT SERVICE [WORD]: succeeds if the service answers within 30 s and the answer contains WORD
   local deadline=$((SECONDS + 30)) answer
   while kill -0 "${launches[@]}" 2>/dev/null && [ "$SECONDS" -lt "$deadline" ]; do
     answer="$(ROS_IP="$1" ROS_MASTER_URI="http://$1:$2" timeout 5 rosservice call "$3" 2>/dev/null)" || answer=''
@@ -60,4 +60,4 @@ prepare "${packages[@]}"
 say "Joining two ROS masters on this machine once"
 find_each_other || die "fkie multimaster was built, but two masters do not find each other: $(
   sed 's/\x1b[^m]*m//g' "$root/build/multimaster.log" | grep -m1 -E 'Error|Exception' || echo 'no error is reported') (whole log: $root/build/multimaster.log)"
-say "fkie multimaster is ready; docs/how-to/multimaster.md says how two masters are joined"
+say "fkie multimaster is ready; docs/how-to/multimaster.md says how to join two masters"

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# From a robot's map to a robot that drives on a graph of its own: make, convert, start. Prints the three commands.
+# Makes a graph from a robot's map, converts both into a new map, and starts a robot on it. Prints the three commands.
 #
 #   scripts/new_site.sh site.map                         makes site_graph.yaml and site_fleet.map beside it, starts a simulated robot
-#   scripts/new_site.sh site.map --no-start              makes the two files only
+#   scripts/new_site.sh site.map --no-start              only makes the two files
 #   scripts/new_site.sh site.map --dock=-13.2,-7,180       any option of make_graph, written with =
 #   scripts/new_site.sh site.map sim_speed:=2 rviz:=false  any argument of launch/full_stack.launch
 #
-# A site_graph.yaml that was edited is kept and used as it is. A ROS map (.yaml) has no .map to convert: use make_graph.
+# An edited site_graph.yaml is used unchanged. A ROS map (.yaml) has no .map file to convert: use make_graph.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -14,10 +14,10 @@ case "${1:-}" in
   '' | -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
 esac
 map="$(realpath -m -- "$1")"; shift
-[ -r "$map" ] || die "$map cannot be read; is there such a file?"
+[ -r "$map" ] || die "$map cannot be read; check its name and its permissions"
 case "$map" in
   *.map) ;;
-  *) die "$map is no .map file of a robot" ;;
+  *) die "$map is not a .map file of a robot" ;;
 esac
 start=true launch_args=() make_options=()
 for arg in "$@"; do

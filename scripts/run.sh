@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and launches the full stack: a simulated LD-90, or a real one.
+# Installs missing packages, builds the workspace, and launches the full stack for a simulated or a real LD-90.
 #
-#   scripts/run.sh                                    simulated robot on maps/lab.map, RViz where there is a display
+#   scripts/run.sh                                    simulated robot on maps/lab.map, RViz if there is a display
 #   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
 #   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
 #   scripts/run.sh vda5050:=true                      driven by a VDA 5050 master, over MQTT on 127.0.0.1:18830
 #                                                     (settings for masters: docs/how-to/vda5050_masters.md)
 #   scripts/run.sh sim:=false ... multimaster:=true peer:=10.0.0.9    the fleet manager is on another computer
-#   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    so many simulated LD-90s and AGVs, and their fleet manager
-#   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print shows all files
+#   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    4 simulated LD-90s, 4 AGVs, and their fleet manager
+#   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print prints all files
 #
-# Instead of password_file:=, the environment variable OMRON_LD90_PASSWORD may hold the real robot's password.
+# Instead of password_file:=, you can put the real robot's password into the environment variable OMRON_LD90_PASSWORD.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -20,22 +20,24 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   echo 'Arguments of launch/full_stack.launch:'
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
   echo
-  echo 'With fleet:=, these instead:'
+  echo 'With fleet:=, these arguments instead:'
   PYTHONPATH="$root/src/fleet_bringup/src" /usr/bin/python3 -c 'from fleet_bringup.options import help_text; print(help_text())'
   exit 0
 fi
 
-# refuse_what_runs LAUNCH...: two launches with nodes of one name under one ROS master would end each other's for ever.
+# refuse_what_runs LAUNCH...: fails if one of the launch's nodes runs already. Two launches with nodes of the same name under
+# one ROS master would end each other's nodes for ever.
 refuse_what_runs() {
   local node running
   running="$(timeout 10 rosnode list 2>/dev/null | sort)" || return 0
   for node in $(comm -12 - <(roslaunch --nodes "$@" 2>/dev/null | sort) <<<"$running"); do
     ! timeout 5 rosnode ping -c 1 "$node" 2>/dev/null | grep -q 'xmlrpc reply' ||
-      die "$node runs under this ROS master already, and would lose its name to this run: end what runs, or give this run a master and ports of its own (docs/how-to/troubleshooting.md)."
+      die "$node runs under this ROS master already, and would lose its name to this run: end the running launch, or give this run a master and ports of its own (docs/how-to/troubleshooting.md)."
   done
 }
 
-# A fleet has launch and RViz files of its own, made in a folder that is removed when the launch has ended.
+# start_fleet ARGUMENT...: makes the launch and RViz files of a fleet in a folder, launches them, and removes the folder when
+# the launch has ended.
 start_fleet() {
   prepare "${run_packages[@]}"
   case " $* " in *' --print '*) exec rosrun fleet_bringup fleet_launch "$@" ;; esac
@@ -43,8 +45,8 @@ start_fleet() {
   launch="$(rosrun fleet_bringup fleet_launch "$@")" || exit 1
   (trap '' INT TERM HUP; tail -s 0.5 -f --pid=$$ /dev/null; rm -rf "$(dirname "$launch")") </dev/null >/dev/null 2>&1 &
   if grep -q 'name="multimaster" value="true"' "$launch"; then
-    [ -n "${ROS_IP:-}" ] || die "robots of this fleet have computers of their own: export ROS_IP to this computer's address, by which they reach it."
-  # No other computer needs its nodes where all robots are simulated.
+    [ -n "${ROS_IP:-}" ] || die "robots of this fleet have computers of their own: set and export ROS_IP, the address at which they reach this computer."
+  # If all robots are simulated, no other computer needs to reach the nodes.
   elif ! grep '"robot_ip"' "$launch" | grep -qv '"127.0.0.1"'; then
     export ROS_IP="${ROS_IP:-127.0.0.1}"
   fi
@@ -54,8 +56,8 @@ start_fleet() {
   exec roslaunch "$launch"
 }
 
-# limit_files: so many open files that no fleet meets the limit, and so few that no node reserves gigabytes for them:
-# roscpp does for every file that may be open, which are a thousand million in some containers.
+# limit_files: sets the limit of open files. It is high enough for every fleet, and low enough for roscpp, which reserves memory
+# for each file that may be open: in some containers the limit is a thousand million, which takes gigabytes per node.
 limit_files() { ulimit -Sn 16384 2>/dev/null || ulimit -Sn "$(ulimit -Hn)"; }
 limit_files
 for arg in "$@"; do
@@ -73,16 +75,16 @@ for arg in "$@"; do
   grep -q "<arg name=\"$name\"" "$root/launch/full_stack.launch" ||
     die "there is no argument '$name'; scripts/run.sh --help lists them"
   case "$name" in
-    # Nodes run in another folder, so files are made absolute here; after := the shell leaves ~ alone.
+    # Nodes run in another folder, so file names are made absolute here. The shell does not expand ~ after :=.
     *_file | *_map | *_config) [ -z "$value" ] || value="$(realpath -m -- "${value/#\~\//$HOME/}")" ;;
   esac
   given[$name]="$value"
   args+=("$name:=$value")
 done
 for name in map_file base_map graph_file password_file mqtt_credentials_file mqtt_ca_file; do
-  [ "$name" = map_file ] && [ -n "${given[base_map]:-}" ] && continue  # made from base_map
+  [ "$name" = map_file ] && [ -n "${given[base_map]:-}" ] && continue  # the map is made from base_map
   [ -z "${given[$name]:-}" ] || [ -r "${given[$name]}" ] ||
-    die "$name:=${given[$name]} cannot be read; is there such a file?"
+    die "$name:=${given[$name]} cannot be read; check its name and its permissions"
 done
 for name in arcl_port outgoing_port; do
   [[ "${given[$name]}" =~ ^[1-9][0-9]{0,4}$ ]] && [ "${given[$name]}" -le 65535 ] ||
@@ -91,7 +93,7 @@ done
 
 is_true() { [[ "${1,,}" =~ ^(true|1)$ ]]; }
 if is_true "${given[multimaster]:-}"; then
-  [ -n "${given[peer]:-}" ] || die "multimaster:=true needs peer:=ADDRESS, that of the fleet manager's computer."
+  [ -n "${given[peer]:-}" ] || die "multimaster:=true needs peer:=ADDRESS, the address of the fleet manager's computer."
   for name in fleet_manager vda5050; do
     ! is_true "${given[$name]:-}" ||
       die "multimaster:=true takes missions from the fleet manager at ${given[peer]}, so $name:=true would be a second master of the robot: choose one."
@@ -104,15 +106,15 @@ fi
 
 prepare "${run_packages[@]}"
 
-# From here on there is a Python, on every machine.
+# From here on Python is installed on every machine.
 if is_true "${given[multimaster]:-}"; then
   [ -n "${ROS_IP:-}" ] || ROS_IP="$(address_towards "${given[peer]}")" ||
-    die "there is no way to peer:=${given[peer]}: is it the address of the fleet manager's computer, and is the network up?"
+    die "there is no network route to peer:=${given[peer]}: check that it is the address of the fleet manager's computer, and that the network is up."
   export ROS_IP
 fi
 if is_true "${given[vda5050]:-}" && [ -z "${given[mqtt_broker]:-}" ]; then
   port_is_free 18830 ||
-    die "TCP port 18830 is in use, so the embedded MQTT broker cannot have it: end the program that holds it, or name a broker with mqtt_broker:=HOST:PORT."
+    die "TCP port 18830 is in use, so the embedded MQTT broker cannot use it: end the program that uses it, or name a broker with mqtt_broker:=HOST:PORT."
 fi
 refuse_what_runs omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}
 case "${given[sim],,}" in
@@ -120,16 +122,16 @@ case "${given[sim],,}" in
     export ROS_IP="${ROS_IP:-127.0.0.1}"
     for name in arcl_port outgoing_port; do
       port_is_free "${given[$name]}" ||
-        die "TCP port ${given[$name]} is in use, so the simulated robot cannot have it: end the program that holds it, or choose another with $name:=PORT."
+        die "TCP port ${given[$name]} is in use, so the simulated robot cannot use it: end the program that uses it, or choose another with $name:=PORT."
     done ;;
 esac
-# A display that is named but cannot be opened is rviz_view's matter: it says so, and all else runs.
+# If DISPLAY names a display that cannot be opened, rviz_view reports it, and everything else runs.
 if [ -z "${DISPLAY:-}" ] && [ -z "${given[rviz]:-}" ]; then
-  say "No display: RViz is left out. rostopic, and RViz on another machine, show the robot too"
+  say "No display: RViz is not started. Use rostopic, or RViz on another machine, to see the robot"
 fi
 
-# roslaunch writes its whole environment into its log: the password goes on in a file that only this user can read, and
-# which is removed when the launch has ended.
+# roslaunch writes its whole environment into its log. So the password is passed on in a file that only this user can read.
+# The file is removed when the launch has ended.
 if [ -n "${OMRON_LD90_PASSWORD:-}" ] && [ -z "${given[password_file]:-}" ] && [[ "${given[sim],,}" =~ ^(false|0)$ ]]; then
   file="$(umask 077 && mktemp "${XDG_RUNTIME_DIR:-${TMPDIR:-/tmp}}/ld90_password.XXXXXX")"
   (trap '' INT TERM HUP; tail -s 0.5 -f --pid=$$ /dev/null; rm -f "$file") </dev/null >/dev/null 2>&1 &

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Runs tests of a built workspace, one after the other, and leaves JUnit files in a folder. scripts/test.sh and
-# `catkin_make run_tests` both call it; people call scripts/test.sh. TEST_JOBS=2 runs two at a time. Up to three that fail
-# beside others run once more, alone, and that counts; the summary names them.
+# Runs tests of a built workspace, one after the other, and writes JUnit files into a folder. scripts/test.sh and
+# `catkin_make run_tests` call it; people call scripts/test.sh. TEST_JOBS=2 runs two tests at a time. If at most three tests
+# fail beside others, they run once more, alone, and the second result counts; the summary names them.
 #
 #   run_tests.sh RESULTS unit             the unit tests
-#   run_tests.sh RESULTS python3.8        imports and properties without ROS under Python 3.8, where there is one; with
-#                                         LD90_LONG_TESTS=1 every unit test without ROS
-#   run_tests.sh RESULTS once-more        of both, those that failed
+#   run_tests.sh RESULTS python3.8        tests of imports and properties without ROS under Python 3.8, if it is
+#                                         installed; with LD90_LONG_TESTS=1 every unit test without ROS
+#   run_tests.sh RESULTS once-more        the failed tests of both
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -26,7 +26,7 @@ unit_pytest() {  # unit_pytest OPTION...
   /usr/bin/python3 -m pytest -q -o cache_dir="$results/cache/unit" src "$@"
 }
 
-python38_pytest() {  # python38_pytest OPTION...: nothing of this system's ROS is found; real maps are for one Python
+python38_pytest() {  # python38_pytest OPTION...: without this system's ROS, and without real maps (one Python tests them)
   local selection=()
   [ -n "${LD90_LONG_TESTS:-}" ] || selection=(-m 'hypothesis or every_python')
   env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
@@ -63,12 +63,12 @@ unit_tests_of_python38() {
   fi
 }
 
-failed_once_more() {  # unit tests that failed beside others, which may have had the processor that they needed
+failed_once_more() {  # runs failed unit tests again: other tests may have taken the CPU time that they needed
   local suite failed
   for suite in unit python38; do
     failed="$(/usr/bin/python3 scripts/test_results.py failed "$results/$suite.xml" 2>/dev/null)" || continue
     if [ "$failed" -ge 1 ] && [ "$failed" -le 3 ]; then
-      say "$failed unit tests failed beside others, so they run once more, alone, and that counts"
+      say "$failed unit tests failed beside others. They run once more, alone, and the second result counts"
       "${suite}_pytest" --last-failed --junitxml="$results/$suite.again.xml" || true
       [ ! -f "$results/$suite.again.xml" ] ||
         /usr/bin/python3 scripts/test_results.py once-more "$results/$suite.xml" "$results/$suite.again.xml"
@@ -76,19 +76,19 @@ failed_once_more() {  # unit tests that failed beside others, which may have had
   done
 }
 
-join_masters_for_tests() {  # with fkie multimaster where it can be had; the summary says with what
+join_masters_for_tests() {  # with fkie multimaster if it is available; the summary says by which program
   provide_multimaster || record "$results" failed build-of-multimaster "see build/multimaster_build.log"
   if rospack find fkie_master_sync >/dev/null 2>&1; then
     echo "ROS masters were joined by fkie multimaster"
   else
-    echo "ROS masters were joined by test/master_mirror.py, as fkie multimaster is not there: ${MULTIMASTER_MISSING:-run scripts/multimaster.sh once}"
+    echo "ROS masters were joined by test/master_mirror.py, because fkie multimaster is not available: ${MULTIMASTER_MISSING:-run scripts/multimaster.sh once}"
   fi >"$results/multimaster.note"
 }
 
 system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free ports, under its own ROS master
   local name="$1" log="$results/$1.log" begun=$SECONDS verdict=passed file
   export LD90_ARCL_PORT="$2" LD90_OUTGOING_PORT="$3" ROS_TEST_RESULTS_DIR="$results/ros/$name"
-  # Tests that run at the same time have robots of the same name, each with files of its own for what outlives a restart.
+  # Tests that run at the same time use the same robot names, so each test needs its own folder for the files that robots keep.
   export ROS_HOME="$root/build/ros_home/$name" ROS_LOG_DIR="$root/build/ros_home/$name/log"  # a test may change ROS_HOME
   rm -rf "$ROS_HOME"
   mkdir -p "$ROS_HOME"
@@ -112,17 +112,17 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   esac
 }
 
-# What a test mounts is gone with it, however it ends.
+# With a mount namespace of its own, the mounts of a test disappear with it, however it ends.
 mounts_alone=()
 ! unshare --mount true 2>/dev/null || mounts_alone=(unshare --mount env LD90_MOUNTS_ALONE=1)
 
-system_tests() {  # so many at a time as TEST_JOBS says, the longest first: by the last run, or by their time limits
+system_tests() {  # TEST_JOBS tests at a time, the longest first: by the last run, or by their time limits
   local name running=0 known="$root/build/system_tests.seconds"
   rm -f "$results/failed"
   touch "$known"
   set -- $(/usr/bin/python3 scripts/test_results.py longest-first "$known" "$@")
   export PYTHONPATH="$root/test:${PYTHONPATH:-}"
-  trap 'kill -TERM $(jobs -p); wait; exit 130' INT TERM  # nothing goes on when the script is ended
+  trap 'kill -TERM $(jobs -p); wait; exit 130' INT TERM  # the tests end when the script is ended
   for name in "$@"; do
     if [ "$running" -ge "$jobs" ]; then wait -n || true; running=$((running - 1)); fi
     system_test "$name" "$(free_port)" "$(free_port)" &
@@ -131,16 +131,16 @@ system_tests() {  # so many at a time as TEST_JOBS says, the longest first: by t
   wait
   if [ "$jobs" -gt 1 ] && [ $# -gt 1 ] && [ -f "$results/failed" ]; then once_more_alone; fi
   cp "$results/system_tests.seconds" "$known.new"
-  awk '{print $2}' "$known.new" | grep -vwFf - "$known" >>"$known.new" || true  # of tests that did not run now
+  awk '{print $2}' "$known.new" | grep -vwFf - "$known" >>"$known.new" || true  # keeps the lines of tests that did not run now
   mv "$known.new" "$known"
   rm -rf "$results/ros" "$results/failed"
 }
 
-once_more_alone() {  # those that failed beside another test, which may have had what they needed in time
+once_more_alone() {  # runs failed tests again: other tests may have taken the CPU time that they needed
   local name failed; mapfile -t failed <"$results/failed"
   [ ${#failed[@]} -le 3 ] || return 0
   for name in "${failed[@]}"; do
-    say "  $name failed beside another test, so it runs once more, alone, and that counts"
+    say "  $name failed beside another test. It runs once more, alone, and the second result counts"
     mv "$results/$name.log" "$results/$name.first_try.log"
     rm -rf "$root/build/ros_home/$name.first_try"
     mv "$root/build/ros_home/$name" "$root/build/ros_home/$name.first_try"
@@ -158,5 +158,5 @@ case "$kind" in
     case " $*" in *' multimaster'*) join_masters_for_tests ;; esac
     case " $* " in *' vda5050 '*) provide_vda5050_schemas ;; esac
     system_tests "$@" ;;
-  *) die "there are tests 'unit', 'python3.8', 'once-more' and 'system', and no '$kind'" ;;
+  *) die "there are no tests '$kind'; choose from: unit, python3.8, once-more, system" ;;
 esac

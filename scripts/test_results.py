@@ -1,13 +1,13 @@
-"""Test results: JUnit files in catkin's folder, written where nothing else does, and added up.
+"""Writes test results as JUnit files in catkin's folder, and adds them up.
 
     test_results.py record FOLDER passed|failed|skipped NAME [REASON]
     test_results.py failed FILE             how many tests of a JUnit file failed
-    test_results.py once-more FILE AGAIN    what ran again counts with its second result
+    test_results.py once-more FILE AGAIN    tests that ran again count with their second result
     test_results.py longest-first FILE NAME...    system tests in the order in which they start
     test_results.py summary FOLDER
 
-`catkin_test_results` reads the same files. It is no substitute for `summary`, for it does not tell
-what was skipped and why, and counts each rostest file once more.
+`catkin_test_results` reads the same files. It does not replace `summary`, because it does not say
+which tests were skipped and why, and it counts each rostest file once more.
 """
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Dict, Iterator, List, Sequence, Tuple
 
 TESTS = Path(__file__).resolve().parents[1] / 'test'
-SLOWEST = 10    # are printed of each kind
+SLOWEST = 10  # number of printed tests of each kind
 Result = Tuple[str, str, str]  # verdict, name, reason
 ELEMENTS = {'failed': 'failure', 'skipped': 'skipped'}
 
 
 def record(folder: Path, verdict: str, name: str, reason: str = '') -> None:
-    """Writes the result of something that is no test of pytest or rostest, e.g. of the lint."""
+    """Writes the result of a check that is no test of pytest or rostest, such as lint."""
     suite = ElementTree.Element('testsuite', name=name, tests='1', errors='0',
                                 failures=str(int(verdict == 'failed')),
                                 skipped=str(int(verdict == 'skipped')))
@@ -36,13 +36,13 @@ def record(folder: Path, verdict: str, name: str, reason: str = '') -> None:
 
 
 def failures(suite: ElementTree.Element) -> List[ElementTree.Element]:
-    """The tests below an element of a JUnit file that failed."""
+    """The failed tests below an element of a JUnit file."""
     return [case for case in suite.iter('testcase')
             if case.find('failure') is not None or case.find('error') is not None]
 
 
 def once_more(first: Path, again: Path) -> None:
-    """Takes the failures that ran again out of the first file, and leaves a note of them."""
+    """Removes failures that ran again from the first file, and writes a note about each."""
     tree = ElementTree.parse(first)
     repeated = sorted(map(_name, ElementTree.parse(again).getroot().iter('testcase')))
     for suite in tree.getroot().iter('testsuite'):
@@ -62,7 +62,9 @@ def _name(case: ElementTree.Element) -> str:
 
 
 def seconds_of(file: Path) -> Dict[str, float]:
-    """How long each system test took: lines of seconds and a name, the last one of which counts."""
+    """The duration of each system test in s, from lines with seconds and a name; the last line
+    counts.
+    """
     if not file.exists():
         return {}
     lines = (line.split() for line in file.read_text().splitlines())
@@ -70,7 +72,7 @@ def seconds_of(file: Path) -> Dict[str, float]:
 
 
 def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
-    """By known durations, else by the time limits of `test/NAME.test`."""
+    """Sorts by known durations, else by the time limits in `test/NAME.test`."""
     def expected(name: str) -> float:
         limits = re.findall(r'time-limit="(\d+)"', (TESTS / f'{name}.test').read_text())
         return known.get(name, max(map(float, limits), default=0.0))
@@ -78,7 +80,7 @@ def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
 
 
 def slowest(folder: Path) -> Iterator[str]:
-    """Lines about those tests that took longest."""
+    """Lines about the tests that took longest."""
     unit = folder / 'unit.xml'
     cases = ElementTree.parse(unit).getroot().iter('testcase') if unit.exists() else ()
     kinds = {'unit': [(float(case.get('time', '0')), _name(case)) for case in cases],
@@ -92,7 +94,7 @@ def slowest(folder: Path) -> Iterator[str]:
 
 
 def results(folder: Path) -> Iterator[Result]:
-    """Every test of every JUnit file below `folder`."""
+    """Each test of each JUnit file below `folder`."""
     for file in sorted(folder.rglob('*.xml')):
         for case in ElementTree.parse(file).getroot().iter('testcase'):
             name = _name(case)
@@ -103,14 +105,14 @@ def results(folder: Path) -> Iterator[Result]:
                 yield 'failed', name, failure.get('message') or 'see above'
             elif case.find('error') is not None:
                 yield 'failed', name, 'see above'
-            elif not file.name.startswith('rostest-'):    # these say only that a test has run
+            elif not file.name.startswith('rostest-'):  # these files say only that a test has run
                 yield 'passed', name, ''
 
 
 def summary(folder: Path) -> int:
-    """Prints skips, failures, the slowest tests, what is in `*.note` files, and the one last line.
+    """Prints skips, failures, the slowest tests, the contents of `*.note` files, and the last line.
 
-    0 when nothing failed and something passed.
+    Returns 0 if nothing failed and something passed.
     """
     found = list(results(folder))
     counts = Counter(verdict for verdict, _, _ in found)

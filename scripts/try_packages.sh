@@ -1,9 +1,9 @@
-# Run by scripts/make_deb.sh --try in a root where the Debian packages are installed: drives a simulated robot, then a fleet of four.
+# scripts/make_deb.sh --try runs this in a system with the Debian packages installed: it drives a simulated robot, then a fleet of 4.
 export ROS_IP=127.0.0.1 ROS_HOME=/tmp/try
 trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT
 
 say() { printf '   %s\n' "$*"; }
-heard() { timeout 60 rostopic echo -n 1 "$@" >/dev/null || { echo "nothing is heard of $*" >&2; tail -20 /tmp/launch.log >&2; exit 1; }; }
+heard() { timeout 60 rostopic echo -n 1 "$@" >/dev/null || { echo "no message arrived: rostopic echo $*" >&2; tail -20 /tmp/launch.log >&2; exit 1; }; }
 
 say "one robot: roslaunch omron_ld90 full_stack.launch"
 roslaunch omron_ld90 full_stack.launch >/tmp/launch.log 2>&1 &

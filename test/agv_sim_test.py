@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Simulated AGVs drive routes that come by topic, and tell the truth about it."""
+"""Simulated AGVs drive the routes that arrive by topic, and report correctly."""
 from __future__ import annotations
 
 import json
@@ -21,7 +21,7 @@ COMPLETE = EdgeState.COMPLETE
 
 
 class AgvSimTest(unittest.TestCase):
-    """Is the fleet manager of two AGVs."""
+    """The test is the fleet manager of two AGVs."""
 
     @classmethod
     def setUpClass(cls) -> None:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reboot, emergency stop, another client, a wrong map: each has its own outcome and is named."""
+"""Reboot, emergency stop, a second client, a wrong map: each has its own outcome and message."""
 from __future__ import annotations
 
 import contextlib
@@ -31,14 +31,14 @@ from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 15.0  # s
-ENDED = 40.0  # s; roscore itself gives rosout 15 s before it ends it another way
-DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast
+ENDED = 40.0  # s; roscore gives rosout 15 s before it kills it
+DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast as real time
 
 
 @contextlib.contextmanager
 def program(*command: str, stderr: int = subprocess.DEVNULL,
             **environment: str) -> Iterator[subprocess.Popen]:
-    """A program that runs meanwhile."""
+    """Runs a program during the block."""
     process = subprocess.Popen(command, env={**os.environ, **environment},
                                stdout=subprocess.DEVNULL, stderr=stderr)
     try:
@@ -49,7 +49,7 @@ def program(*command: str, stderr: int = subprocess.DEVNULL,
 
 
 class ArclFaultsTest(unittest.TestCase):
-    """One robot for all tests."""
+    """All tests use the same robot."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -63,7 +63,7 @@ class ArclFaultsTest(unittest.TestCase):
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):
             assert client.wait_for_server(rospy.Duration(30.0)), 'the controller has no actions'
-        # The nodes are there before the robot is.
+        # The nodes start before the robot does.
         cls.wait_for_link(LinkState.COMMANDS, LinkState.DISCONNECTED, 0)
         cls.robot = Simulator(rospy.get_param('~map_file'), rospy.get_param('~port'), speed=4.0,
                               outgoing=('127.0.0.1', rospy.get_param('~outgoing_port')))
@@ -90,7 +90,8 @@ class ArclFaultsTest(unittest.TestCase):
         before = len(self.responses.messages)
         handles = []
 
-        def has_begun() -> bool:  # it is refused for a moment after another client's word
+        # the controller refuses drives for a moment after another client's command
+        def has_begun() -> bool:
             if not handles or handles[-1].get_goal_status() == GoalStatus.REJECTED:
                 handles.append(self.execute.send_goal(ExecuteCommandGoal(command=f'goto {goal}')))
             return any(line.data == f'Going to {goal}'
@@ -170,7 +171,7 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertTrue(handle.get_goal_status_text())
 
     def test_a_node_waits_for_its_master_and_registers_anew_with_one_that_was_restarted(self):
-        """On a master of its own; the node's own topics stand for all that it registers."""
+        """Uses a ROS master of its own. The node's own topics stand for all that it registers."""
         port = free_port()
         uri = f'http://127.0.0.1:{port}'
         master = rosgraph.Master('/arcl_faults_test', master_uri=uri)

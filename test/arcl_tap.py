@@ -1,4 +1,4 @@
-"""Stands between the controller and the robot, and notes when a motion command goes out."""
+"""A proxy between the controller and the robot that notes when a motion command is sent."""
 from __future__ import annotations
 
 import socket
@@ -24,7 +24,7 @@ class ArclTap:
             client, _ = self._server.accept()
             try:
                 robot = socket.create_connection(('127.0.0.1', self._robot_port))
-            except OSError:  # the simulator is not up yet; the controller tries again
+            except OSError:  # the simulator has not started yet; the controller tries again
                 client.close()
                 continue
             for source, sink, is_client in ((client, robot, True), (robot, client, False)):
@@ -42,6 +42,6 @@ class ArclTap:
                     break
                 sink.sendall(data)
         except OSError:
-            pass  # one of them is gone; so the other is to go, too
+            pass  # one of the two connections has ended, so the other must end too
         for end in (source, sink):
             end.close()

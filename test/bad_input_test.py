@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wrong input: each is answered with one clear sentence, and all that can still work goes on."""
+"""Wrong input: each gets one clear message, and everything that can still work keeps working."""
 from __future__ import annotations
 
 import shutil
@@ -69,7 +69,7 @@ class BadInput(unittest.TestCase):
             self) -> None:
         nowhere, password = self.files / 'nowhere.map', self.files / 'password'
         password.write_text('guess\n')
-        # The simulator has another map: only what shows the map misses it.
+        # The simulator has another map, so only the nodes that show the map lack it.
         ports = {'arcl_port': free_port(), 'outgoing_port': free_port()}
         with Launched('sim.launch', robot_name='followed', **ports), \
                 self.stack('followed', sim='false', map_file=nowhere, password_file=password,

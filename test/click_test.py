@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Clicks and handles: a hit is sent once, a miss, another map or a running route sends nothing."""
+"""Clicks and handles: a hit is sent once. A miss, another map or a running route sends nothing."""
 from __future__ import annotations
 
 import math
@@ -47,7 +47,7 @@ def route(route_id: int, *states: int) -> ExecutionRouteStates:
 
 
 class ClickTest(unittest.TestCase):
-    """Clicks as RViz publishes them, and what goal_sender makes of them."""
+    """Clicks as RViz publishes them, and the reactions of goal_sender."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -75,7 +75,7 @@ class ClickTest(unittest.TestCase):
         self.feedback_before = len(self.feedback.messages)
 
     def all_clicks_are_dealt_with(self) -> None:
-        x, y = self.place('39')  # the easternmost, and so the nearest
+        x, y = self.place('39')  # the easternmost goal, so the nearest one
         far = 100.0 + len(self.feedback.messages)
         self.clicks.publish(click(x + far, y))
         self.told(f'{far:.2f} m away')
@@ -134,7 +134,7 @@ class ClickTest(unittest.TestCase):
             self.clicks.publish(click(dy, -dx, 'camera'))
             answer = self.feedback.wait_for(
                 lambda text: 'no transform' in text.data or 'Arrived at 32' in text.data,
-                10.0, 'what becomes of the click', after=heard)
+                10.0, 'the answer to the click', after=heard)
             return 'Arrived' in answer.data
         wait_until(goes_there, 20.0, 'a drive to 32')
         self.assertEqual(['goto 32'], self.sent())
@@ -145,7 +145,7 @@ class ClickTest(unittest.TestCase):
         self.assertEqual([], self.sent())
 
     def test_one_click_on_a_handle_goes_once_though_rviz_sends_several_events(self):
-        def handle_is_ready() -> bool:  # the server takes nothing in a handle's first second
+        def handle_is_ready() -> bool:  # the marker server ignores the first second of a handle
             self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=3)
             return 'stop' in self.sent()
         wait_until(handle_is_ready, 10.0, 'stop')
@@ -215,7 +215,7 @@ class ClickTest(unittest.TestCase):
             self.told(f'Mission {request.request_id} was refused: no way')
             self.assertEqual([], self.sent())
 
-            manager.state = FleetRobot.OUT_OF_SERVICE  # left to a person
+            manager.state = FleetRobot.OUT_OF_SERVICE  # the robot waits for a person
             wait_until(lambda: self.localize_is_answered('localizeToPoint'), 20.0, 'a command')
             wait_until(lambda: any(text.startswith('localizeToPoint') for text in self.sent()),
                        20.0, 'the command at the robot')
@@ -223,22 +223,23 @@ class ClickTest(unittest.TestCase):
             manager.end()
 
     def localize_is_answered(self, words: str) -> bool:
-        """Says that the robot is at the dock; whether the answer, if one comes, has these words."""
+        """Sets the robot's place to the dock; true if an answer comes, and it has these words."""
         heard = len(self.feedback.messages)
         self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
         try:
             answer = self.feedback.wait_for(
                 lambda text: 'Not sent' in text.data or 'localizeToPoint' in text.data, 4.0,
-                'what becomes of it', after=heard)
+                'the result', after=heard)
         except AssertionError:
-            return False  # the caller asks again
+            return False  # the caller tries again
         return words in answer.data
 
     def test_what_becomes_of_a_command_is_told_in_the_robots_words(self):
         self.controller.answers['goto 35'] = (ExecuteCommandResult.FAILED, 'No goal 35')
         self.clicks.publish(click(*self.place('35')))
         self.told('goto 35 failed: No goal 35')
-        self.controller.answers['goto 41'] = None  # else its end may overtake its beginning
+        # otherwise the end of the drive can overtake its start
+        self.controller.answers['goto 41'] = None
         self.clicks.publish(click(*self.place('41')))
         self.told('Going to 41')
         self.controller.end_all()
@@ -264,11 +265,11 @@ class ClickTest(unittest.TestCase):
             clicks.publish(click(*self.place('12')))
             return any('was not sent: omron_controller is not running' in text.data
                        for text in feedback.messages)
-        wait_until(told, 10.0, 'that the controller is not there')
+        wait_until(told, 10.0, 'the message that the controller is not running')
 
 
 class FleetManager:
-    """Tells twice a second that it manages the robots, in a state that may change."""
+    """Reports twice a second that it manages the robots, in a state that the test can change."""
 
     def __init__(self, publisher: rospy.Publisher) -> None:
         self.state = FleetRobot.OUT_OF_SERVICE
@@ -277,18 +278,19 @@ class FleetManager:
             FleetState(robots=[FleetRobot(name='omron_ld90', state=self.state)])))
 
     def end(self) -> None:
-        """From the next message on no robot is managed any more."""
+        """From the next message on, it manages no robot."""
         self._timer.shutdown()
         self._timer.join(2.0)
         self._publisher.publish(FleetState())
 
 
 class FakeController:
-    """The action `execute_command` of a namespace: drives at once, or as `answers` says."""
+    """The action `execute_command` in a namespace: drives at once, or answers by `answers`."""
 
     def __init__(self, namespace: str) -> None:
         self.commands = []
-        self.answers = {}  # command: outcome and message; None: it goes on until `end_all`
+        # by command: outcome and message; None means that it continues until `end_all`
+        self.answers = {}
         self._open = []
         self._server = actionlib.ActionServer(
             f'{namespace}/execute_command', ExecuteCommandAction, self._on_goal,

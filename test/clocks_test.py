@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""A clock that jumps an hour either way changes no drive: nothing ends, and nothing comes twice.
+"""A clock that jumps by an hour in either direction changes no drive.
 
-The clock is that of all Python processes of one computer, or of both (jumping_clock).
+Nothing ends early, and nothing happens twice. The clock is the clock of all Python processes of one
+computer, or of both (jumping_clock).
 """
 from __future__ import annotations
 
@@ -55,14 +56,14 @@ class Clocks(unittest.TestCase):
         self.set_clocks(robot=0, fleet=0)
 
     def set_clocks(self, **seconds: int) -> None:
-        """By how much the clock of each computer is ahead; whole lines appear at once."""
+        """Sets by how much the clock of each computer is ahead; a whole line appears at once."""
         for computer, ahead in seconds.items():
             new = self.folder / f'{computer}_clock.new'
             new.write_text(f'{ahead:+d}\n')
             os.replace(new, self.folder / f'{computer}_clock')
 
     def offsets(self) -> float:
-        """By how much (s) the robot's newest report is ahead of this process's clock."""
+        """By how many s the robot's newest report is ahead of this process's clock."""
         return (self.reports.messages[-1].header.stamp - rospy.Time.now()).to_sec()
 
     def send(self, id: int, *vertices: int) -> None:
@@ -72,7 +73,7 @@ class Clocks(unittest.TestCase):
         wait_until(lambda: abs(self.offsets() - ahead) < 60.0, 20, f'a robot {ahead} s ahead')
 
     def wait_for_another_edge(self) -> None:
-        """Until the robot drives on another edge."""
+        """Waits until the robot drives on another edge."""
         heard = len(self.reports.messages)
         here = self.reports.messages[-1].symbolic_pose.edge_id
         self.reports.wait_for(lambda report: report.symbolic_pose.edge_id not in (0, here), 60,
@@ -110,7 +111,7 @@ class Clocks(unittest.TestCase):
         self.only_one_jumps(3, 'fleet', (HOUR, -HOUR) if LONG else (-HOUR,))
 
     def only_one_jumps(self, id: int, computer: str, jumps: Sequence[int]) -> None:
-        """The route under way is driven, and the mission ends after that."""
+        """The present route is driven, and the mission ends after that."""
         self.send(id, 39, 18)
         for ahead in jumps:
             self.wait_for_another_edge()
@@ -118,7 +119,7 @@ class Clocks(unittest.TestCase):
             self.set_clocks(**{computer: ahead})
             told = self.fleet.wait_for(
                 lambda state: state.robots[0].outage_code == FleetRobot.OUTAGE_CLOCK
-                or 'clock' in state.robots[0].waits_for, 30, 'word of the clocks', after=begun)
+                or 'clock' in state.robots[0].waits_for, 30, 'report about clocks', after=begun)
             self.assertIn('clock', told.robots[0].waits_for)
             self.set_clocks(**{computer: 0})
             self.fleet.wait_for(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The controller drives a simulated robot to goals and poses, stops it, refuses what it must."""
+"""The controller drives a simulated robot to goals and poses, stops it, refuses wrong commands."""
 from __future__ import annotations
 
 import math
@@ -37,7 +37,7 @@ from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 10.0  # s
-DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast
+DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast as real time
 
 
 def pose_in_map(x: float, y: float, yaw: float, frame: str = 'map') -> PoseStamped:
@@ -50,7 +50,7 @@ def pose_in_map(x: float, y: float, yaw: float, frame: str = 'map') -> PoseStamp
 
 @contextmanager
 def running(*command: str) -> Iterator[None]:
-    """A program of the workspace in the namespace /replayed, ended afterwards."""
+    """Runs a program of the workspace in the namespace /replayed, and ends it afterwards."""
     process = subprocess.Popen(['rosrun', *command],
                                env={**os.environ, 'ROS_NAMESPACE': '/replayed'})
     try:
@@ -61,7 +61,7 @@ def running(*command: str) -> Iterator[None]:
 
 
 class ControllerTest(unittest.TestCase):
-    """One robot and one controller for all tests; each leaves the robot standing."""
+    """All tests use the same robot and controller; each test leaves the robot standing."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -71,13 +71,14 @@ class ControllerTest(unittest.TestCase):
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.commands = connected_publisher('/omron_ld90/send_command', String,
                                            to='omron_controller')
-        rospy.set_param('actionlib_client_pub_queue_size', 200)  # of 10, a storm loses most
+        # of 10: a burst of messages may lose most of them
+        rospy.set_param('actionlib_client_pub_queue_size', 200)
         cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):
             assert client.wait_for_server(rospy.Duration(30.0)), 'the controller has no actions'
         cls.links.wait_for(lambda link: link.state == LinkState.CONNECTED, 30.0, 'login')
-        # The goals are asked for at once after the login, and a goto is refused by them.
+        # The controller asks for the goals just after its login; while it does, it refuses a goto.
         cls.diagnostics.wait_for(cls.goals_compared, 30.0, 'comparison of goals')
 
     @staticmethod
@@ -129,12 +130,13 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
     def test_a_cancellation_holds_back_no_later_stop_or_drive(self):
-        """actionlib refuses what is older than the last cancellation, by the clocks of clients."""
+        """actionlib refuses goals older than the last cancellation, by the clients' clocks."""
         cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
                                       to='omron_controller')
         before = len(self.responses.messages)
         driving = self.run_command('goto 20')
-        self.wait_for_line('Going to 20', before)  # a cancellation that overtakes it means nothing
+        # a cancellation that arrives before its goal has no effect
+        self.wait_for_line('Going to 20', before)
         cancels.publish(GoalID(stamp=rospy.Time.now() + rospy.Duration(3600)))
         self.assertEqual(self.result_of(driving).outcome, ExecuteCommandResult.CANCELLED)
         before = len(self.responses.messages)
@@ -145,7 +147,7 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual(len(self.result_of(query, SOON).lines), 1)
 
     def test_a_storm_of_goals_and_cancels_leaves_nothing_hanging(self):
-        # By topic: actionlib's client may overlook a result that comes while it cancels.
+        # Uses topics, because actionlib's client can miss a result that comes while it cancels.
         results = Recorder('/omron_ld90/execute_command/result', ExecuteCommandActionResult)
         goals, cancels = (
             rospy.Publisher(f'/omron_ld90/execute_command/{name}', kind, queue_size=100)
@@ -182,7 +184,8 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual([ExecuteCommandResult.SUCCEEDED] * 160, outcomes)
 
     def test_a_newer_drive_interrupts_the_older_one_and_arrives(self):
-        def is_at_8() -> bool:  # not at once after another client has stopped the robot
+        # the controller does not drive at once after another client has stopped the robot
+        def is_at_8() -> bool:
             return (self.result_of(self.run_command('goto 8')).outcome
                     == ExecuteCommandResult.SUCCEEDED)
 
@@ -233,11 +236,11 @@ class ControllerTest(unittest.TestCase):
         said = len(self.responses.messages)
 
         def wait_for_refusal(command: str, words: str, robots: List[FleetRobot]) -> None:
-            """A goal that drives nowhere shows the driver that the controller assumes."""
-            told = len(self.refusals.messages)  # the first goal may come before /fleet_state
+            """Sends a goal that moves nothing, to see which giver the controller assumes."""
+            told = len(self.refusals.messages)  # the first goal can arrive before /fleet_state
 
             def is_refused() -> bool:
-                fleet.publish(FleetState(robots=robots))  # as the fleet manager does all the time
+                fleet.publish(FleetState(robots=robots))  # as the fleet manager does continuously
                 goals.publish(nowhere)
                 return any(refusal.command == command and words in refusal.reason
                            for refusal in self.refusals.messages[told:])
@@ -257,7 +260,7 @@ class ControllerTest(unittest.TestCase):
         self.result_of(self.run_command('stop'))
 
     def test_a_simple_goal_is_a_new_goal_of_the_action(self):
-        """Open-RMF's adapter, among others, waits for it in the action's status."""
+        """Some clients, such as Open-RMF's adapter, wait for it in the action's status."""
         statuses = Recorder('/omron_ld90/move_base/status', GoalStatusArray)
         publisher = connected_publisher('/omron_ld90/move_base_simple/goal', PoseStamped)
         publisher.publish(pose_in_map(0.0, 0.0, 0.0))
@@ -288,7 +291,7 @@ class ControllerTest(unittest.TestCase):
             refusal = refusals.wait_for(lambda _: True, 30.0, 'refusal')
             self.assertIn('before this node started', refusal.reason)
             links.wait_for(lambda link: link.state == LinkState.CONNECTED, SOON, 'login')
-            commands.publish('goto 20')  # by the same publisher, but now
+            commands.publish('goto 20')  # the same publisher, but with the present time
             self.wait_for_line('Going to 20', said, SOON)
         commands.unregister()
         self.assertNotIn('Going to 8', [line.data for line in self.responses.messages[said:]])
@@ -310,7 +313,7 @@ class ControllerTest(unittest.TestCase):
 
     @contextmanager
     def second_controller(self, *parameters: str) -> Iterator[None]:
-        """Another controller of the same robot, in the namespace /replayed."""
+        """A second controller of the same robot, in the namespace /replayed."""
         port = rospy.get_param('/omron_ld90/omron_controller/port')
         with running('omron_ld90', 'omron_controller', '_robot_ip:=127.0.0.1', f'_port:={port}',
                      '_password_file:=' + rospy.get_param('~password_file'), *parameters):
@@ -363,7 +366,7 @@ class ControllerTest(unittest.TestCase):
             shutil.copy(rospy.get_param('~session_log'), log)
             recorded = next(line.partition('S> ')[2] for line in log.read_text().splitlines()
                             if 'S> Odometer' in line)
-            # A heartbeat would make the replay skip to the next one recorded.
+            # A heartbeat would make the replay skip to the next recorded heartbeat.
             with running('omron_ld90_sim', 'ld90_sim', '--replay', str(log), '--port', str(port)), \
                     running('omron_ld90', 'omron_controller', '_robot_ip:=127.0.0.1',
                             f'_port:={port}', '_heartbeat:=50', '_silence:=100',

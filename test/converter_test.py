@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The robot drives on a map that the converter has just made, and map_visualisation shows it."""
+"""The robot drives on a map that the converter has just made; map_visualisation shows the map."""
 from __future__ import annotations
 
 import os
@@ -17,7 +17,7 @@ VERTICES = {'1', '2', '4', '6', '8', '10', '12', '14', '18', '20', '22', '24', '
 
 
 class ConverterTest(unittest.TestCase):
-    """Converter, simulated robot, controller and map_visualisation, started at the same time."""
+    """Converter, simulated robot, controller and map_visualisation start at the same time."""
 
     @classmethod
     def setUpClass(cls):
@@ -34,7 +34,7 @@ class ConverterTest(unittest.TestCase):
     def test_the_robot_offers_every_vertex_as_a_goal_and_drives_to_one(self):
         link = Recorder('/omron_ld90/link_state', LinkState)
         link.wait_for(lambda m: m.link == LinkState.COMMANDS and m.state == LinkState.CONNECTED, 60,
-                      'robot that is logged in to')
+                      'login at the robot')
         said = Recorder('/omron_ld90/arcl_response', String)
         command = connected_publisher('/omron_ld90/send_command', String, to='omron_controller')
 

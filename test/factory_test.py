@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""A fleet file of nine robots: missions end, faults hold up no other robot, menus act.
+"""A fleet file of nine robots: missions end, faults delay no other robot, menus work.
 
-Three LD-90s and four AGVs are simulated by the launch; another LD-90 is a real one as far as the
-fleet knows: all that is known of it is its address and a password of its own. One more is switched
-off.
+The launch simulates three LD-90s and four AGVs. The fleet treats another LD-90 as a real robot: it
+knows only its address and its own password. One more robot is switched off.
 
-The robots are where their simulators truly have them, not where they say they are.
+The test checks the true positions in the simulators, not the reported ones.
 """
 from __future__ import annotations
 
@@ -29,8 +28,8 @@ from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SPEED = 5.0
 MISSIONS, DESTINATIONS = (60, 2) if os.environ.get('LD90_LONG_TESTS') else (8, 1)
-CORRIDOR = 0.45  # m, half a corridor
-DOCK_ZONE = 2.0  # m around a dock, in which an LD-90 manoeuvres as it likes
+CORRIDOR = 0.45  # m, half the width of a corridor
+DOCK_ZONE = 2.0  # m around a dock, in which an LD-90 may leave the corridor to manoeuvre
 FLEET = '''clearance: 0.1
 robot_types:
 - {{name: ld90, radius: 0.43, speed: 1.35, play: 0.25, obeys_edge_speed: false, release_ahead: 8.0}}
@@ -52,20 +51,22 @@ PASSWORD = 'Kestrel-31'
 REAL, ABSENT = 'real', 'switched_off'
 STOPPED, LOST, STUCK = 'ld90_1', 'ld90_2', 'ld90_3'
 FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off'),
-          STUCK: ('fail 32',)}  # its home; around an obstacle it might leave its corridor
+          # the vertex where the robot starts; around an obstacle there it might leave its corridor
+          STUCK: ('fail 32',)}
 REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
             STUCK: ('mend 32',)}
 
 
 class FactoryTest(unittest.TestCase):
-    """Starts a fleet with scripts/run.sh's own command, and sends it missions."""
+    """Starts a fleet with the command of scripts/run.sh, and sends it missions."""
 
     next_try = 0.0
 
     @classmethod
     def setUpClass(cls) -> None:
         cls.folder = tempfile.TemporaryDirectory()
-        os.environ['ROS_HOME'] = cls.folder.name  # with real robots the fleet's memory lies there
+        # with real robots, the fleet manager keeps its files there
+        os.environ['ROS_HOME'] = cls.folder.name
         first = free_fleet_ports()
         (Path(cls.folder.name) / 'secret').write_text(PASSWORD)
         fleet = Path(cls.folder.name) / 'fleet.yaml'
@@ -86,7 +87,7 @@ class FactoryTest(unittest.TestCase):
 
     @classmethod
     def real_robot(cls, port: int, outgoing: int) -> Simulator:
-        """It stands on its vertex, and is told of by itself alone."""
+        """The real robot stands on its vertex, and only its own nodes report it."""
         home = cls.factory.graph.vertices[cls.factory.home_of(REAL)]
         robot = Simulator(os.path.join(cls.factory.folder, 'fleet.map'), port, PASSWORD,
                           ('127.0.0.1', outgoing), SPEED, (1e3 * home.x, 1e3 * home.y, 0.0),
@@ -131,7 +132,7 @@ class FactoryTest(unittest.TestCase):
         wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
 
     def test_3_robots_out_of_order_hold_up_nobody_whose_path_they_do_not_block(self) -> None:
-        """An emergency stop, a lost link and a goal out of reach, all at a time, on any place."""
+        """An emergency stop, a lost link and an unreachable goal at the same time, at any place."""
         self.all_succeed(self.missions)
         own = [self.factory.send(self.factory.home_of(name), robot=name) for name in REMEDIES]
         places = self.factory.places()
@@ -144,7 +145,8 @@ class FactoryTest(unittest.TestCase):
         self.factory.run_until(
             lambda: self.factory.succeeded(others) >= 2 or self.all_others_are_blocked(), 90.0,
             'missions of others', [*own, *others])
-        self.assertEqual(0, self.factory.succeeded(own[:2]))  # the third may be there already
+        # the third robot may have arrived already
+        self.assertEqual(0, self.factory.succeeded(own[:2]))
         for name, faults in REMEDIES.items():
             for fault in faults:
                 self.factory.simulators.fault(name, fault)
@@ -156,13 +158,15 @@ class FactoryTest(unittest.TestCase):
             180.0, 'all missions', everything)
 
     def all_others_are_blocked(self) -> bool:
-        """Does every robot that works wait for one that is out of order, as the fleet tells?"""
+        """True if each robot with a mission waits for a robot that is out of order, by its own
+        report.
+        """
         working = [robot for robot in map(self.factory.robot, (one.name for one in self.present))
                    if robot.state in READY]
         return all(any(name in robot.waits_for for name in REMEDIES) for robot in working)
 
     def put_back(self) -> bool:
-        """A person puts the robot that gave up back into service; False."""
+        """A person puts the failed robot back into service; returns False."""
         if self.factory.robot(STUCK).state == FleetRobot.FAILED and (
                 time.monotonic() > self.next_try):
             type(self).next_try = time.monotonic() + 3.0
@@ -216,7 +220,7 @@ class FactoryTest(unittest.TestCase):
     def choose(self, act: Act, effect: Callable[[], bool]) -> None:
         """Chooses from the menu of agv_1 until the effect shows.
 
-        The node may hear of a mission later than this test.
+        The node may receive a mission later than this test does.
         """
         def shows() -> bool:
             if effect():
@@ -233,11 +237,11 @@ class FactoryTest(unittest.TestCase):
                                'all missions', missions)
 
     def free_stations(self) -> List[int]:
-        """Where no robot was at the start."""
+        """Stations at which no robot stood at the start."""
         return [id for id in self.factory.stations if id not in self.factory.homes()]
 
     def check_corridors(self) -> None:
-        """Every robot is in a corridor."""
+        """Checks that each robot is in a corridor."""
         graph = self.factory.graph
         for name, (x, y) in self.factory.places().items():
             if all(math.dist((x, y), vertex.position) > DOCK_ZONE

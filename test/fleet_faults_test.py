@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""A fleet of AGVs in a corridor with one siding: they swap places, and drop out one by one; then
-the fleet manager's disk is full.
+"""A fleet of AGVs in a corridor with one siding, with faults.
 
-How near they come to each other is measured on the simulator's true poses, all the time.
+The robots swap places and drop out one by one. At the end the fleet manager's disk is full. During
+the whole test, the distances between robots are measured from the simulator's true poses.
 """
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from system_support import (
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 SWAPS = 10 if LONG else 2
 ALLOWED = 0.4 + 0.4 + 0.1  # m: both radii and the clearance of vectors/siding_fleet.yaml
-OFTEN = 120.0  # s, generous: another test runs beside this one
+OFTEN = 120.0  # s; long enough although another test runs at the same time
 
 
 class FleetFaults(unittest.TestCase):
@@ -96,7 +96,7 @@ class FleetFaults(unittest.TestCase):
                    f'{name} on its way')
 
     def bring_in(self, name: str) -> None:
-        """As `fleet in` does; it is refused until the robot stands still for a while."""
+        """Works like `fleet in`; the command is refused until the robot has stood for a while."""
         service = f'/{name}/join_fleet'
         rospy.wait_for_service(service, 30)
         wait_until(lambda: rospy.ServiceProxy(service, Trigger)().success, OFTEN,
@@ -118,7 +118,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_until_on_its_way('agv_1')
         self.control.inject('agv_1', 'estop')
         self.wait_for_state('agv_1', FleetRobot.STOPPED)
-        other = self.send('agv_2', 4)  # no other robot is kept from working
+        other = self.send('agv_2', 4)  # this robot must not have to wait
         self.wait_for_success(other)
         self.control.inject('agv_1', 'release')
         self.wait_for_success(mission)
@@ -145,7 +145,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_until_on_its_way('agv_3')
         self.control.inject('agv_3', 'leave')
         self.wait_for_state('agv_3', FleetRobot.OFFLINE)
-        other = self.send('agv_1', 3)  # up to the one that left, but not into it
+        other = self.send('agv_1', 3)  # up to the vertex of the robot that left, but not onto it
         self.wait_for_success(other)
         self.control.inject('agv_3', 'join')
         robot = self.wait_for_state('agv_3', FleetRobot.FAILED)
@@ -185,7 +185,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_for_success(self.send('agv_3', 6))
 
     def move_to_a_small_disk(self) -> SmallDisk:
-        """The fleet manager is started anew with an empty journal, on a disk of its own."""
+        """Starts the fleet manager anew, with an empty journal on a disk of its own."""
         reason = why_not()
         if reason:
             self.skipTest(reason)
@@ -204,7 +204,7 @@ class FleetFaults(unittest.TestCase):
         return disk
 
     def begin_to_drive_over_two_edges(self) -> int:
-        """A mission of agv_3, from vertex 4, where it stalls."""
+        """Begins a mission of agv_3 from vertex 4, on which the robot stalls."""
         self.control.inject('agv_3', 'stall 1000000')
         mission = self.send('agv_3', 6)
         self.reports.wait_for(lambda report: len(_left_of(report)) == 2, OFTEN,
@@ -218,7 +218,7 @@ class FleetFaults(unittest.TestCase):
         self.assertIn(words, refused.reason)
 
     def stopped_but_not_stored(self) -> None:
-        """A stop reaches the robot, and says what becomes of it."""
+        """A stop reaches the robot, and the answer says that the stop may be forgotten."""
         stopped = rospy.ServiceProxy('/stop_fleet', Trigger)()
         self.assertTrue(stopped.success, stopped.message)
         self.assertIn('it is forgotten', stopped.message)
@@ -235,11 +235,11 @@ class FleetFaults(unittest.TestCase):
             f'such status of mission {mission}')
 
     def wait_for_fleet_diagnosis(self, level: int) -> str:
-        """What /diagnostics says of the fleet, once it says that anew on this level."""
+        """Waits until /diagnostics has a new entry of the fleet with this level."""
         def of_fleet(array: DiagnosticArray) -> List[str]:
             return [status.message for status in array.status
                     if status.name == 'path_supervisor: fleet' and status.level == level]
-        return of_fleet(self.diagnostics.wait_for(of_fleet, OFTEN, 'word of the fleet',
+        return of_fleet(self.diagnostics.wait_for(of_fleet, OFTEN, 'a diagnosis of the fleet',
                                                   after=len(self.diagnostics.messages)))[0]
 
 
@@ -248,7 +248,7 @@ def _left_of(report: ExecutionRouteStates) -> List[int]:
 
 
 class Control:
-    """The simulator's control socket: faults, and where all truly are."""
+    """The simulator's control socket: faults, and the true poses of all robots."""
 
     def __init__(self) -> None:
         port = int(os.environ.get('LD90_ARCL_PORT', 17171))
@@ -281,7 +281,7 @@ def _connected(port: int) -> socket.socket:
 
 
 class Watch:
-    """Looks at the true poses all the time, and keeps how near any two robots came."""
+    """Reads the true poses continuously, and keeps the smallest distance between two robots."""
 
     def __init__(self) -> None:
         self.nearest: Tuple[float, List[str]] = (math.inf, [])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The dissertation's headline, as a user drives it: the LD-90 ends docked at 16."""
+"""The dissertation's main example, as a user drives it: the LD-90 ends docked at 16."""
 from __future__ import annotations
 
 import re
@@ -37,7 +37,7 @@ TYPE = 'omron_ld90'
 
 
 def command(*words: object, timeout: float = 100.0) -> subprocess.CompletedProcess:
-    """What a user types after `rosrun graph_fleet_manager`."""
+    """Runs the words that a user types after `rosrun graph_fleet_manager`."""
     return subprocess.run(['rosrun', 'graph_fleet_manager', *map(str, words)], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout,
                           check=False)
@@ -67,7 +67,8 @@ class FleetMission(unittest.TestCase):
         last = self.reports.messages[-1]
         self.assertEqual([edge.state for edge in last.edge_states],
                          [EdgeState.COMPLETE] * len(last.edge_states), last.reason)
-        self.assertEqual(last.edge_states[-1].edge_id, 13)  # 1 - 16, the dock, in lab_graph.yaml
+        # edge 1 - 16, with the dock, in lab_graph.yaml
+        self.assertEqual(last.edge_states[-1].edge_id, 13)
         self.assertEqual(self.status.messages[-1].docking_state, 'Docked')
         failed = [report for report in self.reports.messages[begin:]
                   if any(edge.state == EdgeState.FAILED for edge in report.edge_states)]
@@ -76,7 +77,7 @@ class FleetMission(unittest.TestCase):
         self.assertEqual(self.commands.texts.count('dock'), 1, self.commands.texts)
 
     def check_no_order_was_taken_back(self, routes: List[TargetRoute]) -> None:
-        """Within an id, a route only gets longer."""
+        """Checks that within one id a route only becomes longer."""
         for before, after in zip(routes, routes[1:]):
             if before.route_id == after.route_id:
                 self.assertEqual(after.edges[:len(before.edges)], before.edges)
@@ -103,7 +104,7 @@ class FleetMission(unittest.TestCase):
         self.assertIn(f'{mission},18,,0,SUCCEEDED,omron_ld90', history.stdout)
 
     def wait_until_on_its_way(self) -> None:
-        """Until an edge of its route is behind the robot, and it is not in its dock."""
+        """Waits until the robot has passed an edge of its route, and is not in its dock."""
         self.reports.wait_for(lambda report: any(
             edge.state == EdgeState.COMPLETE for edge in report.edge_states)
             and any(edge.state == EdgeState.PROCESSING for edge in report.edge_states)
@@ -135,7 +136,8 @@ class FleetMission(unittest.TestCase):
         self.wait_until_on_its_way()
         before = len(self.commands.texts)
         wait_until(lambda: len(self.commands.texts) > before, 30, 'the next goal of the bridge')
-        # not while it gives one, which may overtake the person's; the robot is ten times as fast
+        # Not while the bridge sends a goal, which could overtake the person's: the robot is ten
+        # times as fast as a real one.
         given, said = len(self.commands.texts), len(self.lines.messages)
         click.publish(Header(frame_id='map'), Point(goal.x / 1000.0, goal.y / 1000.0, 0.0))
         taken = self.fleet.wait_for(lambda state: state.robots[0].state == FleetRobot.TAKEN_OVER,

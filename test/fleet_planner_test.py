@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""graph_server and path_planner under a ROS master: the graph told, changed and closed, a fleet
-planned on it. The test stands for the supervisor and the robots."""
+"""graph_server and path_planner under a ROS master: the graph is published, changed and closed.
+
+The planner plans a fleet on it. The test plays the supervisor and the robots.
+"""
 from __future__ import annotations
 
 import itertools
@@ -37,8 +39,12 @@ from trajectory_graph.messages import graph_from_message
 
 
 def corridor(*without: int) -> Graph:
-    """Vertices 1 to 5 in a row, edges 1 to 4 between them, edge 5 to dock 6 behind 5; edge 7 to a
-    siding 7 beside 3, and a way round, edges 8 and 9, over vertex 8 from 2 to 4."""
+    """Vertices 1 to 5 in a row, with edges 1 to 4 between them, and some branches.
+
+    - edge 5 leads from 5 to dock 6
+    - edge 7 leads from 3 to a siding, vertex 7
+    - edges 8 and 9 form a second route from 2 to 4 over vertex 8
+    """
     places = {1: (0, 0), 2: (3, 0), 3: (6, 0), 4: (9, 0), 5: (12, 0), 6: (16, 0), 7: (6, 3),
               8: (6, -4)}
     ends = {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (5, 6), 7: (3, 7), 8: (2, 8), 9: (8, 4)}
@@ -51,7 +57,7 @@ def corridor(*without: int) -> Graph:
 
 
 class FleetPlannerTest(unittest.TestCase):
-    """One pair of nodes serves all tests; each begins with the whole corridor, nothing closed."""
+    """All tests use the same nodes; each test begins with the whole corridor and no closed edge."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -71,7 +77,7 @@ class FleetPlannerTest(unittest.TestCase):
         cls.closed.wait_for(lambda _: True, 10, 'closure before there is a graph')
         cls.reports = rospy.Publisher('/agv_1/execution_route_states', ExecutionRouteStates,
                                       queue_size=10, latch=True)  # as robots do
-        wait_until(lambda: cls.reports.get_num_connections() > 0, 20, 'graph_server to listen')
+        wait_until(lambda: cls.reports.get_num_connections() > 0, 20, 'graph_server subscribes')
         rospy.wait_for_service('/reload_graph', 30)
         wait_until(cls.answers.is_connected, 30, 'connection to /plan_answer')
         cls.first_words = cls.diagnostics.wait_for(
@@ -90,14 +96,15 @@ class FleetPlannerTest(unittest.TestCase):
         wait_until(lambda: self.accepted(corridor()), 10, 'the whole corridor in force')
         self.close()
 
-    # -- what the tests do ------------------------------------------------------------------------
+    # -- actions of the tests
+    # --------------------------------------------------------------------------
 
     def reload(self, graph: Graph) -> TriggerResponse:
         save_graph(graph, self.graph_file)
         return rospy.ServiceProxy('/reload_graph', Trigger)()
 
     def close(self, *edges: int) -> List[int]:
-        """Closes these edges only; returns what is closed then."""
+        """Closes only these edges; returns the edges that are closed then."""
         before = len(self.closed.messages)
         message = ClosedEdges(edges=list(edges))
         message.header.stamp = rospy.Time.now()
@@ -107,14 +114,14 @@ class FleetPlannerTest(unittest.TestCase):
         return list(told.edges)
 
     def report(self, at: int, left: Iterable[int] = ()) -> None:
-        """agv_1 reports that it is on an edge, and what is left of its route."""
+        """agv_1 reports that it is on an edge, and the rest of its route."""
         report = ExecutionRouteStates(
             route_id=1, edge_states=[EdgeState(edge, EdgeState.PROCESSING) for edge in left],
             symbolic_pose=SymbolicPose(at, 50.0))
         self.reports.publish(report)
 
     def plan(self, *tasks: RobotTask, patience: float = 10.0, **fields: object) -> PlanAnswer:
-        """The planner's answer; the request is about the graph in force and what is closed."""
+        """The planner's answer to a request with the present graph and closed edges."""
         request = PlanRequest(plan_id=next(self.plan_ids), tasks=list(tasks),
                               graph_stamp=self.graphs.messages[-1].header.stamp,
                               closed_edges=self.closed.messages[-1].edges)
@@ -128,7 +135,7 @@ class FleetPlannerTest(unittest.TestCase):
         return answer
 
     def planned(self, *tasks: RobotTask, **fields: object) -> List[List[int]]:
-        """The edges of every robot's plan."""
+        """The edges in the plan of each robot."""
         answer = self.plan(*tasks, **fields)
         self.assertEqual((PlanAnswer.PLANNED, []), (answer.result, answer.unserved), answer.reason)
         return [[drive.edge_id for drive in plan.drives] for plan in answer.plans]
@@ -144,7 +151,7 @@ class FleetPlannerTest(unittest.TestCase):
             lambda array: any(status.name == 'graph_server: graph'
                               and status.level == DiagnosticStatus.OK
                               and 'in force' in status.message for status in array.status),
-            20, 'diagnosis that all is well')
+            20, 'diagnosis without errors')
 
     def test_edges_that_are_closed_before_there_is_a_graph_are_closed_on_it(self):
         self.assertEqual([[3, 99], [3]], [list(told.edges) for told in self.closed.messages[:2]])
@@ -154,15 +161,18 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual((corridor().vertices, corridor().edges), (graph.vertices, graph.edges))
         docks = rospy.wait_for_message('/docking_points', DockingPoints, 10).docking_points
         self.assertEqual([(6, ['truck'])], [(dock.vertex_id, dock.robot_types) for dock in docks])
-        # the end 1, the siding 7 and the way round 8; on 5 a robot would keep others from the dock
+        # the end 1, the siding 7 and vertex 8 of the second route; a robot on 5 would cut off the
+        # dock
         parking = wait_until(lambda: self.parking_told([1, 6, 7, 8]), 20, 'parking of the graph')
         self.assertEqual(self.graphs.messages[-1].header.stamp, parking.header.stamp)
         capacities = {one.robot_type: (one.robots, one.docks) for one in parking.capacities}
         self.assertEqual({'agv': (3, 0), 'truck': (3, 1)}, capacities)
 
     def parking_told(self, vertices: List[int]) -> Optional[ParkingPlaces]:
-        """What a late joiner is told, if that are these vertices: without what was closed before
-        it follows a moment later."""
+        """The message for a late subscriber, if it has these vertices; otherwise None.
+
+        The message without the earlier closure follows a moment later.
+        """
         told = rospy.wait_for_message('/parking', ParkingPlaces, 20)
         return told if list(told.vertices) == vertices else None
 
@@ -202,7 +212,7 @@ class FleetPlannerTest(unittest.TestCase):
     def test_closed_edges_outlive_graph_server_and_unknown_ones_are_told(self):
         self.assertEqual([3], self.close(3, 99))
         self.log.wait_for(lambda line: line.name == '/graph_server' and 'Edges 99' in line.msg,
-                          10, 'a word about edge 99')
+                          10, 'a log line about edge 99')
         closures = len(self.closed.messages)
         self.restart()
         told = self.closed.wait_for(lambda message: list(message.edges) == [3], 30,
@@ -235,13 +245,14 @@ class FleetPlannerTest(unittest.TestCase):
     def test_a_list_that_is_not_used_is_told(self):
         self.closing.publish(ClosedEdges(edges=[3], header=Header(stamp=rospy.Time(1))))
         self.log.wait_for(lambda line: line.name == '/graph_server'
-                          and 'stamp 1.000 s is not used' in line.msg, 10, 'a word about the list')
+                          and 'stamp 1.000 s is not used' in line.msg, 10,
+                          'a log line about the list')
 
     def test_a_restart_does_not_take_up_a_file_that_breaks_a_running_route(self):
         save_graph(corridor(7), self.graph_file)
         self.report(at=1, left=[1, 2, 7])
         self.restart()
-        self.assertEqual(8, len(self.graphs.messages[-1].edges), 'what agv_1 drives on')
+        self.assertEqual(8, len(self.graphs.messages[-1].edges), 'the edge on which agv_1 drives')
         self.report(at=2)
         wait_until(lambda: self.accepted(corridor(7)), 10, 'a new graph in force')
 
@@ -305,7 +316,7 @@ class FleetPlannerTest(unittest.TestCase):
                          [(drive.edge_id, drive.released) for drive in drives[:2]])
         self.assertAlmostEqual(1.5, (drives[0].end - answer.header.stamp).to_sec(), 6)
         wait_until(lambda: self.end_of(self.plan(task)) in parking.vertices, 10,
-                   'a plan that ends on parking, once the planner knows it, too')
+                   'a plan that ends on parking, once the planner also knows the parking')
 
     def end_of(self, answer: PlanAnswer) -> int:
         """The vertex on which the first robot's plan ends."""
@@ -342,8 +353,11 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual([8, 9], [drive.edge_id for drive in answer.plans[0].drives])
 
     def plan_on_new_graph(self, task: RobotTask) -> PlanAnswer | None:
-        """None: not yet. What is published while connections are made is lost; it is asked again,
-        as path_supervisor does."""
+        """The plan on the new graph; None if there is none yet.
+
+        Messages published while connections are being made are lost, so the test repeats the
+        request, as path_supervisor does.
+        """
         try:
             answer = self.plan(task, patience=2.0)
         except AssertionError:

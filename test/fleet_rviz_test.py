@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Eight robots in a real RViz, by mouse: missions, closed edges, stop all; with --long all menus.
+"""Eight robots in a real RViz, by mouse: missions, closed edges, fleet stop; with --long all menus.
 
-What a click does is seen in what the fleet manager and the simulators tell, and in the picture.
+The effect of a click is checked in the messages of the fleet manager, in the simulators, and in the
+picture.
 """
 from __future__ import annotations
 
@@ -36,14 +37,15 @@ from system_support import Recorder, run_cases, wait_until
 SPEED = 3.0
 long_only = unittest.skipUnless(os.environ.get('LD90_LONG_TESTS'), 'a variation, for --long')
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
-ROOM_FOR_MENU = (920, 620)  # pixel beyond which a menu would not open to the right and below
-EFFECT = 8.0       # s in which a choice shows, on a loaded computer; else it is chosen again
-IN_ALL = 150.0     # s for one choice
+ROOM_FOR_MENU = (920, 620)  # pixel beyond which a menu would open to the left or upwards
+# s in which the effect of a choice shows on a loaded computer; after that it is chosen again
+EFFECT = 8.0
+IN_ALL = 150.0  # s for one choice
 Place = Tuple[float, float]
 
 
 class FleetByMouse(unittest.TestCase):
-    """One fleet, one RViz; the parts of a story, in their order."""
+    """One fleet and one RViz; the tests are the parts of one story, in their order."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -123,7 +125,7 @@ class FleetByMouse(unittest.TestCase):
 
     @long_only
     def test_5_a_mission_is_paused_goes_on_and_is_cancelled(self) -> None:
-        """At a station at which the robot is to stay, so that it can be clicked on."""
+        """The robot must stay at a station, so that the test can click on it."""
         robot, goal = self.clickable_robot(), self.free_vertex()
         goals = goal, self.factory.home_of(robot)
         mission = self.factory.send(*goals, robot=robot, dwell=(-1.0, 0.0))
@@ -172,7 +174,7 @@ class FleetByMouse(unittest.TestCase):
 
     def choose(self, place: Callable[[], Place], menu: Sequence[Act], act: Act,
                effect: Callable[[], Any]) -> Any:
-        """Chooses from the menu at a place until the effect shows, and returns it."""
+        """Chooses from the menu at a place until the effect shows, and returns the effect."""
         return self.do(lambda: self.window.choose_from_menu(
             self.window.pixel(*place()), menu, act), effect, f'"{act.value}" at {place()}')
 
@@ -182,7 +184,7 @@ class FleetByMouse(unittest.TestCase):
                 f'a click at {place()}')
 
     def press(self, act: Act, words: str) -> None:
-        """Clicks one of the two buttons above the graph, until these words are said."""
+        """Clicks one of the two buttons above the graph until these words appear."""
         vertices = self.factory.graph.vertices.values()
         left = min(vertex.x for vertex in vertices) + BUTTON[0] / 2.0
         button = (left + (BUTTON[0] + 0.3) * (act is Act.RESUME_ALL),
@@ -191,7 +193,9 @@ class FleetByMouse(unittest.TestCase):
         self.click(lambda: button, lambda: self.was_said(words, known))
 
     def do(self, act: Callable[[], None], effect: Callable[[], Any], what: str) -> Any:
-        """Acts until the effect shows: a menu may close under the mouse, when RViz draws late."""
+        """Repeats an action until the effect shows: a menu can close under the mouse if RViz draws
+        late.
+        """
         def done() -> Any:
             if not effect():
                 try:
@@ -205,7 +209,7 @@ class FleetByMouse(unittest.TestCase):
         return wait_until(done, IN_ALL, f'the effect of {what}')
 
     def was_said(self, words: str, after: int = 0) -> bool:
-        """Whether the last sentence above the graph has these words."""
+        """True if the last sentence above the graph has these words."""
         said = [marker.text for message in self.feedback.messages[after:]
                 for marker in message.markers]
         return bool(said) and words in said[-1]
@@ -224,14 +228,14 @@ class FleetByMouse(unittest.TestCase):
         return x, y
 
     def is_clickable(self, place: Place, away: float, but: str = '') -> bool:
-        """Is there room for a menu, and no robot nearer than `away` m?"""
+        """True if there is room for a menu, and no robot is nearer than `away` m."""
         x, y = self.window.pixel(*place)
         return x < ROOM_FOR_MENU[0] and y < ROOM_FOR_MENU[1] and all(
             math.dist(place, other) > away
             for name, other in self.factory.places().items() if name != but)
 
     def free_vertex(self) -> int:
-        """A station at which no robot stands and to which none is to come back."""
+        """A station at which no robot stands and to which no robot will return."""
         return next(id for id in self.factory.stations if id not in self.factory.homes()
                     and self.is_clickable(self.place_at(id), 1.5))
 
@@ -240,7 +244,7 @@ class FleetByMouse(unittest.TestCase):
                     if self.is_clickable(self.middle_of(id), 2.0))
 
     def clickable_robot(self) -> str:
-        """An idle robot."""
+        """An idle robot on which the test can click."""
         wait_until(lambda: all(robot.state == FleetRobot.IDLE
                                for robot in self.factory.state.messages[-1].robots), 120.0,
                    'a fleet at rest')
@@ -249,7 +253,7 @@ class FleetByMouse(unittest.TestCase):
                     if self.is_clickable(place, 1.5, name))
 
     def painted(self, picture: Image.Image, place: Place, paint: ColorRGBA) -> int:
-        """Pixels of about that colour around a place."""
+        """The number of pixels of about that colour around a place."""
         x, y = self.window.pixel(*place)
         around = np.asarray(picture.crop((x - 15, y - 15, x + 16, y + 16)))
         colour = (round(255 * paint.r), round(255 * paint.g), round(255 * paint.b))

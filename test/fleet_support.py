@@ -29,13 +29,13 @@ from trajectory_graph import load_graph
 READY = (FleetRobot.IDLE, FleetRobot.BUSY)
 ENDED = (MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
          MissionStatus.CANCELLED)
-SKEW = 0.06      # m that robots move between the answers of the two simulators
-STANDS = 0.01    # m that a robot that stands moves in half a second
+SKEW = 0.06  # m that robots can move between the answers of the two simulators
+STANDS = 0.01  # m, largest movement of a standing robot in half a second
 Place = Tuple[float, float]
 
 
 def free_fleet_ports() -> int:
-    """A port from which on 40 are free: those of four LD-90s, ten apart."""
+    """The first of 40 free ports: four LD-90s use ports ten apart."""
     while True:
         first = random.randrange(20000, 32000, 50)
         try:
@@ -52,14 +52,14 @@ def _connected(port: int) -> IO[bytes]:
 
 
 class Simulators:
-    """Sees where all robots truly are, and tells simulators what goes wrong."""
+    """Reads the true positions of all robots, and applies faults to simulated robots."""
 
     def __init__(self, ports: Sequence[int]) -> None:
         self._ports = ports
         self._streams = [_connected(port) for port in ports]
 
     def _ask(self, number: int, line: str) -> str:
-        """One line, answered; on a new connection where one that was quiet for long was ended."""
+        """Sends one line, returns the answer; connects again if an idle connection was closed."""
         for _ in range(2):
             try:
                 self._streams[number].write(line.encode() + b'\n')
@@ -72,14 +72,14 @@ class Simulators:
         raise AssertionError(f'the simulator on port {self._ports[number]} does not answer')
 
     def places(self) -> Dict[str, Place]:
-        """Of every simulated robot."""
+        """The positions of all simulated robots."""
         robots: Dict[str, Dict[str, float]] = {}
         for number in range(len(self._ports)):
             robots.update(json.loads(self._ask(number, 'where'))['robots'])
         return {name: (pose['x'], pose['y']) for name, pose in robots.items()}
 
     def fault(self, robot: str, fault: str) -> None:
-        """Brings about a fault of one robot, whichever simulator plays it."""
+        """Applies a fault to a robot, in the simulator that plays it."""
         answers = [self._ask(number, f'@{robot} {fault}') for number in range(len(self._ports))]
         assert 'ok' in answers, f'{fault} of {robot}: {answers}'
 
@@ -92,7 +92,9 @@ class Menus:
                                             to='fleet_visualisation')
 
     def choose(self, handle: str, words: str) -> None:
-        """The entry with these words in the menu of a handle, like `robot agv_1` or `edge 3`."""
+        """Chooses the entry with these words in the menu of a handle, such as `robot agv_1` or
+        `edge 3`.
+        """
         shown = rospy.wait_for_message('/fleet_menus/update_full', InteractiveMarkerInit, 10.0)
         entries = {entry.title: entry.id for marker in shown.markers if marker.name == handle
                    for entry in marker.menu_entries}
@@ -102,7 +104,7 @@ class Menus:
 
 
 class Viewer:
-    """What a viewer would show of a topic of markers, and what of it would flicker."""
+    """The markers of a topic that a viewer shows; finds markers that would flicker."""
 
     def __init__(self, topic: str) -> None:
         self.shown: Dict[Tuple[str, int], Marker] = {}
@@ -127,17 +129,17 @@ class Viewer:
         self.messages += 1
 
     def namespaces(self) -> Set[str]:
-        """Of all that is shown."""
+        """The namespaces of all markers that are shown."""
         return {namespace for namespace, _ in list(self.shown)}
 
 
 class Factory:
-    """Started on free ports, without RViz; `stop` ends it and takes its files away."""
+    """A fleet on free ports, without RViz; `stop` ends it and removes its files."""
 
     def __init__(self, fleet: str, *options: str, first_port: int = 0) -> None:
         """`fleet`: a number, or a fleet file.
 
-        Places of robots that its simulators do not play are to be put into `more_places`.
+        The positions of robots that the simulators do not play must be put into `more_places`.
         """
         self.more_places: Dict[str, Callable[[], Place]] = {}
         first = first_port or free_fleet_ports()
@@ -159,7 +161,7 @@ class Factory:
         self.statuses = Recorder('/mission_status', MissionStatus)
 
     def wait_until_ready(self, *names: str) -> None:
-        """These robots take missions; all, where none is named."""
+        """Waits until these robots take missions; all robots if none is named."""
         wanted = set(names or [robot.name for robot in self.fleet.robots])
         self.state.wait_for(
             lambda state: wanted <= {robot.name for robot in state.robots if robot.state in READY},
@@ -168,7 +170,7 @@ class Factory:
         self._requests = connected_publisher('/mission_request', MissionRequest)
 
     def stop(self) -> None:
-        """Ends all of it."""
+        """Ends the fleet."""
         os.killpg(self._launch.pid, signal.SIGINT)
         try:
             self._launch.wait(30)
@@ -176,42 +178,42 @@ class Factory:
             shutil.rmtree(self.folder)
 
     def places(self) -> Dict[str, Place]:
-        """Where every robot truly is; of one that is absent nothing is known."""
+        """The true position of each robot. An absent robot has none."""
         return {**self.simulators.places(),
                 **{name: place() for name, place in self.more_places.items()}}
 
     def robot(self, name: str) -> FleetRobot:
-        """What the fleet manager said last of a robot."""
+        """The newest state of a robot from the fleet manager."""
         return next(robot for robot in self.state.messages[-1].robots if robot.name == name)
 
     def released(self, name: str) -> List[int]:
-        """The edges that a robot may drive, or hold while it does not."""
+        """The edges that a robot may drive, or on which it stands."""
         return [abs(drive.edge_id) for plan in self.plans.messages[-1].plans if plan.robot == name
                 for drive in plan.drives if drive.released]
 
     def wait_for_state(self, name: str, *states: int, timeout: float = 60.0) -> None:
-        """The fleet manager says that the robot is in one of these states."""
+        """Waits until the fleet manager reports the robot in one of these states."""
         wait_until(lambda: self.robot(name).state in states, timeout,
                    f'{name} in a state of {states}')
 
     @property
     def stations(self) -> List[int]:
-        """Where robots may be sent: neither docks nor where a long edge was cut."""
+        """Vertices to which robots can be sent: no docks, no points where a long edge was cut."""
         return [id for id, vertex in self.graph.vertices.items()
                 if vertex.parking is not False and not vertex.dock]
 
     def home_of(self, name: str) -> int:
-        """Where a robot stood at the start."""
+        """The vertex at which a robot stood at the start."""
         return next(robot.vertex for robot in self.fleet.robots if robot.name == name)
 
     def homes(self) -> List[int]:
-        """Where robots stood at the start."""
+        """The vertices at which robots stood at the start."""
         return [robot.vertex for robot in self.fleet.robots]
 
     def send(self, *vertices: int, robot: str = '', dwell: Sequence[float] = ()) -> int:
-        """Sends a mission, and tells its id once the fleet manager has it.
+        """Sends a mission, and returns its id after the fleet manager has received it.
 
-        Of many at once the publisher's queue would drop some.
+        If many were sent at once, the publisher's queue would drop some.
         """
         request = MissionRequest(request_id=next(self._ids), robot=robot,
                                  destination_vertices_id=vertices, dwell=dwell)
@@ -223,18 +225,18 @@ class Factory:
         return request.request_id
 
     def ends(self, missions: Sequence[int]) -> Dict[int, int]:
-        """Those of the missions that are at an end, and how they ended."""
+        """The missions among these that have ended, with their final states."""
         return {status.request_id: status.state for status in list(self.statuses.messages)
                 if status.state in ENDED and status.request_id in missions}
 
     def status_of(self, mission: int) -> int:
-        """What was said last of a mission; PENDING before that."""
+        """The last reported state of a mission; PENDING before the first report."""
         return next((status.state for status in reversed(self.statuses.messages)
                      if status.request_id == mission), MissionStatus.PENDING)
 
     def run_until(self, condition: Callable[[], bool], timeout: float, what: str,
                   missions: Sequence[int] = ()) -> int:
-        """Waits, and checks that no robot comes near another one; returns how often it looked."""
+        """Waits, and checks the distances between robots; returns the number of checks."""
         looks, deadline = 0, time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, (
@@ -245,13 +247,13 @@ class Factory:
         return looks
 
     def succeeded(self, missions: Sequence[int]) -> int:
-        """How many of these missions have succeeded; fails when one ended otherwise."""
+        """How many of these missions have succeeded; fails if one has ended in another state."""
         ends = self.ends(missions)
         assert set(ends.values()) <= {MissionStatus.SUCCEEDED}, self.why(missions)
         return len(ends)
 
     def why(self, missions: Sequence[int]) -> str:
-        """For a person who reads why a test failed: the open missions, and all robots."""
+        """Text for a failed test: the open missions, and all robots."""
         last = {status.request_id: (status.state, status.robot, status.reason)
                 for status in list(self.statuses.messages) if status.request_id in missions}
         robots = [(robot.name, robot.state, robot.pose.edge_id, robot.destination, robot.waits_for)
@@ -259,10 +261,12 @@ class Factory:
         return f'missions (state, robot, reason): {last}; robots: {robots}'
 
     def check_distances(self) -> float:
-        """How far the two nearest robots are beyond the distance allowed, in m; fails below 0.
+        """The smallest distance between two robots minus the required distance, in m; fails below
+        0.
 
-        Simulators are asked one after the other, between which a robot may have driven on: a robot
-        that seems too near must be so beside where the other is a moment later, too.
+        The simulators are read one after the other, and a robot can drive on in between. So two
+        robots count as too near only if they are also too near when the other one is read again a
+        moment later.
         """
         places = self.places()
         nearest = math.inf
@@ -284,7 +288,7 @@ class Factory:
                 if math.dist(place, before[name]) > 0.5]
 
     def wait_until_all_stand(self) -> None:
-        """No robot moves any more."""
+        """Waits until no robot moves."""
         before = self.places()
 
         def all_stand() -> bool:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A new user's first minutes: the stack is healthy, `goto 12` drives, the documents are true."""
+"""The first minutes of a new user: the stack works, `goto 12` drives, the reference is complete."""
 from __future__ import annotations
 
 import math
@@ -86,7 +86,9 @@ class FullStack(unittest.TestCase):
 
     @staticmethod
     def documented_name(name: str) -> str:
-        """An action and an interactive marker server stand in the reference under one name."""
+        """The name in the reference, which lists an action or an interactive marker server as one
+        entry.
+        """
         return re.sub(r'/(goal|cancel|status|feedback|result|update|update_full)$', '', name)
 
     def node_names(self):
@@ -97,7 +99,7 @@ class FullStack(unittest.TestCase):
     def arguments(process: Path) -> str:
         try:
             return (process / 'cmdline').read_text(errors='replace')
-        except OSError:  # it has ended meanwhile
+        except OSError:  # the node has ended meanwhile
             return ''
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A map without a graph becomes a driving robot: a graph is made, edited in RViz, and driven on."""
+"""From a map without a graph to a driving robot: a graph is made, edited in RViz, and used."""
 from __future__ import annotations
 
 import math
@@ -30,18 +30,18 @@ from trajectory_graph import Graph, load_graph
 from trajectory_graph.messages import graph_from_message
 
 ROOT = Path(__file__).resolve().parents[1]
-STATION_SIDE = '--dock=-13.2,-7.0,180'  # where the laboratory's charger stands
+STATION_SIDE = '--dock=-13.2,-7.0,180'  # position of the laboratory's charger
 SPEED = 12
 LONG = bool(os.environ.get('LD90_LONG_TESTS'))
-FAR = 5 if LONG else 2  # vertices to drive to beside the new one and the dock
+FAR = 5 if LONG else 2  # vertices to drive to, besides the new vertex and the dock
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
-NEW_PLACE = (1.2, 6.2)  # m, where the made graph has no vertex
+NEW_PLACE = (1.2, 6.2)  # m; a place where the made graph has no vertex
 IN_THE_WALL = (1.9, 1.26)
 RED = (230, 13, 13)
 
 
 class NewSite(unittest.TestCase):
-    """Three steps of one story, in their order; the second one with --long only."""
+    """Three steps of one story, in their order; the second step only with --long."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -57,7 +57,7 @@ class NewSite(unittest.TestCase):
         cls.folder.cleanup()
 
     def new_site(self) -> str:
-        """What scripts/new_site.sh prints for the site."""
+        """The output of scripts/new_site.sh for the site."""
         made = subprocess.run(
             [str(ROOT / 'scripts' / 'new_site.sh'), str(self.map_file), STATION_SIDE, '--no-start'],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False, text=True)
@@ -107,7 +107,7 @@ class NewSite(unittest.TestCase):
 
 
 class RealSite(unittest.TestCase):
-    """The same on the maps of real robots, where there are any: with --long."""
+    """The same on the maps of real robots, if there are any; only with --long."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -129,7 +129,7 @@ class RealSite(unittest.TestCase):
 
 def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: Path,
                           more: Sequence[int] = ()) -> None:
-    """Drives to far vertices and `more`, and back into the dock where there is one."""
+    """Drives to far vertices and to `more`, and back into the dock if there is one."""
     graph = load_graph(graph_file)
     docks = [vertex.id for vertex in graph.vertices.values() if vertex.dock]
     start = docks[0] if docks else None
@@ -138,7 +138,7 @@ def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: P
                   arcl_port=os.environ['LD90_ARCL_PORT'],
                   outgoing_port=os.environ['LD90_OUTGOING_PORT']):
         fleet = FleetManager()
-        if start is None:  # where the simulated robot is put, the fleet manager learns from it
+        if start is None:  # the fleet manager learns from the simulated robot where it stands
             wait_until(lambda: fleet.status.messages, 60, 'a status of the robot')
             place = fleet.status.messages[-1].pose.position
             start = min(graph.vertices, key=lambda id: math.dist(graph.vertices[id].position,
@@ -162,7 +162,7 @@ def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: P
 
 
 class Editor:
-    """The editor in a screen of its own, worked by mouse."""
+    """The editor in a screen of its own, operated by mouse."""
 
     def __init__(self, map_file: Path, graph_file: Path) -> None:
         self._files = {'map_file': map_file, 'graph_file': graph_file}
@@ -192,12 +192,14 @@ class Editor:
         self._node.__exit__()
 
     def graph(self) -> Graph:
-        """The last one on graph_editor/graph."""
+        """The last message on graph_editor/graph."""
         self._graphs.wait_for(lambda message: True, 60.0, 'graph')
         return graph_from_message(self._graphs.messages[-1])
 
     def add_a_vertex_and_connect_it(self) -> Tuple[int, int]:
-        """A click on the floor, then a menu and a click; ids of the vertex and the edge."""
+        """A click on the floor, then a menu and a click; returns the ids of the new vertex and
+        edge.
+        """
         graph = self.graph()
         near = min(graph.vertices.values(),
                    key=lambda vertex: math.dist(vertex.position, NEW_PLACE))
@@ -248,13 +250,13 @@ class Editor:
         self._heard('Saved')
 
     def drag_and_load_again(self, vertex: int) -> None:
-        """What was saved comes back."""
+        """The saved graph is loaded again."""
         saved = self.graph().vertices[vertex].position
         there = saved[0], saved[1] + 0.6
         self._window.drag_handle(self._window.pixel(*saved), self._window.pixel(*there))
         self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there) < 0.1,
                          'the vertex that is not saved')
-        self._choose(there, VERTEX_MENU, Action.LOAD)  # the handle is where the mouse left it
+        self._choose(there, VERTEX_MENU, Action.LOAD)  # the handle is where the mouse released it
         self._graph_with(lambda graph: graph.vertices[vertex].position == saved,
                          'the vertex as it was saved')
 
@@ -274,7 +276,7 @@ class Editor:
         return self.graph()
 
     def _red_near(self, x: float, y: float):
-        """What is missing of a red mark at a place of a picture."""
+        """A function that reports a missing red mark at a place of a picture."""
         def missing(picture) -> List[str]:
             left, top = self._window.pixel(x, y)
             around = picture.crop((left - 15, top - 15, left + 16, top + 16))
@@ -284,7 +286,7 @@ class Editor:
 
 
 def far_vertices(graph: Graph, start: int, count: int) -> List[int]:
-    """So many vertices, each as far as can be from the start and all before."""
+    """The given number of vertices, each as far as possible from the start and all others."""
     chosen = [start]
     while len(chosen) <= count:
         chosen.append(max(graph.vertices, key=lambda id: (min(
@@ -294,7 +296,7 @@ def far_vertices(graph: Graph, start: int, count: int) -> List[int]:
 
 
 def shortest_route(graph: Graph, start: int, end: int) -> List[int]:
-    """Signed edges from one vertex to another."""
+    """The signed edges of the shortest route from one vertex to another."""
     ways = nx.DiGraph()
     by_ends: Dict[tuple, int] = {}
     for id in graph.edges:

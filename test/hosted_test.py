@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that are forks of a node host are nodes as others are."""
+"""Nodes that are forks of a node host behave like other nodes."""
 from __future__ import annotations
 
 import os
@@ -20,7 +20,7 @@ SOON = 30.0  # s
 
 
 def processes() -> Dict[str, int]:
-    """Process ids of the nodes that answer."""
+    """The process ids of the nodes that answer."""
     found = {}
     for node in NODES:
         try:

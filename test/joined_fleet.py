@@ -1,4 +1,6 @@
-"""A fleet over several ROS masters: an LD-90 that outlives its computer, AGVs, a fleet manager."""
+"""A fleet over several ROS masters: an LD-90 that survives its computer's death, AGVs, and a
+manager.
+"""
 from __future__ import annotations
 
 import contextlib
@@ -23,7 +25,7 @@ HERE = Path(__file__).resolve().parent
 MAPS = HERE.parent / 'maps'
 PASSWORD = HERE.parent / 'src' / 'omron_ld90_sim' / 'config' / 'simulator_password'
 LD90 = 'omron_ld90'
-#: Where the AGVs stand: dead ends beside all ways of the LD-90.
+#: The places of the AGVs: dead ends beside all routes of the LD-90.
 AGVS = {'agv_1': 32, 'agv_2': 41}
 FLEET = '''clearance: 0.1
 robot_types:
@@ -36,9 +38,9 @@ robots:
 
 def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '',
                places: Mapping[str, int] = AGVS) -> str:
-    """A fleet file with the robots that have these computers, and the AGVs' places.
+    """A fleet file with the robots of these computers, and the AGVs' places.
 
-    `driven` is an AGV to simulate, `absent` a robot that has not been delivered yet.
+    `driven` is an AGV to simulate. `absent` is a robot that has not been delivered yet.
     """
     lines = []
     for name, address in computers.items():
@@ -52,17 +54,18 @@ def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '',
 
 
 class JoinedFleet:
-    """The computers of a fleet, not started yet but for the LD-90 itself, which is no computer."""
+    """The computers of a fleet, not started yet. Only the LD-90, which is no computer, runs."""
 
     def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
                  namespaces: Tuple[str, str] = ('', ''),
                  addresses: Tuple[str, ...] = (), pictures: bool = True,
                  absent: str = '') -> None:
-        """Without `pictures`, nothing is drawn on the LD-90's computer.
+        """Without `pictures`, the LD-90's computer runs no nodes that draw.
 
-        `namespaces` are network namespaces of the LD-90 with its computer, and of the fleet
-        manager's; `addresses` those of the LD-90's computer, the fleet manager's, the AGVs'.
-        The fleet manager takes the robot `absent` for one that is not there yet.
+        `namespaces` are two network namespaces: of the LD-90 with its computer, and of the fleet
+        manager's computer. `addresses` are the addresses of the LD-90's computer, the fleet
+        manager's, and the AGVs'. The fleet manager treats the robot `absent` as not yet at the
+        site.
         """
         self._folder = folder
         self._sim_speed = sim_speed
@@ -71,7 +74,7 @@ class JoinedFleet:
         names = dict(zip([LD90, *list(AGVS)[:agvs]], [own, *others]))
         fleet_file = folder / 'fleet.yaml'
         fleet_file.write_text(fleet_text(names, absent=absent))
-        self._ports = [free_port() for _ in range(3)]  # ARCL, outgoing, control
+        self._ports = [free_port() for _ in range(3)]  # ports: ARCL, outgoing, control
         graph = MAPS / 'lab_graph.yaml'
         self.manager = Computer('fleet', manager, [[
             'graph_fleet_manager', 'fleet_manager.launch', f'graph_file:={graph}',
@@ -117,16 +120,16 @@ class JoinedFleet:
 
     @property
     def computers(self) -> List[Computer]:
-        """All of them."""
+        """All computers."""
         return [self.robot, self.manager, *self.agvs]
 
     @property
     def session(self) -> Path:
-        """Every ARCL line between the LD-90 and its computer, as the LD-90 has it."""
+        """Every ARCL line between the LD-90 and its computer, as the LD-90 recorded it."""
         return self._folder / 'arcl.log'
 
     def sent_to_ld90(self, word: str) -> List[str]:
-        """The commands of this name that its computer gave to the LD-90, in order."""
+        """The commands of this name that its computer sent to the LD-90, in order."""
         return re.findall(rf'^\S+ C\d*> ({word}.*?)\s*$',
                           self.session.read_text(errors='replace'), re.MULTILINE)
 
@@ -138,7 +141,7 @@ class JoinedFleet:
         return wait_until(lambda: inside(self._namespaces[0], connect), 30, 'the simulated LD-90')
 
     def send(self, *destinations: int, robot: str = LD90) -> int:
-        """Sends a mission from the fleet manager's computer; its id."""
+        """Sends a mission from the fleet manager's computer; returns its id."""
         def accepted() -> str:
             said = self.manager.run('rosrun', 'graph_fleet_manager', 'mission', *destinations,
                                     '--robot', robot, timeout=60.0).stdout
@@ -147,23 +150,23 @@ class JoinedFleet:
             accepted, 90, f'a mission to {destinations} is accepted')).group(1))
 
     def mission(self, number: int) -> HistoryLine:
-        """How a mission stands, out of the fleet manager's journal."""
+        """The state of a mission in the fleet manager's journal."""
         return next(line for line in history(str(self.journal)) if line.request_id == number)
 
     def is_open(self, number: int) -> bool:
-        """Is there still something to do? That is unknown while the journal cannot be read."""
+        """True while a mission is open. Also true while the journal cannot be read."""
         try:
             return self.mission(number).state.is_open
-        except JournalError:  # the fleet manager is being killed, or starts
+        except JournalError:  # the fleet manager is just being killed or started
             return True
 
     def wait_for_mission(self, number: int, what: str, reached: Callable[[HistoryLine], bool],
                          timeout: float = 120.0) -> HistoryLine:
-        """Waits until a mission stands so; fails at once when it ended otherwise."""
+        """Waits until a mission has this state; fails at once if it has ended in another state."""
         def look() -> bool:
             try:
                 line = self.mission(number)
-            except JournalError:  # the fleet manager is being killed, or starts
+            except JournalError:  # the fleet manager is just being killed or started
                 return False
             if not reached(line) and not line.state.is_open:
                 raise AssertionError(f'mission {number}: {line.state.name} ({line.reason}), not '
@@ -185,9 +188,9 @@ class JoinedFleet:
 
 
 class Odometer:
-    """How far the LD-90 truly drives from now on: its simulator knows."""
+    """Measures how far the LD-90 truly drives from now on, with its simulator."""
 
-    RESTS = 1.0    # s without motion after which it stands
+    RESTS = 1.0  # s without motion after which the robot counts as standing
 
     def __init__(self, fleet: JoinedFleet) -> None:
         self._control = fleet.control()
@@ -207,17 +210,17 @@ class Odometer:
 
     @property
     def metres(self) -> float:
-        """What it has driven so far."""
+        """The metres driven so far."""
         return self._driven() - self._begin
 
     def wait_for(self, metres: float, timeout: float = 60.0) -> None:
-        """Until the robot has driven so far from now on."""
+        """Waits until the robot has driven the given number of metres from now on."""
         begin = self.metres
         wait_until(lambda: self.metres - begin >= metres, timeout,
                    f'the robot drives another {metres} m')
 
     def wait_for_rest_or(self, metres: float) -> None:
-        """Until the robot has driven so far from now on, or stands where it was last sent."""
+        """Waits until the robot has driven that far, or stands where it was last sent."""
         begin = last = self.metres
         moved = time.monotonic()
 
@@ -231,7 +234,7 @@ class Odometer:
 
 
 def kept_folder(name: str) -> Path:
-    """A folder for what the computers print, kept for the analysis of failures."""
+    """A folder for the output of the computers, kept for the analysis of failures."""
     folder = Path(os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')) / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

@@ -1,6 +1,6 @@
 """Several ROS masters on one host, each on a loopback address of its own, joined in pairs.
 
-fkie multimaster joins them; where it is not to be had, `master_mirror.py` does, so that the
+fkie multimaster joins them. If it is not installed, `master_mirror.py` joins them, so that the
 behaviour of the project's own nodes is tested everywhere.
 """
 from __future__ import annotations
@@ -26,23 +26,24 @@ CROSSING = HERE.parent / 'src' / 'graph_fleet_manager' / 'config' / 'crossing.ya
 
 
 def has_fkie() -> bool:
-    """Is fkie multimaster in this environment?"""
+    """True if fkie multimaster is in this environment."""
     return subprocess.run(['rospack', 'find', 'fkie_master_sync'], stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
 def loopback_addresses(count: int) -> List[str]:
-    """Addresses that no other test has at this time; not 127.0.0.1, where discovery hears itself.
+    """Addresses that no other test uses now. 127.0.0.1 is excluded: discovery would find itself
+    there.
     """
     net = random.randint(16, 254)
     return [f'127.0.{net}.{number}' for number in range(2, 2 + count)]
 
 
 class Computer:
-    """One computer: a ROS master on an address of its own, and what is launched under it.
+    """One computer: a ROS master on an address of its own, and the launches under it.
 
-    `peers` are those that it joins; with `peers_from_file` the launch knows them. Each launch is
-    the words behind `roslaunch`; the first one joins the masters.
+    `peers` are the computers that it joins; with `peers_from_file` the launch knows them. Each
+    launch is the list of words after `roslaunch`; the first launch joins the masters.
     """
 
     def __init__(self, name: str, address: str, launches: Sequence[Sequence[object]], log: Path,
@@ -53,18 +54,18 @@ class Computer:
         self.peers: List[Computer] = []
         self.fkie = has_fkie()
         self.started = 0.0
-        """When it was last started, s, monotonic."""
+        """The time of its last start, in s, monotonic."""
         self._launches = launches
         self._peers_from_file = peers_from_file
         self._log = log
         self.python_path = ''
-        """Where its programs look for Python modules first."""
+        """The folder in which its programs search for Python modules first."""
         self._prefix = entering(namespace)
         self._processes: List[subprocess.Popen] = []
 
     @property
     def environment(self) -> Dict[str, str]:
-        """What a shell on that computer would have set."""
+        """The environment of a shell on that computer."""
         own = {**os.environ, 'ROS_IP': self.address, 'ROS_MASTER_URI': self.uri}
         if self.python_path:
             own['PYTHONPATH'] = f'{self.python_path}:{own["PYTHONPATH"]}'
@@ -76,7 +77,7 @@ class Computer:
         return rosgraph.Master('/multimaster_test', self.uri)
 
     def start(self) -> None:
-        """Starts master and launches; returns at once."""
+        """Starts the master and the launches; returns at once."""
         self.started = time.monotonic()
         first, *others = self._launches
         self._run('roslaunch', '-p', self.port, *first, *self._joining())
@@ -99,7 +100,7 @@ class Computer:
                 stderr=subprocess.STDOUT))
 
     def kill(self) -> None:
-        """Ends everything without a word, as when the power fails."""
+        """Kills everything at once, as when the power fails."""
         processes = self._processes
         self._processes = []
         family = family_of([process.pid for process in processes])
@@ -111,13 +112,13 @@ class Computer:
         wait_until(lambda: not any(map(is_alive, family)), 30, f'the end of {self.name}')
 
     def run(self, *words: object, timeout: float = 60.0) -> subprocess.CompletedProcess:
-        """What a user types there, and what comes of it."""
+        """Runs a command as a user would there, and returns its result."""
         return subprocess.run([*self._prefix, *map(str, words)], env=self.environment, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout,
                               check=False)
 
     def topics_of(self, other: Computer) -> Set[str]:
-        """What this master has of the other's nodes: topics that crossed. None without a master."""
+        """The topics of the other's nodes that this master knows. None without a master."""
         try:
             publishers, subscribers, _ = self.master.getSystemState()
             nodes = {node for _, names in [*publishers, *subscribers] for node in names}
@@ -128,7 +129,7 @@ class Computer:
         return {topic for topic, names in [*publishers, *subscribers] if foreign & set(names)}
 
     def publishes(self, topic: str) -> bool:
-        """Does this master know a publisher of the topic?"""
+        """True if this master knows a publisher of the topic."""
         try:
             publishers, _, _ = self.master.getSystemState()
         except (OSError, rosgraph.MasterException):
@@ -136,19 +137,19 @@ class Computer:
         return topic in (name for name, _ in publishers)
 
     def log(self) -> str:
-        """What was printed there."""
+        """The output of its programs."""
         return self._log.read_text(encoding='utf-8', errors='replace')
 
 
 def join(fleet: Computer, robots: Sequence[Computer]) -> None:
-    """Each robot has the fleet for its peer, the fleet all robots."""
+    """Joins the masters: each robot has the fleet for its peer, the fleet has all robots."""
     fleet.peers = list(robots)
     for robot in robots:
         robot.peers = [fleet]
 
 
 def family_of(pids: Sequence[int]) -> List[int]:
-    """These processes and all that they began, the eldest first."""
+    """These processes and all their descendants, the oldest first."""
     children: Dict[int, List[int]] = {}
     for folder in Path('/proc').glob('[0-9]*'):
         fields = _stat(int(folder.name))
@@ -161,13 +162,13 @@ def family_of(pids: Sequence[int]) -> List[int]:
 
 
 def is_alive(pid: int) -> bool:
-    """Does the process run? One that only waits to be asked for its end does not."""
+    """True if the process runs; a zombie process does not count."""
     fields = _stat(pid)
     return bool(fields) and fields[0] != 'Z'
 
 
 def _stat(pid: int) -> List[str]:
-    """The fields of /proc/PID/stat from the state on; none without such a process."""
+    """The fields of /proc/PID/stat from the state on; none if there is no such process."""
     try:
         return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     except OSError:
@@ -177,7 +178,7 @@ def _stat(pid: int) -> List[str]:
 @contextlib.contextmanager
 def program(*words: object, log: Optional[Path] = None, **options: Any
             ) -> Iterator[subprocess.Popen]:
-    """A program without ROS that runs meanwhile."""
+    """Runs a program without ROS during the block."""
     with (log or Path(os.devnull)).open('ab') as output:
         process = subprocess.Popen([*map(str, words)], stdout=output, stderr=subprocess.STDOUT,
                                    **options)

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""The displayed map: all of it reaches each subscriber, whenever it joins, and follows its file."""
+"""The displayed map: each subscriber gets all of it at any time, and it follows changes of its
+file.
+"""
 from __future__ import annotations
 
 import math
@@ -26,7 +28,8 @@ from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 ROBOT = '/omron_ld90'
 
-# A room of 2.0 x 1.0 m from (-1, -0.5), its corners and one more point scanned with a pitch of 100.
+# A room of 2.0 x 1.0 m from (-1, -0.5): its corners and one more point, with a resolution of 100
+# mm.
 ROOM = b"""2D-Map
 MinPos: -1000 -500
 MaxPos: 1000 500
@@ -56,7 +59,7 @@ def room(*objects: MapObject) -> MapDocument:
 
 
 def latched(topic: str, message_type: type):
-    """What a subscriber that joins now gets on a latched topic."""
+    """The message that a new subscriber gets on a latched topic."""
     return rospy.wait_for_message(f'{ROBOT}/{topic}', message_type, timeout=15.0)
 
 
@@ -68,7 +71,7 @@ def drawn(array: MarkerArray) -> List[Marker]:
 
 
 class MapVisualisationTest(unittest.TestCase):
-    """One node shows one file; every test shows the room of its own objects first."""
+    """One node shows one file; each test first shows the room with its own objects."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -83,7 +86,7 @@ class MapVisualisationTest(unittest.TestCase):
         os.unlink(cls.map_file)
 
     def show(self, document: MapDocument) -> None:
-        """Save over the displayed file, and wait until the node has shown it again."""
+        """Overwrites the displayed file, and waits until the node has shown it again."""
         shown = len(self.files.messages)
         document.save(self.map_file)
         self.files.wait_for(lambda message: message.data == self.map_file, 20.0, 'reload', shown)

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Test equipment for machines without fkie multimaster: mirrors one ROS master into another.
 
-    master_mirror.py OWN_URI PEER_URI CROSSING_FILE
+master_mirror.py OWN_URI PEER_URI CROSSING_FILE
 
-Registers the peer's publishers and subscribers of the topics that cross at the own master, as
-fkie's master_sync does, and withdraws them when they or their master are gone. It has no discovery:
-each side is told the other's address, which is that of all nodes there.
+Registers the peer's publishers and subscribers of certain topics at the own master, as fkie's
+master_sync does. CROSSING_FILE lists these topics. Withdraws the registrations when the nodes or
+their master have ended. There is no discovery: each side gets the other's address, which all nodes
+there use.
 """
 from __future__ import annotations
 
@@ -20,16 +21,16 @@ from urllib.parse import urlsplit
 
 import yaml
 
-PERIOD = 0.5    # s between two looks at the peer
-PATIENCE = 20.0  # s without an answer after which its nodes are withdrawn
+PERIOD = 0.5  # s between two looks at the peer
+PATIENCE = 20.0  # s without an answer after which the peer's nodes are withdrawn
 TIMEOUT = 2.0   # s for one call
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 
 
 class Registration(NamedTuple):
-    """A node that publishes or subscribes, as a master has it."""
+    """A node that publishes or subscribes, as a master knows it."""
 
-    kind: str   # Publisher or Subscriber
+    kind: str  # class name: Publisher or Subscriber
     topic: str
     type: str
     node: str
@@ -44,7 +45,7 @@ class _Transport(xmlrpc.client.Transport):
 
 
 class Mirror:
-    """See the module's text."""
+    """Mirrors the peer's registrations; see the module's text."""
 
     def __init__(self, own: str, peer: str, topics: Sequence[str]) -> None:
         self._own = xmlrpc.client.ServerProxy(own, transport=_Transport())
@@ -56,7 +57,7 @@ class Mirror:
         self._heard = time.monotonic()
 
     def look(self) -> None:
-        """Brings the own master up to what the peer has now."""
+        """Brings the own master up to date with the present registrations of the peer."""
         try:
             there = self._registrations()
             self._heard = time.monotonic()
@@ -69,13 +70,13 @@ class Mirror:
                 self._withdraw(gone)
             for new in there - self._mirrored:
                 self._register(new)
-            # an own master that was restarted has lost what was registered
+            # An own master that was restarted has lost its registrations.
             self._mirrored = there & self._known()
         except _FAILURES:
             self._mirrored = set()
 
     def _registrations(self) -> Set[Registration]:
-        """What the peer's own nodes have registered, of what crosses."""
+        """The registrations of the peer's own nodes for the topics that cross."""
         _, _, (publishers, subscribers, _) = self._peer.getSystemState('/mirror')
         _, _, pairs = self._peer.getTopicTypes('/mirror')
         types, apis, found = dict(map(tuple, pairs)), {}, set()
@@ -110,7 +111,7 @@ class Mirror:
 
 
 def main() -> None:
-    """Mirrors until it is ended."""
+    """Mirrors until the process is ended."""
     signal.signal(signal.SIGINT, lambda *_: sys.exit(0))
     own, peer, file = sys.argv[1:]
     with open(file, encoding='utf-8') as stream:

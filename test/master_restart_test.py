@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The ROS master ends and a new one comes: all nodes are registered, with their parameters."""
+"""The ROS master ends and a new one starts: all nodes register again, with their parameters."""
 from __future__ import annotations
 
 import os
@@ -33,16 +33,16 @@ Registrations = Set[Tuple[str, str, str]]  # node, kind, name
 
 
 class WatchedMaster(RosMaster):
-    """A ROS master, and what the nodes under test are to it."""
+    """A ROS master, with the registrations of the nodes under test."""
 
     def registrations(self) -> Registrations:
-        """Everything that the nodes under test have registered."""
+        """All registrations of the nodes under test."""
         state = rosgraph.Master('/test', self.uri).getSystemState()
         return {(node, kind, name) for kind, entries in zip(('pub', 'sub', 'srv'), state)
                 for name, nodes in entries for node in nodes if node in NODES}
 
     def parameters(self) -> Dict[str, Any]:
-        """Of the nodes under test."""
+        """The parameters of the nodes under test."""
         _, _, tree = ServerProxy(self.uri).getParam('/test', '/')
         return {node: tree.get(node[1:]) for node in NODES}
 
@@ -52,7 +52,7 @@ class WatchedMaster(RosMaster):
 
 
 def command(*words: str) -> subprocess.CompletedProcess:
-    """What a user types, and what comes of it."""
+    """Runs a command as a user would; returns its output."""
     return subprocess.run(['rosrun', 'graph_fleet_manager', *words], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=30, check=False)
 
@@ -63,7 +63,8 @@ class MasterRestartTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.folder = tempfile.TemporaryDirectory()
-        os.environ['ROS_HOME'] = cls.folder.name  # what this fleet manager leaves there is its own
+        # the fleet manager of this test keeps its own files there
+        os.environ['ROS_HOME'] = cls.folder.name
         cls.master = WatchedMaster()
         os.environ['ROS_MASTER_URI'] = cls.master.uri
         cls.launch = subprocess.Popen(
@@ -83,14 +84,14 @@ class MasterRestartTest(unittest.TestCase):
         cls.folder.cleanup()
 
     def have_all_log(self) -> None:
-        """Has every node say something: rospy asks the master for a parameter at each log line."""
+        """Makes each node log something: rospy asks the master for a parameter at each log line."""
         self.talk[MissionCommand].publish(command=99)
         self.talk[PlanRequest].publish(plan_id=1)
         self.talk[ClosedEdges].publish(edges=[4711])
         self.talk[TargetRoute].publish(route_id=77, edges=[4711])
 
     def restart_master(self) -> None:
-        """A new ROS master in place of the killed one; the nodes log meanwhile."""
+        """Starts a new ROS master in place of the killed one; the nodes log meanwhile."""
         before, parameters = self.before
         self.master.start()
         deadline = time.monotonic() + ALL_OVER

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""50 breaks at random between a fleet manager and a robot: nothing is driven twice, nothing lost.
+"""50 random breaks between a fleet manager and a robot: nothing is driven twice, nothing is lost.
 
-Only with scripts/test.sh --long, and where network namespaces are allowed. MULTIMASTER_SEED repeats
-a run; MULTIMASTER_BREAKS is another number of breaks. What was done stands in
+Runs only with scripts/test.sh --long, and if network namespaces are allowed. MULTIMASTER_SEED
+repeats a run; MULTIMASTER_BREAKS sets another number of breaks. The actions are listed in
 build/artefacts/multimaster_breaks/breaks.log.
 """
 from __future__ import annotations
@@ -21,12 +21,13 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # of either side and of both; in all other breaks the link is away
+DEATHS = BREAKS // 12  # deaths of each side and of both; in all other breaks the link is away
 MISSION = [18, 39, 52, 6, 16]
-METRES = 2.0  # by which the same mission may differ, as the robot rests elsewhere than it turns
-APART = (0.5, 10.0)   # m that the robot drives between two breaks
+# m by which the same mission can differ, because the robot rests away from its turning points
+METRES = 2.0
+APART = (0.5, 10.0)  # m that the robot drives between two breaks
 AWAY = (0.2, 8.0)     # s without the link
-LATER = (0.0, 2.0)    # s until a dead computer is started anew
+LATER = (0.0, 2.0)  # s until a dead computer is started again
 
 
 class Breaks(unittest.TestCase):
@@ -34,7 +35,7 @@ class Breaks(unittest.TestCase):
     def setUp(self) -> None:
         if not os.environ.get('LD90_LONG_TESTS'):
             self.skipTest('it takes 15 minutes; scripts/test.sh --long runs it')
-        reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not there')
+        reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not installed')
         if reason:
             self.skipTest(reason)
         seed = int(os.environ.get('MULTIMASTER_SEED', random.randrange(10 ** 6)))
@@ -66,12 +67,12 @@ class Breaks(unittest.TestCase):
             self.assertAlmostEqual(driven, undisturbed, delta=METRES, msg='driven (m)')
 
     def note(self, text: str) -> None:
-        """Keeps a line for the analysis of failures."""
+        """Writes a line for the analysis of failures."""
         with self.journal.open('a') as journal:
             journal.write(f'{text}\n')
 
     def drive(self, kinds: List[str]) -> float:
-        """One mission, meanwhile breaks of these kinds, from the last; m that the robot drove."""
+        """Drives one mission with these breaks, from the last kind; returns the metres driven."""
         fleet = self.fleet
         gone_to, docked = len(fleet.sent_to_ld90('goto')), len(fleet.sent_to_ld90('dock'))
         with Odometer(fleet) as odometer:
@@ -92,7 +93,7 @@ class Breaks(unittest.TestCase):
         return driven
 
     def break_off(self, kind: str) -> None:
-        """One break; how long it is, and which side comes back first, are part of what is tried."""
+        """Makes one break; its length, and the side that returns first, vary."""
         self.note(kind)
         if kind in ('cable', 'radio'):
             with self.cable.pulled() if kind == 'cable' else self.cable.in_radio_shadow():

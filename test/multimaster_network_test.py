@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fleet manager and robot on computers of their own, while the cable between them is pulled."""
+"""Fleet manager and robot on computers of their own; the cable between them is pulled meanwhile."""
 from __future__ import annotations
 
 import time
@@ -19,7 +19,7 @@ PULLED = 20.0  # s
 class PulledCable(unittest.TestCase):
 
     def setUp(self) -> None:
-        reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not there')
+        reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not installed')
         if reason:
             self.skipTest(reason)
 
@@ -34,11 +34,11 @@ class PulledCable(unittest.TestCase):
                 odometer.wait_for(3.0)
                 with cable.pulled():
                     until = time.monotonic() + PULLED
-                    odometer.wait_for_rest_or(2.0)  # it drives what it was given
+                    odometer.wait_for_rest_or(2.0)  # the robot drives the route that it has
                     time.sleep(until - time.monotonic())
                     reached = fleet.mission(mission).reached
                 done = fleet.succeeded(mission)
-            self.assertLess(reached, len(DESTINATIONS), 'all was over before the cable was back')
+            self.assertLess(reached, len(DESTINATIONS), 'mission ended while cable was pulled')
             self.assertEqual((done.robot, done.reached), (LD90, len(DESTINATIONS)))
             drives = fleet.sent_to_ld90('goto')
             repeated = [one for one, other in zip(drives, drives[1:]) if one == other]

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""A fleet manager under its own ROS master drives robots that run under others.
+"""A fleet manager under its own ROS master drives robots under other ROS masters.
 
 Each master has a loopback address of its own; nothing leaves the loopback interface. The simulated
-LD-90 is no part of any computer: like a real one, it goes on when its computer dies.
+LD-90 belongs to no computer: like a real robot, it continues when its computer dies.
 """
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ LONG = bool(os.environ.get('LD90_LONG_TESTS'))
 
 
 class JoinedMasters(unittest.TestCase):
-    """The LD-90's computer is there before the fleet manager's, agv_1's comes later.
+    """The LD-90's computer starts before the fleet manager's, and agv_1's computer starts later.
 
-    With --long agv_2's is there before, too, and agv_1 has other definitions of a message at first;
-    it stands where it is in no other robot's way.
+    With --long, agv_2's computer also starts before, and agv_1 first has another definition of a
+    message. agv_1 stands where it blocks no other robot.
     """
 
     @classmethod
@@ -62,15 +62,16 @@ class JoinedMasters(unittest.TestCase):
         self.assertEqual(self.fleet.sent_to_ld90('dock'), ['dock'])
 
     def name_who_has_other_definitions(self) -> None:
-        """A robot joins with them; /diagnostics says so within 10 s of its discovery being there.
+        """A robot with other message definitions joins; /diagnostics says so within 10 s of its
+        discovery.
 
-        Missions of others go on meanwhile.
+        Missions of other robots go on meanwhile.
         """
         newcomer = self.newcomer
         newcomer.python_path = str(other_definitions(self.folder / 'python'))
         with self.diagnostics() as said:
             wait_until(lambda: said(newcomer, 'it does not answer'), 60,
-                       'the watch says that the newcomer is not there')
+                       'the watch reports that the newcomer is missing')
             newcomer.start()
             wait_until(lambda: answers(newcomer.address), 60, 'the discovery of the newcomer')
             wait_until(lambda: said(newcomer, 'other definitions of itrci_nav_msgs/TargetRoute'),
@@ -78,7 +79,7 @@ class JoinedMasters(unittest.TestCase):
 
     @contextlib.contextmanager
     def diagnostics(self) -> Iterator[Callable[[Computer, str], bool]]:
-        """While it lasts: did the fleet manager's /diagnostics say this of a peer?"""
+        """Waits for this text about a peer in the fleet manager's /diagnostics; true if it came."""
         file = self.folder / 'diagnostics.log'
         file.write_text('')
 
@@ -119,7 +120,7 @@ class JoinedMasters(unittest.TestCase):
                 self.assertIn('message definitions are alike', checked.stdout)
 
     def test_4_a_mission_outlives_the_death_of_either_side(self) -> None:
-        """With --long, of both at once, too. A robot that was not there before joins meanwhile."""
+        """With --long, both sides also die at once. A new robot joins meanwhile."""
         fleet = self.fleet
         deaths = [[fleet.manager], [fleet.robot]]
         if LONG:
@@ -136,7 +137,7 @@ class JoinedMasters(unittest.TestCase):
                 odometer.wait_for(1.0)
                 for computer in dying:
                     computer.kill()
-                odometer.wait_for_rest_or(0.5)   # the drive under way is not stopped
+                odometer.wait_for_rest_or(0.5)  # the present drive is not stopped
                 for computer in dying:
                     computer.start()
             self.newcomer.start()
@@ -151,7 +152,7 @@ class JoinedMasters(unittest.TestCase):
         self.assertEqual(len(fleet.sent_to_ld90('dock')) - docked, 1)
 
     def test_5_the_robots_of_all_masters_drive(self) -> None:
-        """Also the one that joined a fleet manager that was there before."""
+        """Also the robot that joined a running fleet manager."""
         missions = [self.fleet.send(vertex, robot=computer.name)
                     for computer, vertex in zip(self.fleet.agvs, (10, 35))]
         for mission in missions:
@@ -159,11 +160,11 @@ class JoinedMasters(unittest.TestCase):
 
     def skip_without_fkie(self) -> None:
         if not has_fkie():
-            self.skipTest('fkie multimaster is not there')
+            self.skipTest('fkie multimaster is not installed')
 
 
 def answers(address: str) -> bool:
-    """Does the discovery at this address answer?"""
+    """True if the discovery at this address answers."""
     try:
         Discovery(address).clock()
     except NoAnswer:
@@ -172,7 +173,7 @@ def answers(address: str) -> bool:
 
 
 def other_definitions(folder: Path) -> Path:
-    """The project's messages, but for one whose definition is another."""
+    """The project's messages, except one with another definition."""
     package = folder / 'itrci_nav_msgs'
     shutil.copytree(Path(itrci_nav_msgs.__path__[0]), package, dirs_exist_ok=True)
     module = package / 'msg' / '_TargetRoute.py'

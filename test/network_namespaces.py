@@ -16,9 +16,9 @@ _NETWORK = 0x40000000  # CLONE_NEWNET
 
 
 def why_not() -> str:
-    """Why there can be no network namespaces here; empty where there can."""
+    """The reason why network namespaces cannot be made here; empty if they can."""
     if not shutil.which('ip'):
-        return 'there is no program ip (Debian: iproute2)'
+        return 'the program ip is not installed (Debian: iproute2)'
     try:
         with Cable():
             return ''
@@ -28,7 +28,7 @@ def why_not() -> str:
 
 
 class Cable:
-    """Two namespaces with an address each, and the link between them."""
+    """Two namespaces with one address each, and the link between them."""
 
     def __init__(self) -> None:
         self.namespaces = (f'robot_{os.getpid()}', f'fleet_{os.getpid()}')
@@ -36,7 +36,7 @@ class Cable:
 
     def __enter__(self) -> Cable:
         one, other = self.namespaces
-        with contextlib.ExitStack() as made:  # nothing stays where only some can be made
+        with contextlib.ExitStack() as made:  # everything is removed if only a part can be made
             for name in self.namespaces:
                 _ip('netns', 'add', name)
                 made.callback(_ip, 'netns', 'del', name)
@@ -54,7 +54,7 @@ class Cable:
 
     @contextlib.contextmanager
     def pulled(self) -> Iterator[None]:
-        """Without the link meanwhile."""
+        """Removes the link during the block."""
         _ip('-n', self.namespaces[0], 'link', 'set', 'eth0', 'down')
         try:
             yield
@@ -63,12 +63,12 @@ class Cable:
 
     @contextlib.contextmanager
     def in_radio_shadow(self) -> Iterator[None]:
-        """All that is sent meanwhile is lost, and no side learns it: as by radio.
+        """Loses all messages during the block, and neither side notices, as in a radio shadow.
 
-        Where a cable is pulled, the sender's own computer knows, and tries again all the time.
+        When a cable is pulled, in contrast, the sender's own computer knows it and keeps trying.
         """
         neighbours = list(zip(self.namespaces, self.addresses[::-1]))
-        for name, other in neighbours:  # frames go to a computer that there is not
+        for name, other in neighbours:  # frames go to a computer that does not exist
             _ip('-n', name, 'neigh', 'replace', other, 'lladdr', '02:00:00:00:00:99', 'dev', 'eth0',
                 'nud', 'permanent')
         try:
@@ -78,7 +78,7 @@ class Cable:
                 _ip('-n', name, 'neigh', 'del', other, 'dev', 'eth0')
 
     def bytes_sent(self) -> Tuple[int, int]:
-        """What crossed the link so far, from the first namespace and from the second."""
+        """Bytes that have crossed the link so far, from the first namespace and from the second."""
         one, other = (inside(name, transmitted) for name in self.namespaces)
         return one, other
 
@@ -90,12 +90,12 @@ def transmitted(interface: str = 'eth0') -> int:
 
 
 def entering(namespace: str) -> List[str]:
-    """The words in front of a command that is to run in a namespace; none without one."""
+    """The command prefix that enters a namespace; empty without a namespace."""
     return ['ip', 'netns', 'exec', namespace] if namespace else []
 
 
 def inside(namespace: str, act: Callable[[], Result]) -> Result:
-    """What `act` gives in a namespace; a socket stays there. Another thread does it."""
+    """The result of `act` in a namespace, run in another thread. A socket stays there."""
     if not namespace:
         return act()
     results: List[Result] = []

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """The fleet page in a real Chromium, with simulated robots: each act from click to robot.
 
-What an act does is seen where the simulator truly has the robots, and in what the fleet manager
-says.
+The effect of an act is checked in the true positions of the simulator, and in the messages of the
+fleet manager.
 """
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ NEAR = 0.2  # m
 
 
 class FleetOnThePage(unittest.TestCase):
-    """One fleet, one browser; the parts of a story, in their order."""
+    """One fleet and one browser; the tests are the parts of one story, in their order."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -78,7 +78,7 @@ class FleetOnThePage(unittest.TestCase):
 
     @classmethod
     def is_served(cls) -> bool:
-        """Does the page answer?"""
+        """True if the page answers."""
         try:
             return bool(urllib.request.urlopen(f'{cls.url}api/me', timeout=1).status == 200)
         except OSError:
@@ -156,7 +156,9 @@ class FleetOnThePage(unittest.TestCase):
         self.wait_until_standing(SECOND)
 
         def is_back() -> bool:
-            """The fleet manager refuses it for as long as it is not sure that the robot stands."""
+            """Puts a robot back into service; refused while the fleet manager is not sure that it
+            stands.
+            """
             self.robot_button(SECOND, ActKind.IN)
             rospy.sleep(0.5)
             return self.factory.robot(SECOND).state in READY
@@ -173,7 +175,7 @@ class FleetOnThePage(unittest.TestCase):
 
     def compose(self, *vertices: int, robot: str = '', robot_type: str = '',
                 first_stay: bool = False, priority: int = 0) -> None:
-        """Clicks on the vertices on the map, and chooses the rest."""
+        """Clicks on the vertices on the map, and fills in the rest."""
         self.window.click('#tab_button_missions')
         self.window.click('#clear')
         for count, vertex in enumerate(vertices, 1):
@@ -188,7 +190,7 @@ class FleetOnThePage(unittest.TestCase):
                                name, value)
 
     def press_send(self) -> int:
-        """Sends what is composed; its id once the fleet manager has accepted it."""
+        """Sends the composed mission; returns its id after the fleet manager has accepted it."""
         known = len(self.factory.statuses.messages)
         self.window.click('#send_button')
         status = self.factory.statuses.wait_for(
@@ -197,7 +199,7 @@ class FleetOnThePage(unittest.TestCase):
 
     def send(self, *vertices: int, robot: str = '', robot_type: str = '',
              first_stay: bool = False, priority: int = 0) -> int:
-        """Both."""
+        """Composes a mission and sends it."""
         self.compose(*vertices, robot=robot, robot_type=robot_type, first_stay=first_stay,
                      priority=priority)
         return self.press_send()
@@ -207,35 +209,35 @@ class FleetOnThePage(unittest.TestCase):
         return f'#open li[data-key^="{mission}:"] [data-act={act}]'
 
     def mission_button(self, mission: int, kind: ActKind) -> None:
-        """Presses it."""
+        """Presses a button of a mission."""
         self.window.click(self.row_of(mission, kind.value))
 
     def robot_button(self, robot: str, kind: ActKind) -> None:
-        """Presses it."""
+        """Presses a button of a robot."""
         self.window.click(f'#robots li[data-key={robot}] [data-act={kind.value}]')
 
     # --- the robots ------------------------------------------------------------------------------
 
     def place(self, robot: str) -> Place:
-        """Where it truly is."""
+        """The true position of the robot, in m."""
         return self.simulators.places()[robot]
 
     def distance(self, robot: str, vertex: int) -> float:
-        """From it to a vertex."""
+        """The distance from the robot to a vertex, in m."""
         there = self.factory.graph.vertices[vertex]
         return math.dist(self.place(robot), (there.x, there.y))
 
     def wait_at(self, robot: str, vertex: int) -> None:
-        """Until it is there."""
+        """Waits until the robot is at the vertex."""
         wait_until(lambda: self.distance(robot, vertex) < NEAR, 30.0, f'{robot} at {vertex}')
 
     def wait_until_moved(self, robot: str) -> None:
-        """Until it drives."""
+        """Waits until the robot drives."""
         before = self.place(robot)
         wait_until(lambda: math.dist(self.place(robot), before) > NEAR, 20.0, f'{robot} drives')
 
     def wait_until_standing(self, robot: str) -> None:
-        """Until it has stood for a moment."""
+        """Waits until the robot has stood for a moment."""
         stood = [self.place(robot)]
 
         def stands() -> bool:
@@ -245,12 +247,12 @@ class FleetOnThePage(unittest.TestCase):
         wait_until(stands, 20.0, f'{robot} stands')
 
     def wait_for_status(self, mission: int, state: int) -> None:
-        """Until the fleet manager says so."""
+        """Waits until the fleet manager reports this state."""
         wait_until(lambda: self.factory.status_of(mission) == state, 20.0,
                    f'mission {mission} in state {state}')
 
     def edges_driven(self, robot: str, vertex: int) -> Set[int]:
-        """All edges that are released to it on its way to a vertex."""
+        """All edges released to the robot on its way to a vertex."""
         edges: Set[int] = set()
 
         def arrived() -> bool:

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""The shell commands of a page, and running them as a reader does.
+"""Finds the shell commands of a page, and runs them as a reader does.
 
-    page_commands.py PAGE    in a network namespace of its own, so that each port is free
+page_commands.py PAGE    in a network namespace of its own, so that each port is free
 
-A comment directly above a block says what is special: `<!-- goes on -->`, a command that runs until
-the page ends (or the next such command begins), and `<!-- not run: REASON -->`. All other commands
-must end with exit status 0.
+A comment directly above a block tells how to run it:
+
+- `<!-- goes on -->`: a command that runs until the page ends, or until the next such command
+- `<!-- not run: REASON -->`: a command that is not run
+
+All other commands must end with exit status 0.
 """
 from __future__ import annotations
 
@@ -23,16 +26,17 @@ from typing import List, Optional
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / 'README.md', *sorted((ROOT / 'docs' / 'tutorials').glob('*.md')))
 SHELLS = ('bash', 'sh', 'shell', 'console')
-START = 180.0   # s that what goes on may take until the next command succeeds
-COMMAND = 300.0  # s that a command may take
-END = 60.0      # s from Ctrl-C to the end
+# s, after the start of a command that goes on, in which the next command must succeed
+START = 180.0
+COMMAND = 300.0  # s, limit for a command
+END = 60.0  # s from Ctrl-C to the end
 _BLOCK = re.compile(r'(?:^<!-- (?P<note>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$',
                     re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Block:
-    """A block of a page, with the words of the comment above it."""
+    """A block of a page, with the text of the comment above it."""
 
     language: str
     text: str
@@ -49,7 +53,7 @@ class Block:
 
     @property
     def reason(self) -> str:
-        """Why it is not run; empty where it is."""
+        """The reason why the block is not run; empty if it is run."""
         return self.note[len('not run:'):].strip() if self.note.startswith('not run:') else ''
 
 
@@ -64,18 +68,18 @@ def blocks_of(text: str) -> List[Block]:
 
 
 class Reader:
-    """A reader of one page, with a terminal for what goes on and one for the rest."""
+    """A reader of one page, with one terminal for commands that go on and one for the others."""
 
     def __init__(self, page: Path, home: Path) -> None:
         self._page = page
         self._environment = {'PATH': '/usr/bin:/bin:/usr/sbin:/sbin', 'HOME': str(home),
                              'LANG': 'C.UTF-8', 'ROS_HOME': str(home / 'ros')}
         self._log = (home / 'goes_on.log').open('w+', encoding='utf-8')
-        self._terminal = ''  # what each new shell of the second terminal sources first
+        self._terminal = ''  # commands that each new shell of the second terminal runs first
         self._running: Optional[subprocess.Popen] = None
 
     def follow(self) -> None:
-        """Does what the page says, from its first line to its last."""
+        """Follows the page from its first line to its last."""
         may_wait = False
         try:
             for block in blocks_of(self._page.read_text(encoding='utf-8')):
@@ -118,7 +122,7 @@ class Reader:
                                   if line.startswith(('source ', 'export ')))
 
     def _end(self, must_come_up: bool) -> None:
-        """Ctrl-C in the terminal of what goes on, once it runs."""
+        """Presses Ctrl-C in the terminal of the command that goes on, once it runs."""
         running = self._running
         if running is None:
             return
@@ -132,11 +136,11 @@ class Reader:
 
     def _must_run(self) -> None:
         if self._running is not None and self._running.poll() is not None:
-            raise self._failure(f'what should go on ended with {self._running.returncode}')
+            raise self._failure(f'a command that goes on ended with {self._running.returncode}')
 
     def _failure(self, words: str) -> CommandFailed:
         self._log.seek(0)
-        return CommandFailed(f'{self._page.name}: {words}\nWhat goes on said:\n'
+        return CommandFailed(f'{self._page.name}: {words}\nOutput of the command that goes on:\n'
                              f'{self._log.read()[-3000:]}')
 
     @staticmethod
@@ -145,14 +149,14 @@ class Reader:
 
 
 def alone(page: Path) -> List[str]:
-    """The command that follows a page where nothing else runs and no network is."""
+    """The command that follows a page where nothing else runs and there is no network."""
     mapped = [] if os.geteuid() == 0 else ['--map-root-user']
     return ['unshare', *mapped, '--net', '--pid', '--fork', '--kill-child', '--mount-proc',
             '/usr/bin/python3', str(Path(__file__).resolve()), str(page)]
 
 
 def main() -> int:
-    """Returns 0 when all commands of the page did what it says."""
+    """Returns 0 if all commands of the page did what it says."""
     subprocess.run(['ip', 'link', 'set', 'lo', 'up'], check=True)
     with tempfile.TemporaryDirectory() as home:
         try:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Free TCP ports for tests: `free_port()`, or run as a program, which prints one.
+"""Free TCP ports for tests: call `free_port()`, or run this file, which prints one.
 
-They lie below the range that the kernel takes for outgoing connections: a port of that range may
-be another program's outgoing one by the time it is used, if only for a moment.
+The ports lie below the range that the kernel uses for outgoing connections. A port of that range
+could be taken by another program's outgoing connection before the test uses it.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _given: Set[int] = set()
 
 
 def free_port(address: str = '127.0.0.1') -> int:
-    """A port of `address` that nothing uses now, another one at each call."""
+    """A port of `address` that nothing uses now; each call returns another one."""
     for port in random.sample(RANGE, len(RANGE)):
         if port in _given:
             continue

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""TF and pose follow the robot's locations: each once, at the time it came, never an old one."""
+"""TF and pose follow the robot's locations: each once, with its time of arrival, no old one."""
 from __future__ import annotations
 
 import math
@@ -28,7 +28,7 @@ def status(x: float, y: float, yaw: float, age: float = 0.0, has_pose: bool = Tr
 
 
 class PoseTest(unittest.TestCase):
-    """Feeds robot_status and watches pose and /tf."""
+    """Publishes robot_status, and records pose and /tf."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -36,7 +36,7 @@ class PoseTest(unittest.TestCase):
         cls.transforms = Recorder('/tf', TFMessage)
         cls.status = connected_publisher('/omron_ld90/robot_status', RobotStatus, subscribers=2)
         cls.odometry = tf2_ros.TransformBroadcaster()
-        wait_until(cls.everything_listens, 20.0, 'the recorders hear pose and /tf')
+        wait_until(cls.everything_listens, 20.0, 'the recorders receive pose and /tf')
 
     @classmethod
     def everything_listens(cls) -> bool:
@@ -53,7 +53,7 @@ class PoseTest(unittest.TestCase):
     def test_a_location_becomes_one_pose_and_one_transform_with_its_stamp(self):
         message = status(3.12, -0.54, math.radians(-87))
         self.status.publish(message)
-        self.status.publish(message)           # received twice, as when a late reader joins
+        self.status.publish(message)  # received twice, as when a new subscriber joins
         self.status.publish(status(4.0, 0.0, 0.0))
         pose = self.pose_at(3.12)
         self.assertEqual('map', pose.header.frame_id)
@@ -143,7 +143,8 @@ class PoseTest(unittest.TestCase):
             if not listener_buffer.can_transform('map', 'other/base_link', rospy.Time(0)):
                 return False
             robot = listener_buffer.lookup_transform('map', 'other/base_link', rospy.Time(0))
-            place = robot.transform.translation  # that of another test may be the latest yet
+            # the newest message can still be that of another test
+            place = robot.transform.translation
             return math.dist((place.x, place.y), (32.0, 2.0)) < 1e-6
 
         wait_until(robot_is_there, 20.0, 'map -> other/odom -> other/base_link, at 32, 2')

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A user's own map: the full stack shows a real LD robot's map right and drives to its goals.
+"""A user's own map: the full stack shows a real LD robot's map correctly and drives to its goals.
 
-The maps are real robots' and no part of this repository; where they are absent the tests skip.
+The maps belong to real robots and are no part of this repository; without them the tests skip.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from visualization_msgs.msg import MarkerArray
 
 from system_support import Launched, Recorder, drive_to, run_cases
 
-MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
+MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # if LD90_REAL_MAPS names no folder
 
 
 class RealMaps(unittest.TestCase):
@@ -28,10 +28,10 @@ class RealMaps(unittest.TestCase):
 
     def check(self, name: str, occupied: int, areas: int, first_area: tuple, goal: str,
               goal_at: tuple) -> None:
-        """Show the map in a namespace of its own, compare with what is known of it, drive."""
+        """Shows the map in a namespace of its own, compares it with known facts, and drives."""
         file = MAPS / name
         if not file.exists():
-            self.skipTest(f'{file} is not there')
+            self.skipTest(f'{file} does not exist')
         robot = name.replace('-', '_').replace('.map', '')
         topic = f'/{robot}'.__add__
         with Launched('full_stack.launch', map_file=file, robot_name=robot, sim_speed=10,
@@ -57,12 +57,12 @@ class RealMaps(unittest.TestCase):
                 10, f'pose at {goal_at}', after=len(poses.messages) - 1)
 
     def test_site_a_six_areas_turned_by_90_and_180_degrees_and_a_goal(self) -> None:
-        # FA1: from (-18561, -13725) to (-15055, -7739), turned by 180 degrees about the origin.
+        # FA1: from (-18561, -13725) to (-15055, -7739), rotated by 180 degrees about the origin.
         self.check('omron-ld-site-a.map', occupied=44440, areas=6, first_area=(16.808, 10.732),
                    goal='Goal1', goal_at=(1.240, 8.152))
 
     def test_site_b_a_dock_with_a_blank_in_its_name_and_two_goals(self) -> None:
-        # (-3237, -1352) to (2731, 1246), turned by -90 degrees about the origin.
+        # (-3237, -1352) to (2731, 1246), rotated by -90 degrees about the origin.
         self.check('omron-ld-site-b.map', occupied=3737, areas=4, first_area=(-0.053, 0.253),
                    goal='Goal2', goal_at=(4.472, 1.175))
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The receiver's topics carry what the robot sent: byte for byte, and typed in SI units."""
+"""The receiver's topics carry what the robot sent: unchanged bytes, and typed in SI units."""
 from __future__ import annotations
 
 import math
@@ -35,7 +35,7 @@ STATUS = {  # topic -> line
 
 
 class RawString(String):
-    """A String whose data stays bytes; rospy's own decodes them as UTF-8."""
+    """A String whose data stays bytes; rospy's own class decodes them as UTF-8."""
 
     def deserialize(self, buffer: bytes) -> RawString:
         self.data = buffer[4:]
@@ -43,7 +43,7 @@ class RawString(String):
 
 
 class ReceiverTest(unittest.TestCase):
-    """Plays the robot's outgoing connection."""
+    """The test plays the robot's outgoing connection."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -56,8 +56,8 @@ class ReceiverTest(unittest.TestCase):
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.links.wait_for(lambda link: link.state == LinkState.DISCONNECTED, 30.0, 'receiver')
         cls.robot = cls.connect()
-        # Subscribers connect one after the other: a status that all have heard begins the tests.
-        wait_until(cls.everybody_hears, 20.0, 'every subscriber hears the receiver')
+        # Subscribers connect one after the other. The tests begin after all have received a status.
+        wait_until(cls.everybody_hears, 20.0, 'every subscriber gets a message of the receiver')
 
     @classmethod
     def connect(cls) -> socket.socket:
@@ -79,7 +79,7 @@ class ReceiverTest(unittest.TestCase):
         type(self).robot = self.connect()
 
     def test_every_status_line_comes_out_as_it_was_received(self):
-        # ARCL is ASCII, but nothing hinders a goal's name: the bytes go on as they are.
+        # ARCL is ASCII, but a goal's name can contain other bytes, which are passed on unchanged.
         lines = {**STATUS, 'state': b'Status: Going to caf\xe9 \x01'}
         before = {name: len(recorder.messages) for name, recorder in self.lines.items()}
         self.send(*lines.values())
@@ -152,7 +152,7 @@ class ReceiverTest(unittest.TestCase):
         self.send(*{**STATUS, 'location': b'Location: 1000 0 0'}.values())
         os.kill(node, signal.SIGSTOP)
         try:
-            wait_until(lambda: self.states_of(node) == {'T'}, SOON, 'every thread stands still')
+            wait_until(lambda: self.states_of(node) == {'T'}, SOON, 'every thread is stopped')
             before = len(self.statuses.messages)
             deadline = time.monotonic() + 2.5
             wait_until(lambda: self.sends_status(2000) and time.monotonic() > deadline, SOON,
@@ -166,7 +166,7 @@ class ReceiverTest(unittest.TestCase):
         self.assertNotIn(2, published)
 
     def test_a_flood_of_garbage_starves_nothing(self):
-        """Ten megabytes, as fast as they are taken: statuses, link and diagnostics go on."""
+        """Ten megabytes as fast as possible: statuses, link and diagnostics must continue."""
         node = self.process_id('/omron_ld90/omron_connection_receiver')
         log = Recorder('/rosout', Log)
         wait_until(log.is_connected, SOON, 'rosout')
@@ -186,7 +186,7 @@ class ReceiverTest(unittest.TestCase):
         self.links.wait_for(lambda _: True, SOON, 'the link again', links)
         self.diagnostics.wait_for(lambda _: True, SOON, 'diagnostics', told)
         repeated = [m for m in self.links.messages[links:] if m.state != LinkState.CONNECTED]
-        self.assertEqual([], repeated, 'the link stood all the time')
+        self.assertEqual([], repeated, 'the link was connected all the time')
         self.assertLess(self.memory_of(node) - memory, 50.0, 'MB of memory')
         self.assertLess(len([m for m in log.messages if m.name.endswith('receiver')]), 20,
                         'lines in the log')
@@ -195,7 +195,7 @@ class ReceiverTest(unittest.TestCase):
 
     @staticmethod
     def memory_of(process_id: int) -> float:
-        """Resident, in MB."""
+        """Resident memory, in MB."""
         pages = int(Path(f'/proc/{process_id}/statm').read_text(encoding='ascii').split()[1])
         return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
 
@@ -205,7 +205,7 @@ class ReceiverTest(unittest.TestCase):
 
     @staticmethod
     def states_of(process_id: int) -> Set[str]:
-        """The states of its threads; T is stopped."""
+        """The states of its threads; T means stopped."""
         return {file.read_text(encoding='utf-8').rsplit(')', 1)[1].split()[0]
                 for file in Path(f'/proc/{process_id}/task').glob('*/stat')}
 

@@ -1,4 +1,4 @@
-"""A ROS master that no launch depends on: it can be killed, started anew on its port, and hang."""
+"""A ROS master of its own: it can be killed, restarted on its port, and suspended."""
 from __future__ import annotations
 
 import signal
@@ -11,11 +11,11 @@ import rosgraph
 
 from ports import free_port
 
-STARTED = 20.0  # s within which it answers
+STARTED = 20.0  # s within which it must answer
 
 
 class RosMaster:
-    """See the module's text; it answers as soon as it is made."""
+    """A ROS master; see the module's text. It answers as soon as the object is made."""
 
     def __init__(self) -> None:
         self.port = free_port()
@@ -23,7 +23,7 @@ class RosMaster:
         self.start()
 
     def start(self) -> None:
-        """Returns once it answers."""
+        """Starts it; returns when it answers."""
         self._process = subprocess.Popen(['rosmaster', '--core', '-p', str(self.port)],
                                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + STARTED
@@ -34,17 +34,17 @@ class RosMaster:
 
     @property
     def pid(self) -> int:
-        """Of its process."""
+        """The id of its process."""
         return self._process.pid
 
     def kill(self) -> None:
-        """Without a word."""
+        """Kills it, without a shutdown."""
         self._process.kill()
         self._process.wait(10)
 
     @contextmanager
     def hangs(self) -> Iterator[None]:
-        """Meanwhile it answers nothing."""
+        """It answers nothing during the block."""
         self._process.send_signal(signal.SIGSTOP)
         try:
             yield

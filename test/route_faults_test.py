@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Failures under way: the fleet manager is told why, and nothing undriven counts as driven."""
+"""Failures during a route: the fleet manager gets the reason; only driven edges are COMPLETE."""
 from __future__ import annotations
 
 import unittest
@@ -15,7 +15,7 @@ from itrci_nav_msgs.msg import Edge, EdgeState, Graph, Vertex
 from omron_ld90_msgs.msg import ExecuteCommandAction, ExecuteCommandGoal
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
-HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
+HALL = [1, 2, 3, 4, 5, 6]  # vertices 8 10 12 14 32 33 35, 24 m
 
 
 class Faults(unittest.TestCase):
@@ -32,7 +32,7 @@ class Faults(unittest.TestCase):
         cls.lab.robot.stop()
 
     def tearDown(self) -> None:
-        """The robot is well again and stands at vertex 8."""
+        """Ends the fault and brings the robot back to vertex 8."""
         self.lab.robot.inject('estop release')
         heard = len(self.lab.responses.messages)
         self.others.publish('enableMotors')
@@ -45,7 +45,7 @@ class Faults(unittest.TestCase):
                                  'a status without emergency stop', after=place)
 
     def fails(self, reason: str, bring_about: Callable[[], object], stopped: bool = True) -> None:
-        """A route fails for the reason after two edges; the robot is stopped, or left alone."""
+        """A route fails for the reason after two edges; the robot is stopped, or left as it is."""
         route_id = self.lab.under_way(HALL, 2)
         commands, told = len(self.lab.commands.messages), len(self.diagnostics.messages)
         bring_about()
@@ -70,7 +70,8 @@ class Faults(unittest.TestCase):
         self.fails('taken over', lambda: self.others.publish('goto 10'), stopped=False)
 
     def test_3_a_lost_link(self) -> None:
-        self.lab.restart_bridge(strategy='direct', link_timeout=0.5)  # it sends the robot far ahead
+        # `direct` sends the robot far ahead
+        self.lab.restart_bridge(strategy='direct', link_timeout=0.5)
         self.addCleanup(self.lab.restart_bridge, strategy='rolling', link_timeout=2.0)
         route_id = self.lab.under_way(HALL, 1)
         self.lab.robot.inject('refuse on')
@@ -82,7 +83,7 @@ class Faults(unittest.TestCase):
         self.lab.robot.inject('refuse off')
         self.lab.wait_ready()
         self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 10,
-                                    'the stop that the broken link kept back', after=heard)
+                                    'the stop that the broken link delayed', after=heard)
 
     def test_4_a_stop_of_the_fleet_manager(self) -> None:
         self.lab.under_way(HALL, 2)
@@ -93,7 +94,9 @@ class Faults(unittest.TestCase):
                                     after=heard)
 
     def test_5_a_stop_in_rviz_is_the_last_word(self) -> None:
-        """No goal is sent to a robot that brakes, though it says only `Stopping`, `Stopped`."""
+        """No goal is sent to a robot that brakes, although its status only says `Stopping`,
+        `Stopped`.
+        """
         clicks = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         self.assertTrue(clicks.wait_for_server(rospy.Duration(10.0)))
         self.lab.robot.inject('dialect interrupted nothing')
@@ -106,7 +109,7 @@ class Faults(unittest.TestCase):
         self.assertEqual(self.lab.end_of(route_id, 20.0).reason, 'taken over')
         late = self.lab.drives_heard()[given:]
         lines = [line.data for line in self.lab.responses.messages[heard:]]
-        self.assertLess(len(late), 2, lines)  # one may have been on its way already
+        self.assertLess(len(late), 2, lines)  # one goal may have been on its way already
         self.assertNotIn('Going to', ' '.join(lines[lines.index('Stopping'):]))
 
     def test_6_a_robot_that_is_lost(self) -> None:
@@ -121,7 +124,7 @@ class Faults(unittest.TestCase):
         self.assertEqual(state_list(end), [EdgeState.COMPLETE], end.reason)
 
     def test_7_a_refused_command_ends_the_route(self) -> None:
-        """The graph of the fleet manager has a vertex for which the robot has no goal."""
+        """The fleet manager's graph has a vertex for which the robot has no goal."""
         graphs = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
         known = self.lab.graph
         vertices = [Vertex(id=v.id, frame_id=v.frame_id, x=v.x, y=v.y, theta=v.theta)
@@ -132,7 +135,7 @@ class Faults(unittest.TestCase):
                  for e in known.edges.values()]
         edges.append(Edge(id=99, origin_id=10, destination_id=99, curve_type='line'))
         graphs.publish(Graph(vertices=vertices, edges=edges))
-        wait_until(lambda: graphs.get_num_connections() >= 1, 10, 'the bridge listens to /graph')
+        wait_until(lambda: graphs.get_num_connections() >= 1, 10, 'the bridge subscribes to /graph')
         end = self.lab.end_of(self.lab.order([1, 99]))
         self.assertIn('99', end.reason)
         self.assertEqual(state_list(end)[-1], EdgeState.FAILED)

@@ -1,4 +1,4 @@
-"""What the system tests of routes share: the fleet manager, and a simulated robot to bring down."""
+"""Common parts of the system tests of routes: the fleet manager, and a simulated robot."""
 from __future__ import annotations
 
 import io
@@ -24,7 +24,7 @@ VERTEX_8 = (-12000.0, 0.0, 0.0)  # mm and degrees
 
 
 class FleetManager:
-    """Sends routes to the robot, and hears of it what every node can hear."""
+    """Sends routes to the robot, and receives the messages that every node can receive."""
 
     def __init__(self) -> None:
         self.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
@@ -34,10 +34,10 @@ class FleetManager:
         self.links = Recorder('/omron_ld90/link_state', LinkState)
         self.routes = connected_publisher('/omron_ld90/target_route', TargetRoute)
         self.wait_ready()
-        self._route_id = self.states.messages[-1].route_id  # of a test before, on the same stack
+        self._route_id = self.states.messages[-1].route_id  # from an earlier test on the same stack
 
     def wait_ready(self) -> None:
-        """Both links stand, and the bridge tells where the robot is."""
+        """Waits until both links are connected and the bridge reports the robot's place."""
         wait_until(self._both_links_stand, 30, 'both links to the robot')
         self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
                              'report of the robot on the graph', after=len(self.states.messages))
@@ -53,14 +53,14 @@ class FleetManager:
         return self._route_id
 
     def end_of(self, route_id: int, timeout: float = 120.0) -> ExecutionRouteStates:
-        """The first report in which no edge of the route is under way any more."""
+        """The first report without an edge under way on that route."""
         return self.states.wait_for(
             lambda states: states.route_id == route_id and states.edge_states
             and EdgeState.PROCESSING not in state_list(states),
             timeout, f'end of route {route_id}')
 
     def under_way(self, edges: Sequence[int], done: int) -> int:
-        """Orders a route and waits until so many of its edges are complete."""
+        """Orders a route and waits until the given number of its edges are complete."""
         route_id = self.order(edges)
         self.states.wait_for(
             lambda states: states.route_id == route_id
@@ -73,7 +73,7 @@ class RouteRobot(FleetManager):
     """The fleet manager of a robot that the test itself simulates, from vertex 8 on."""
 
     def __init__(self, speed: float, status_period: float) -> None:
-        """`status_period` is in seconds of the robot."""
+        """`status_period` is in seconds of the robot's clock."""
         self._speed = speed
         self.graph = load_graph(f'{MAPS}/lab_graph.yaml')
         self.robot = Simulator(
@@ -87,7 +87,9 @@ class RouteRobot(FleetManager):
 
     @contextmanager
     def at_speed(self, speed: float) -> Iterator[None]:
-        """The robot's clock runs so fast meanwhile: 16 for what proves nothing, 0.5 for races."""
+        """Sets the speed of the robot's clock during the block: 16 for phases without checks, 0.5
+        for races.
+        """
         self.robot.set_speed(speed)
         try:
             yield
@@ -95,12 +97,12 @@ class RouteRobot(FleetManager):
             self.robot.set_speed(self._speed)
 
     def drives_heard(self) -> List[str]:
-        """The commands to drive that the robot itself has received, in order."""
+        """The drive commands that the robot has received, in order."""
         return [transfer.text for transfer in read_log(self._session.getvalue().splitlines())
                 if transfer.direction == 'C' and transfer.text.startswith(('goto', 'dock'))]
 
     def restart_bridge(self, **parameters: object) -> None:
-        """Ends the bridge's process, and waits until roslaunch has brought it back."""
+        """Ends the bridge's process, and waits until roslaunch has started it again."""
         before = rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
         for name, value in parameters.items():
             rospy.set_param(f'{BRIDGE}/{name}', value)
@@ -108,12 +110,12 @@ class RouteRobot(FleetManager):
         rosnode.kill_nodes([BRIDGE])
         wait_until(lambda: rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
                    not in (None, before), 30, 'the bridge is back')
-        wait_until(lambda: self._listeners() - old, 30, 'the bridge listens')
+        wait_until(lambda: self._listeners() - old, 30, 'the bridge subscribes')
         self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
-                             'report of the bridge that is back', after=heard)
+                             'report of the restarted bridge', after=heard)
 
     def _listeners(self) -> Set[int]:
-        """The connections over which a route would go out."""
+        """The subscribers that would receive a route."""
         return {connection for connection, *_ in self.routes.impl.get_stats_info()}
 
 

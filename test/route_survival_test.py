@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node dies or stands still under way: the route is driven to its end, and nothing twice."""
+"""A node dies or is suspended during a route: the route is driven to its end, nothing twice."""
 from __future__ import annotations
 
 import os
@@ -14,7 +14,7 @@ from route_robot import RouteRobot, state_list
 from itrci_nav_msgs.msg import EdgeState, TargetRoute
 from system_support import Recorder, process_of, run_cases, wait_until
 
-HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
+HALL = [1, 2, 3, 4, 5, 6]  # vertices 8 10 12 14 32 33 35, 24 m
 LONG = bool(os.environ.get('LD90_LONG_TESTS'))
 STANDSTILL = 10.0 if LONG else 3.0  # s
 AFTER_EDGES = (1, 3, 4) if LONG else (2,)
@@ -34,12 +34,12 @@ class Survival(unittest.TestCase):
         cls.lab.robot.stop()
 
     def way(self) -> List[int]:
-        """The hall from the end where the robot stands to the other."""
+        """The route through the hall, from the end where the robot stands to the other end."""
         x = self.lab.status.messages[-1].pose.position.x
         return HALL if x < 0.0 else [-edge for edge in reversed(HALL)]
 
     def survives(self, what, done: int) -> None:
-        """A route with a mishap after `done` edges, there or back, is driven to its end."""
+        """A route with a mishap after `done` edges, in either direction, is driven to its end."""
         self.lab.wait_ready()
         route = self.way()
         given, heard = len(self.lab.drives_heard()), len(self.lab.responses.messages)
@@ -50,7 +50,7 @@ class Survival(unittest.TestCase):
         lines = [line.data for line in self.lab.responses.messages[heard:]]
         self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route),
                          f'{end.reason}; it heard {commands} and said: {lines}')
-        self.assertEqual(sorted(set(commands)), sorted(commands), 'the robot was told twice')
+        self.assertEqual(sorted(set(commands)), sorted(commands), 'the robot got a command twice')
         self.assertNotIn('Stopping', lines)
 
     def kill(self, node: str) -> None:
@@ -60,7 +60,7 @@ class Survival(unittest.TestCase):
         pid = process_of(f'/omron_ld90/{node}')
         os.kill(pid, signal.SIGSTOP)
         try:
-            rospy.sleep(seconds)  # the standstill itself, not a wait for something
+            rospy.sleep(seconds)  # the suspension itself, not a wait for a condition
         finally:
             os.kill(pid, signal.SIGCONT)
 
@@ -96,10 +96,10 @@ class Survival(unittest.TestCase):
         self.assertEqual([], self.lab.commands.texts[given:])
 
     def test_7_a_stop_that_the_controller_cannot_hear_is_obeyed_when_it_is_back(self) -> None:
-        self.lab.restart_bridge(strategy='direct')  # which sends the robot far ahead
+        self.lab.restart_bridge(strategy='direct')  # the robot is sent far ahead
         self.lab.under_way(self.way(), 1)
         heard = len(self.lab.responses.messages)
-        with self.lab.at_speed(0.5):  # it must not arrive before the controller is back
+        with self.lab.at_speed(0.5):  # the robot must not arrive before the controller runs again
             self.kill('omron_controller')
             self.lab.order([])
             self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 30.0,
@@ -110,12 +110,12 @@ class Survival(unittest.TestCase):
     def test_8_a_receiver_that_stands_still_is_told_by_the_bridge(self) -> None:
         self.lab.wait_ready()
         wait_until(lambda: self.route_diagnosis().level == DiagnosticStatus.OK, 10.0,
-                   f'a well bridge, not: {self.route_diagnosis().message}')
+                   f'a bridge without errors, not: {self.route_diagnosis().message}')
         pid = process_of('/omron_ld90/omron_connection_receiver')
         os.kill(pid, signal.SIGSTOP)
         try:
             wait_until(lambda: 'outgoing: its node has reported nothing'
-                       in self.route_diagnosis().message, 10.0, 'the standstill in /diagnostics')
+                       in self.route_diagnosis().message, 10.0, 'the suspension in /diagnostics')
             self.assertEqual(DiagnosticStatus.WARN, self.route_diagnosis().level)
             refused = self.lab.order(self.way())
             end = self.lab.end_of(refused, 20.0)
@@ -125,7 +125,7 @@ class Survival(unittest.TestCase):
         self.lab.wait_ready()
 
     def route_diagnosis(self) -> DiagnosticStatus:
-        """What the bridge said of itself last."""
+        """The newest diagnosis of the bridge."""
         return next((status for array in reversed(self.diagnostics.messages)
                      for status in array.status
                      if status.name == 'omron_ld90/omron_edges_to_vertices: route'),

@@ -11,7 +11,7 @@ from route_robot import RouteRobot, state_list
 from itrci_nav_msgs.msg import EdgeState
 from system_support import run_cases, wait_until
 
-OUT = [-13, -7, 1, 2]  # dock - 1 - 8 - 10 - 12, in maps/lab_graph.yaml
+OUT = [-13, -7, 1, 2]  # vertices 16 (dock) - 1 - 8 - 10 - 12, in maps/lab_graph.yaml
 HOME = [-2, -1, 7, 13]
 FROM_8_HOME = HOME[2:]
 
@@ -53,7 +53,9 @@ class Routes(unittest.TestCase):
                    'a status of the docked robot')
 
     def check_reports(self, reports, edges) -> None:
-        """Percentages grow within an edge, edges complete in order, stamps are the locations'."""
+        """Percentages grow within an edge, edges become complete in order, stamps are the
+        locations'.
+        """
         stamps = {status.header.stamp for status in self.fleet.status.messages}
         done, percentage = 0, 0.0
         for report in reports:

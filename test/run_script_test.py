@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""`scripts/run.sh` beside a running fleet, and with the password in its environment.
+"""`scripts/run.sh` while a fleet runs, and with the password in its environment.
 
-roslaunch writes its whole environment into its log, so the script hands the password on by a file.
+roslaunch writes its whole environment into its log, so the script passes the password in a file.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from system_support import Recorder, run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 PASSWORD = 'Cormorant-7'
-#: The fleet manager of another run, as far as the ROS master can tell.
+#: A node with the name of a fleet manager: for the ROS master, the fleet manager of another run.
 RUNNING = "import rospy; rospy.init_node('path_supervisor'); rospy.spin()"
 
 
@@ -61,7 +61,7 @@ class RunScript(unittest.TestCase):
                           if PASSWORD in log.read_text(errors='replace')], [])
 
     def test_a_fleet_does_not_take_the_nodes_of_one_that_runs(self) -> None:
-        """Under one ROS master the two would end each other's nodes, and start them, for ever."""
+        """Under one ROS master the two fleets would end and restart each other's nodes for ever."""
         running = subprocess.Popen(['/usr/bin/python3', '-c', RUNNING])
         try:
             wait_until(lambda: rosnode_ping('/path_supervisor', max_count=1), 30,

@@ -1,10 +1,10 @@
-"""A real RViz in a screen of its own: places of the map on it, clicks on them, pictures of them.
+"""A real RViz in a screen of its own: finds places of the map on it, clicks, takes pictures.
 
-The screen is an Xvfb of 1280 x 900; the mouse is xdotool's. Where a program is missing,
-`missing_programs` says which.
+The screen is an Xvfb of 1280 x 900; xdotool moves the mouse. `missing_programs` lists the programs
+that are missing.
 
-A loaded computer draws late. So what is done next waits for what is seen: a handle is clicked when
-the status bar tells of it, an entry of a menu when it is lit.
+A loaded computer draws late. So each step waits for something visible: a handle is clicked when the
+status bar describes it, a menu entry when it is highlighted.
 """
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ WIDTH, HEIGHT = 1280, 900
 TOOLBAR_Y = 42
 TOOLBAR = (0, 24, 1000, 60)
 STATUS_BAR = (0, 872, 1100, 900)
-MENU_INSET = 24  # pixels from a menu's left edge to between the mouse's arrow and the words
+MENU_INSET = 24  # pixels from a menu's left edge to a point between the mouse's arrow and the words
 GEOMETRY = re.compile(r'WINDOW=(\d+)\nX=(-?\d+)\nY=(-?\d+)\nWIDTH=(\d+)\nHEIGHT=(\d+)')
-REST = 0.5  # s without a change: a picture is complete
-PATIENCE = 30.0  # s for RViz to draw what it was told, on a loaded computer
+REST = 0.5  # s without a change after which a picture is complete
+PATIENCE = 30.0  # s in which RViz draws new data, on a loaded computer
 Colour = Tuple[int, int, int]
 Box = Tuple[int, int, int, int]  # left, top, right, bottom; pixels
 MENU_COLOUR: Colour = (255, 255, 255)
 
 
 def missing_programs() -> List[str]:
-    """Programs that these tests need and that are not here."""
+    """The programs that these tests need and that are not installed."""
     missing = [name for name in PROGRAMS if shutil.which(name) is None]
     return missing if shutil.which('rviz') or any(map(os.path.exists, RVIZ)) else [*missing, 'rviz']
 
@@ -74,7 +74,7 @@ class Screen:
                        timeout=60, stdout=subprocess.DEVNULL)
 
     def windows(self) -> Dict[str, Box]:
-        """Where the windows on the screen are, by their ids; an open menu is one of them."""
+        """The rectangles of the windows on the screen by id; an open menu is a window too."""
         found = subprocess.run(
             ['xdotool', 'search', '--onlyvisible', '--maxdepth', '1', '--name', '',
              'getwindowgeometry', '--shell', '%@'], env=self.environment, check=False, timeout=60,
@@ -83,9 +83,9 @@ class Screen:
                 for id, x, y, width, height in GEOMETRY.findall(found)}
 
     def picture(self) -> Image.Image:
-        """What is on the screen: Xvfb keeps it in a file in the format of xwd."""
+        """The picture of the screen, which Xvfb keeps in a file in the format of xwd."""
         path = os.path.join(self._folder.name, 'Xvfb_screen0')
-        header = np.fromfile(path, '>u4', 25)  # big-endian, on each computer
+        header = np.fromfile(path, '>u4', 25)  # big-endian on every computer
         header_size, line_size, colours = int(header[0]), int(header[12]), int(header[19])
         pixels = np.fromfile(path, np.uint8, HEIGHT * line_size,
                              offset=header_size + 12 * colours)
@@ -97,7 +97,7 @@ class RvizWindow:
     """RViz as launch/rviz.launch starts it, filling the screen."""
 
     def __init__(self, screen: Screen, artefacts: str, scale: float, *launch: str) -> None:
-        """`scale` is that of the configuration's view, pixels per metre."""
+        """`scale` is the scale of the configuration's view, in pixels per metre."""
         self._screen, self._artefacts, self._scale = screen, artefacts, scale
         self._origin: Optional[Tuple[float, float]] = None  # pixel of the map's origin
         self._nothing_here = (0, 0)
@@ -119,37 +119,39 @@ class RvizWindow:
             raise AssertionError('RViz ended before its window was seen')
         return len(self.look().getcolors(WIDTH * HEIGHT)) > 100
 
-    # Where things are
+    # Positions
 
     def calibrate(self, pixel: Tuple[int, int], place: Tuple[float, float]) -> None:
-        """The map's `place` (m) is known to be at `pixel`, where no handle is."""
+        """Tells that the map's `place` (m) is at `pixel`, where there is no handle."""
         self._nothing_here = pixel
         self._origin = (pixel[0] - place[0] * self._scale, pixel[1] + place[1] * self._scale)
 
     def pixel(self, x: float, y: float) -> Tuple[int, int]:
-        """Where the place x, y (m, map) is on the screen."""
+        """The pixel of the place x, y (m, map)."""
         assert self._origin is not None, 'calibrate first'
         return (round(self._origin[0] + x * self._scale), round(self._origin[1] - y * self._scale))
 
-    # What the mouse does
+    # Mouse actions
 
     def tool(self, key: str) -> None:
-        """Choose a tool by its shortcut: c Publish Point, g 2D Nav Goal, p 2D Pose Estimate."""
+        """Chooses a tool by its shortcut: c Publish Point, g 2D Nav Goal, p 2D Pose Estimate."""
         self._screen.mouse('mousemove', WIDTH // 2, 95)
         self._screen.mouse('key', 'i')
         interact = self._at_rest(TOOLBAR)
 
-        def taken() -> bool:  # a key that comes before the window has the keyboard is lost
+        def taken() -> bool:  # a key that comes before the window has the keyboard focus is lost
             self._screen.mouse('key', key)
             return self._at_rest(TOOLBAR) != interact
         wait_until(taken, PATIENCE, f'RViz takes tool {key}')
 
     def tool_at(self, x: int) -> None:
-        """Choose the tool at `x` of the toolbar: of two of a kind a shortcut finds one only."""
+        """Chooses the tool at `x` of the toolbar. With two tools of a kind, a shortcut finds only
+        one.
+        """
         self._screen.mouse('mousemove', x, TOOLBAR_Y, 'click', 1)
 
     def hover(self, pixel: Tuple[int, int]) -> None:
-        """Bring the mouse to `pixel`, with a small move there, as a hand does."""
+        """Moves the mouse to `pixel`, with a small movement there, as a hand does."""
         self._screen.mouse('mousemove', pixel[0] - 2, pixel[1])
         self._screen.mouse('mousemove', *pixel)
 
@@ -158,12 +160,12 @@ class RvizWindow:
         self._screen.mouse('click', button)
 
     def click_handle(self, pixel: Tuple[int, int], button: int = 1) -> None:
-        """Click on a handle once RViz says in its status bar what is under the mouse."""
+        """Clicks on a handle after RViz describes it in its status bar."""
         self.find_handle(pixel)
         self._screen.mouse('click', button)
 
     def drag_handle(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
-        """Drag a handle that RViz has found, with small moves, as a hand does."""
+        """Drags a handle that RViz has found, with small movements, as a hand does."""
         self.find_handle(start)
         self._screen.mouse('mousedown', 1)
         for step in range(1, 11):
@@ -173,9 +175,9 @@ class RvizWindow:
         self._screen.mouse('mouseup', 1)
 
     def find_handle(self, pixel: Tuple[int, int]) -> None:
-        """Bring the mouse to a handle, until RViz says so in its status bar."""
-        def found() -> bool:  # RViz looks once a frame, at most, and only when the mouse moves
-            for _ in range(2):  # the first time it may still tell of the handle that it left
+        """Moves the mouse to a handle, until RViz describes the handle in its status bar."""
+        def found() -> bool:  # RViz checks at most once per frame, and only when the mouse moves
+            for _ in range(2):  # at first the status bar can still describe the previous handle
                 self.hover(self._nothing_here)
                 idle = self._at_rest(STATUS_BAR)
             self.hover(pixel)
@@ -190,13 +192,13 @@ class RvizWindow:
         self._screen.mouse('mouseup', 1)
 
     def choose_from_menu(self, pixel: Tuple[int, int], menu: Sequence, entry: object) -> None:
-        """Open the `menu` of the handle at `pixel`, and click on one of its entries.
+        """Opens the `menu` of the handle at `pixel`, and clicks on one of its entries.
 
-        A menu is known by its window: by its colour it cannot be told from a white floor.
+        A menu is recognised by its window, because its colour is the same as that of a white floor.
         """
         def lit() -> bool:
             nonlocal opened
-            if opened not in self._screen.windows().items():  # closed by itself: once more
+            if opened not in self._screen.windows().items():  # the menu closed by itself: try again
                 opened = self._open_menu(pixel)
             left, top, _, bottom = opened[1]
             y = top + round((menu.index(entry) + 0.5) * (bottom - top) / len(menu))
@@ -224,7 +226,7 @@ class RvizWindow:
         return self.look().crop(box).tobytes()
 
     def _at_rest(self, box: Box) -> bytes:
-        """A part of the window once it stayed the same for a while."""
+        """A part of the window after it has not changed for a while."""
         shot, since = self._part(box), time.monotonic()
 
         def rests() -> bool:
@@ -236,21 +238,21 @@ class RvizWindow:
         wait_until(rests, PATIENCE, 'RViz comes to rest')
         return shot
 
-    # What is to be seen
+    # Visible content
 
     def look(self) -> Image.Image:
-        """What is on the screen now."""
+        """A picture of the screen now."""
         return self._screen.picture()
 
     def picture(self, name: str) -> Image.Image:
-        """The same, kept among the artefacts as `name`.png."""
+        """The same picture, saved among the artefacts as `name`.png."""
         picture = self.look()
         picture.save(os.path.join(self._artefacts, f'{name}.png'))
         return picture
 
     def wait_for_picture(self, name: str, missing: Callable[[Image.Image], List[str]],
                          timeout: float = PATIENCE) -> None:
-        """Looks until `missing` names nothing any more; the last picture is kept as `name`.png."""
+        """Looks until `missing` returns no more names; saves the last picture as `name`.png."""
         picture, lacking = self.look(), ['']
 
         def complete() -> bool:
@@ -267,20 +269,20 @@ class RvizWindow:
 
 
 def close_to(pixels: np.ndarray, colour: Colour, tolerance: float = 40.0) -> np.ndarray:
-    """Which of the `pixels` (..., 3) are about of that colour."""
+    """A mask of the `pixels` (..., 3) that are about of that colour."""
     return np.linalg.norm(pixels.astype(float) - np.array(colour, float), axis=-1) <= tolerance
 
 
 def count_near(picture: Image.Image, pixel: Tuple[int, int], colour: Colour, reach: int = 6,
                tolerance: float = 40.0) -> int:
-    """How many pixels within `reach` of `pixel` are about of that colour."""
+    """The number of pixels within `reach` of `pixel` that are about of that colour."""
     x, y = pixel
     box = picture.crop((x - reach, y - reach, x + reach + 1, y + reach + 1))
     return int(close_to(np.asarray(box), colour, tolerance).sum())
 
 
 class RvizTestCase(unittest.TestCase):
-    """One RViz for all tests of a class; they are skipped where programs for it are missing."""
+    """One RViz for all tests of a class; they are skipped if programs for it are missing."""
 
     missing: List[str] = []
 
@@ -292,7 +294,8 @@ class RvizTestCase(unittest.TestCase):
         try:
             cls.set_up()
         except BaseException:
-            traceback.print_exc(file=sys.__stderr__)  # rosunit swallows it before the first test
+            # rosunit hides this output before the first test
+            traceback.print_exc(file=sys.__stderr__)
             raise
 
     @classmethod

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a person does in RViz with the mouse ends in what the robot does; and what is to be seen."""
+"""Mouse actions in RViz make the robot act, and RViz shows the map, the robot and the faults."""
 from __future__ import annotations
 
 import math
@@ -23,7 +23,7 @@ from trajectory_graph import load_graph
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 40.0  # pixels per metre in rviz/omron_ld90.rviz
-MIDDLE = (640, 466)  # of the 3D view: nothing of the lab is there
+MIDDLE = (640, 466)  # pixel of the 3D view where there is nothing of the laboratory
 SPEED = 4.0
 GOAL_MENU, DOCK_MENU = MENUS[TargetKind.GOAL], MENUS[TargetKind.DOCK]
 ROUTE = (-13, 8, 9, 3)  # from the dock to vertex 14
@@ -31,14 +31,15 @@ START = (-8000.0, 0.0, 0.0)  # at goal 10
 
 GREEN, RED, YELLOW = (20, 175, 50), (215, 20, 20), (245, 208, 40)
 VIOLET, LIGHT_BLUE, WHITE, BLUE = (185, 170, 250), (90, 190, 255), (255, 255, 255), (75, 150, 250)
-ORANGE, DEEP_ORANGE = (146, 108, 52), (190, 121, 31)  # one area; two on each other
+# colours of one area, and of two overlapping areas
+ORANGE, DEEP_ORANGE = (146, 108, 52), (190, 121, 31)
 DONE_GREEN = (62, 185, 90)
 FAILURE = (255, 97, 77)
 BODY = (211, 184, 190)  # the deck, under the red of the stop handle
 
 
 def orange_near(picture, pixel: tuple) -> int:
-    """Pixels next to `pixel` of any of the oranges that areas make where they lie on each other."""
+    """The pixels next to `pixel` that have an orange of areas, which depends on their overlap."""
     return count_near(picture, pixel, ORANGE, 1) + count_near(picture, pixel, DEEP_ORANGE, 1)
 
 
@@ -75,7 +76,7 @@ class RvizTest(RvizTestCase):
 
     @classmethod
     def calibrate_by_a_click_on_nothing(cls) -> None:
-        """Where a click lands on the map tells where the map is on the screen."""
+        """The map position of a click tells where the map is on the screen."""
         def landed() -> bool:
             cls.window.tool('c')
             cls.window.click(MIDDLE)
@@ -126,7 +127,7 @@ class RvizTest(RvizTestCase):
         return any(count_near(picture, self.window.pixel(*place), colour, 3) > 3
                    for place in places)
 
-    # See
+    # Display
 
     def test_01_the_map_the_graph_and_the_robot_are_to_be_seen(self):
         self.assertGreaterEqual(len(self.lab.forbidden_areas), 3)
@@ -137,11 +138,11 @@ class RvizTest(RvizTestCase):
         self.window.wait_for_picture('rviz_map', self.missing_of_the_map, timeout=60.0)
 
     def missing_of_the_map(self, picture) -> list:
-        """What of the map, the graph and the robot is not to be seen in a picture."""
+        """The parts of the map, the graph and the robot that are missing in a picture."""
         def colour_at(x: float, y: float, colour: tuple, *reach) -> int:
             return count_near(picture, self.window.pixel(x, y), colour, *reach)
 
-        robot = self.poses.messages[-1].pose.position  # faces east, on goal 10
+        robot = self.poses.messages[-1].pose.position  # the robot faces east, on goal 10
         seen = {
             'the red arrow of the robot': colour_at(robot.x + 0.4, robot.y, RED, 8) > 10,
             'the body of the robot': colour_at(robot.x - 0.2, robot.y + 0.1, BODY, 3, 15.0) > 10,
@@ -158,7 +159,8 @@ class RvizTest(RvizTestCase):
         for area in (area.rectangle for area in self.lab.forbidden_areas):
             inside = 0.85 * area.corners + 0.15 * area.corners.mean(axis=0)
             orange = sum(orange_near(picture, self.window.pixel(x / 1000.0, y / 1000.0)) > 0
-                         for x, y in inside)  # a wrong rotation would leave two at most
+                         # with a wrong rotation, at most two corners would be left
+                         for x, y in inside)
             seen[f'orange at the corners of {area}'] = orange >= 3
         middle = [(a + b) / 2 for a, b in zip(self.place('26'), self.place('14'))]
         seen['the edge from vertex 26 to 14'] = colour_at(*middle, VIOLET, 8) > 6
@@ -166,7 +168,7 @@ class RvizTest(RvizTestCase):
         seen['light blue laser points in the corridor'] = blue > 20
         return [what for what, is_seen in seen.items() if not is_seen]
 
-    # Act
+    # Actions
 
     def test_02_a_click_with_publish_point_drives_to_the_goal(self):
         self.window.tool('c')
@@ -200,10 +202,11 @@ class RvizTest(RvizTestCase):
         self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.GO)
         self.robot_says('Arrived at 10')
         self.window.choose_from_menu(self.at('22'), GOAL_MENU, Action.LOCALIZE)
-        wait_until(lambda: self.robot_believes_to_be_at('22'), 30.0, 'the robot is led astray')
+        wait_until(lambda: self.robot_believes_to_be_at('22'), 30.0, 'the robot has a wrong pose')
         self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.LOCALIZE)
-        wait_until(lambda: self.robot_believes_to_be_at('10'), 30.0, 'the robot is set right')
-        # A late click of the test before, which clicks until a stop is sent, may send another.
+        wait_until(lambda: self.robot_believes_to_be_at('10'), 30.0, 'the robot has the right pose')
+        # A late click of the previous test, which clicks until a stop is sent, can send another
+        # stop.
         self.assertEqual(
             ['goto', 'localizeToPoint', 'localizeToPoint'],
             [command.split()[0] for command in self.sent() if command != 'stop'])
@@ -222,7 +225,7 @@ class RvizTest(RvizTestCase):
         ahead = (x + 2.0 * math.cos(math.radians(heading)),
                  y + 2.0 * math.sin(math.radians(heading)))
 
-        def relocalised() -> bool:  # a drag that comes while RViz draws slowly is lost
+        def relocalised() -> bool:  # a drag is lost if RViz draws slowly
             self.window.tool('p')
             self.window.drag(self.window.pixel(x, y), self.window.pixel(*ahead))
             try:
@@ -230,7 +233,7 @@ class RvizTest(RvizTestCase):
             except AssertionError:
                 return False
             return True
-        wait_until(relocalised, 60.0, 'the robot is told where it is')
+        wait_until(relocalised, 60.0, 'the robot gets its pose')
 
     def test_08_a_click_on_the_dock_docks_and_the_robots_menu_undocks(self):
         self.window.tool('c')
@@ -245,7 +248,8 @@ class RvizTest(RvizTestCase):
         self.assertEqual(['dock', 'undock'], self.sent())
 
     def test_09_the_menu_of_the_dock_docks(self):
-        self.window.tool('c')  # away from the dock: the robot's handle lies above the dock's
+        # away from the dock, where the handle of the robot lies above the handle of the dock
+        self.window.tool('c')
         self.window.click(self.at('1'))
         self.robot_says('Arrived at 1')
         self.window.choose_from_menu(self.at('16'), DOCK_MENU, Action.DOCK)
@@ -265,7 +269,7 @@ class RvizTest(RvizTestCase):
         self.told('the fleet drives route 7')
         self.routes.publish(TargetRoute(route_id=8, edges=[]))
 
-    # Know
+    # Faults
 
     def test_11_a_dead_link_is_told_and_nothing_stays_behind(self):
         here = self.poses.messages[-1].pose.position

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two robots in one RViz: what is clicked for one never moves the other."""
+"""Two robots in one RViz: a click for one robot never moves the other."""
 from __future__ import annotations
 
 import os
@@ -16,9 +16,9 @@ from system_support import CommandRecorder, Recorder, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
-MIDDLE = (640, 440)  # between goals; the map's x is 0 there
-TOOLS = range(200, 480, 40)  # where on the toolbar the two Publish Point tools are
-APART = 8  # pixels between the clicks that find them
+MIDDLE = (640, 440)  # between goals; x = 0 of the map is there
+TOOLS = range(200, 480, 40)  # x range of the toolbar in which the two Publish Point tools are
+APART = 8  # pixels between the clicks that search for them
 ROBOTS = ('robot_a', 'robot_b')
 OUTER_RING = 0.45  # m from a goal: inside robot_b's handle, outside robot_a's
 
@@ -47,10 +47,10 @@ class TwoRobotsTest(RvizTestCase):
 
     @classmethod
     def find_the_tools(cls) -> None:
-        """The toolbar's tools are tried from the left, with clicks where no goal is.
+        """Tries the toolbar's tools from the left, with clicks where there is no goal.
 
-        Each is tried at a pixel of its own: where a click landed tells whose tool it was,
-        however late it came.
+        Each tool is tried at its own pixel. So the position of a click tells to which robot a tool
+        belongs, however late the click is processed.
         """
         cls.tools = {}
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The services of a site, started in their order without systemd, are a fleet that works.
+"""The services of a site, started in their order without systemd, form a working fleet.
 
-The test plays systemd's part: it starts each ExecStart in the environment of its unit, waits until
-the unit tells that it is ready, and listens to its signs of life.
+The test plays systemd: it starts each ExecStart in the environment of its unit, waits until the
+unit reports that it is ready, and receives its watchdog messages.
 """
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from ports import free_port
 from system_support import run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
-SECONDS = 20.0  # that the end of a unit may take
-SIGNS = 2 * 15.0  # s in which a sign of life must come
+SECONDS = 20.0  # s for the end of a unit
+SIGNS = 2 * 15.0  # s within which a watchdog message must come
 
 
 class Unit:
@@ -52,7 +52,7 @@ class Unit:
                 if name.endswith('.service')]
 
     def start(self) -> None:
-        """ExecStart; returns once systemd would take the unit for started."""
+        """Runs ExecStart; returns when systemd would regard the unit as started."""
         variables = Path(self.setting('EnvironmentFile')[0]).read_text().splitlines()
         environment: Dict[str, str] = {}
         for line in variables:
@@ -68,7 +68,7 @@ class Unit:
             self.wait_for('READY=1', START)
 
     def wait_for(self, word: str, seconds: float) -> None:
-        """Until the unit tells systemd this."""
+        """Waits until the unit sends this to systemd."""
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             self._said.settimeout(max(0.01, deadline - time.monotonic()))
@@ -82,7 +82,7 @@ class Unit:
                              f'{self._log.read()[-3000:]}')
 
     def stop(self) -> int:
-        """As KillSignal does it."""
+        """Ends the unit with its KillSignal."""
         self._process.send_signal(signal.Signals[self.setting('KillSignal')[0]])
         try:
             return self._process.wait(SECONDS)
@@ -102,7 +102,7 @@ class Services(unittest.TestCase):
         self.master, self.page = free_port(), free_port()
 
     def install(self) -> Tuple[Unit, ...]:
-        """A site below a folder; its files then say that they are there."""
+        """Installs a site below a folder; its files then name that folder."""
         first = free_fleet_ports()
         site, root = self.folder / 'site.yaml', self.folder / 'root'
         site.write_text(
@@ -137,7 +137,7 @@ class Services(unittest.TestCase):
             unit.wait_for('WATCHDOG=1', SIGNS)
 
     def run_fleet(self, *command: str) -> str:
-        """A command of the fleet manager, under the master of the services."""
+        """Runs a command of the fleet manager, under the master of the services."""
         return subprocess.run(
             ['rosrun', 'graph_fleet_manager', *command], check=False, text=True, timeout=120,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A small fleet keeps its promises for minutes of faults; a defect in it is found."""
+"""A small fleet keeps its promises during minutes of faults, and a planted defect is found."""
 from __future__ import annotations
 
 import subprocess

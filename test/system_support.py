@@ -1,7 +1,7 @@
-"""What the system tests share: waiting for conditions, recording topics, results for rostest.
+"""Common parts of the system tests: waiting for conditions, recording topics, results for rostest.
 
-A test waits for what it wants to see and says what it waited for when that does not come; nothing
-sleeps for a fixed time.
+A test waits for a condition, and on a timeout it names the condition. No test sleeps for a fixed
+time.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ topic_connections.mend()  # a test has as many connections as a node
 
 
 class Recorder:
-    """Subscribes to a topic and keeps every message, with the time of its arrival."""
+    """Subscribes to a topic and keeps every message, with its time of arrival."""
 
     def __init__(self, topic: str, message_type: Type) -> None:
         self.topic = topic
@@ -37,7 +37,7 @@ class Recorder:
         self._subscriber = rospy.Subscriber(topic, message_type, self._add)
 
     def is_connected(self) -> bool:
-        """Whether a publisher is there, so that nothing it says from now on is missed."""
+        """True if a publisher is connected, so that none of its later messages is missed."""
         return self._subscriber.get_num_connections() > 0
 
     def _add(self, message: Any) -> None:
@@ -84,7 +84,7 @@ def process_of(node: str) -> int:
 
 
 def kill_node(node: str) -> None:
-    """Ends a node's process without a word, and waits until roslaunch has brought it back."""
+    """Kills a node's process, and waits until roslaunch has started it again."""
     master = rosgraph.Master(rospy.get_name())
     uri = master.lookupNode(node)
     os.kill(process_of(node), signal.SIGKILL)
@@ -109,7 +109,7 @@ def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,
 
 
 class CommandRecorder:
-    """The commands that are given to a robot's controller by its action, in order."""
+    """The commands that a robot's controller gets through its action, in order."""
 
     def __init__(self, robot: str) -> None:
         self._goals = Recorder(f'/{robot}/execute_command/goal', ExecuteCommandActionGoal)
@@ -130,7 +130,7 @@ class CommandRecorder:
 
 
 def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
-    """Publishes `goto <goal>` as soon as the robot can be commanded; returns when it arrived."""
+    """Publishes `goto <goal>` as soon as the robot takes commands; returns when it has arrived."""
     Recorder(f'/{robot}/link_state', LinkState).wait_for(
         lambda message: (message.link, message.state) == (LinkState.COMMANDS, LinkState.CONNECTED),
         60, 'connected link to the robot')
@@ -143,10 +143,10 @@ def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
 
 
 class Launched:
-    """roslaunch on one of the project's launch files, under this test's master; ended with `with`.
+    """roslaunch of one of the project's launch files, under this test's master; use it in a `with`.
 
-    What the nodes print is what a user reads on the screen. (`/rosout` is no substitute: what a
-    node logs before rosout has found it does not arrive there.)
+    The output of the nodes is what a user sees on the screen. (`/rosout` would not be complete: it
+    lacks the messages that a node logs before rosout has connected to it.)
     """
 
     def __init__(self, launch_file: str, package: str = 'omron_ld90', **args: object) -> None:
@@ -171,11 +171,11 @@ class Launched:
 
     @property
     def output(self) -> str:
-        """All that was printed so far."""
+        """Everything that was printed so far."""
         return self._output.read_text(encoding='utf-8', errors='replace')
 
     def wait_for_line(self, *words: str, timeout: float = 60.0) -> str:
-        """The first printed line that holds all `words`."""
+        """The first printed line that contains all `words`."""
         def find() -> Optional[str]:
             return next((line for line in self.output.splitlines()
                          if all(word in line for word in words)), None)
@@ -188,8 +188,8 @@ class Launched:
 def run_cases(file: str) -> None:
     """Runs the test cases of a file under rostest, and ends the program with pytest's status.
 
-    pytest writes the result file, in which a skipped test is one; what rostest writes by itself
-    counts it as passed.
+    pytest writes the result file, which marks a skipped test as skipped; rostest's own result would
+    count it as passed.
     """
     reports = [argument.partition('xml:')[2] for argument in sys.argv
                if argument.startswith('--gtest_output=xml:')]

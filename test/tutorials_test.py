@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""README and each tutorial are followed from the first command to the last, as a reader does."""
+"""Follows README and each tutorial from the first command to the last, as a reader does."""
 from __future__ import annotations
 
 import subprocess

@@ -23,7 +23,7 @@ from vda5050_vehicle.mqtt.link import Broker
 
 PERIOD = 0.05  # s
 FAST = 3.0  # m/s
-UNHURRIED = 0.5  # m/s: the adapter has a second to send the next goal
+UNHURRIED = 0.5  # m/s: at this speed the adapter has a second to send the next goal
 CRAWL = 0.05  # m/s
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),
              ('AB', 'BC', 'CD'), ('BA', 'CB', 'DC'))
@@ -34,8 +34,8 @@ class Trolley:
 
     def __init__(self) -> None:
         self.goals: List[Tuple[float, float]] = []
-        self.blocked_at = math.inf  # x beyond which nothing is reached
-        self.speed = FAST  # m/s that it drives at
+        self.blocked_at = math.inf  # x in m beyond which no goal is reached
+        self.speed = FAST  # m/s, its speed
         self.x = 0.0
         self._speed = 0.0
         self._lock = threading.Lock()
@@ -44,7 +44,7 @@ class Trolley:
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tell)
 
     def start_move_base(self) -> None:
-        """Until then the robot tells where it is, and takes no goals."""
+        """Starts the action; before that, the robot reports its pose but takes no goals."""
         self._server = actionlib.SimpleActionServer('/trolley/move_base', MoveBaseAction,
                                                     self._drive, auto_start=False)
         self._server.start()
@@ -82,7 +82,7 @@ class Trolley:
 
 
 def errors(state: Message) -> List[Tuple[str, str]]:
-    """Types and texts of a state's errors."""
+    """The types and texts of the errors in a state."""
     return [(error['errorType'], error['errorDescription']) for error in state['errors']]
 
 
@@ -95,7 +95,7 @@ class MoveBase(unittest.TestCase):
         cls.own_broker = OwnBroker(int(port))
         cls.trolley = Trolley()
         cls.master = Master(Broker(host, int(port)), 'uagv/v2/Other/trolley')
-        cls.master.wait(lambda s: not s['errors'], 20, 'a vehicle that is well')
+        cls.master.wait(lambda s: not s['errors'], 20, 'a vehicle without errors')
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -106,7 +106,7 @@ class MoveBase(unittest.TestCase):
         self.assertEqual(self.master.checker.violations, [])
 
     def test_1_nodes_are_passed_without_stopping_and_the_horizon_is_not_driven(self) -> None:
-        """Though the order comes before move_base is there."""
+        """The order comes before move_base has started."""
         master, self.trolley.speed = self.master, UNHURRIED
         heard = master.send('order', HALL.order('there', base=3))
         master.wait(lambda s: s['orderId'] == 'there', 10, 'the order', after=heard)
@@ -126,7 +126,7 @@ class MoveBase(unittest.TestCase):
         master, begun, self.trolley.speed = self.master, len(self.trolley.goals), UNHURRIED
         heard = master.send('order', HALL.reversed().order('back'))
         master.wait(lambda s: s['lastNodeId'] == 'C' and s['driving'], 20, 'under way', after=heard)
-        self.trolley.speed = CRAWL  # it is paused before it is at B
+        self.trolley.speed = CRAWL  # the vehicle is paused before B
         self.assertEqual(master.ended(master.act('startPause'))['actionStatus'], 'FINISHED')
         self.assertFalse(master.state['driving'])
         paused = len(self.trolley.goals)
@@ -150,7 +150,7 @@ class MoveBase(unittest.TestCase):
                     and not s['driving'], 20, 'a robot that stands, for a reason', after=heard)
         self.assertEqual(self.trolley.goals[begun:], [(2.0, 0.0)])
         self.assertEqual(master.ended(master.act('cancelOrder'))['actionStatus'], 'FINISHED')
-        self.trolley.x, self.trolley.speed = 0.0, FAST  # carried back
+        self.trolley.x, self.trolley.speed = 0.0, FAST  # the robot was carried back
 
     def test_4_what_move_base_cannot_reach_holds_the_order_until_it_is_cancelled(self) -> None:
         master = self.master

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A VDA 5050 master drives the simulated LD-90: the rules of the standard one by one, the mission
-of the laboratory, and the death of broker, adapter and controller under way.
+"""A VDA 5050 master drives the simulated LD-90 by the rules of the standard.
 
-Every message of the vehicle is checked against the official schemas, where they are there, and
-against the strict checker of vda5050_bench for what the schemas let pass.
+The test checks each rule, drives the mission of the laboratory, and ends broker, adapter and
+controller during a drive. Every message of the vehicle is checked against the official schemas, if
+they are installed, and with the strict checker of vda5050_bench, which finds errors that the
+schemas allow.
 """
 from __future__ import annotations
 
@@ -31,11 +32,12 @@ from vda5050_vehicle.conformance.trial import SlowAction, Trial
 from vda5050_vehicle.mqtt.link import Broker
 
 ROOT = Path(__file__).resolve().parents[1]
-SCHEMAS = ROOT / 'build' / 'vda5050_schemas' / '2.1.0'  # scripts/run_tests.sh has them from PyPI
+# scripts/run_tests.sh downloads them from PyPI
+SCHEMAS = ROOT / 'build' / 'vda5050_schemas' / '2.1.0'
 PREFIX = 'uagv/v2/OMRON/omron_ld90'
 DOCK = 16
-# The robot has no instant action that takes its time and does not drive it, and at eight times its
-# speed it may be stopped at a node.
+# The robot has no instant action that takes time and does not drive. At eight times its speed it
+# can be stopped at a node.
 MAY_NOT_BE_TRIED = {
     'a new order is rejected while an action of actionStates has not ended',
     'after a cancellation: an order from a temporary node where the vehicle stands'}
@@ -59,7 +61,7 @@ class Schemas:
 
     @property
     def are_there(self) -> bool:
-        """Whether anything is checked."""
+        """True if there are schemas to check with."""
         return bool(self._validators)
 
 
@@ -77,7 +79,7 @@ class Vda5050(unittest.TestCase):
         cls.link_states = Recorder('/omron_ld90/link_state', LinkState)
         cls.routes = Recorder('/omron_ld90/target_route', TargetRoute)
         cls.master.wait(lambda s: s['lastNodeId'] == str(DOCK) and not s['errors'], 60,
-                        'a vehicle that is well, at the dock')
+                        'a vehicle without errors, at the dock')
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -90,7 +92,7 @@ class Vda5050(unittest.TestCase):
         self.assertEqual(self.master.checker.remarks, [])
 
     def test_1_every_rule_of_the_bench(self) -> None:
-        """Acceptance, updates, pause, cancellation, and a broker that dies under way."""
+        """Acceptance, updates, pause, cancellation, and a broker that dies during an order."""
         trial = Trial(self.master, track_on(self.graph, (DOCK, 8, 14), 'map'), 60,
                       self.own_broker, SlowAction('wait', {'seconds': 5}))
         verdicts = list(tried(trial, '2.1.0'))
@@ -120,8 +122,8 @@ class Vda5050(unittest.TestCase):
                             after=master.count())
         self.assertEqual(state['orderId'], 'mission')
         self.assertEqual(node_ids(state), node_ids(before))
-        self.assertFalse(state['paused'], 'no pause was given')
-        state = master.wait(lambda s: 'agvPosition' in s, 20, 'a robot that is heard')
+        self.assertFalse(state['paused'], 'there was no pause')
+        state = master.wait(lambda s: 'agvPosition' in s, 20, 'a robot that reports')
         self.assertEqual([error['errorType'] for error in state['errors']], ['actionError'])
         self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
 
@@ -147,7 +149,7 @@ class Vda5050(unittest.TestCase):
         self.assertEqual(master.ended(charge, 30)['actionStatus'], 'FINISHED', master.state)
         master.wait(lambda s: s['batteryState']['charging'], 10, 'charging')
 
-        # As openTCS has it: SOFT, at the end of an order to the dock.
+        # As openTCS sends it: SOFT, at the end of an order to the dock.
         order = track_on(self.graph, (DOCK, 8, DOCK), 'map').order('recharge')
         order['nodes'][-1]['actions'] = [action('startCharging', 'recharge', 'SOFT')]
         heard = master.count()
@@ -168,14 +170,14 @@ class Vda5050(unittest.TestCase):
 
     def test_5_the_messages_were_checked_against_the_official_schemas(self) -> None:
         if not self.schemas.are_there:
-            self.skipTest(f'{SCHEMAS} is not there: vda5050-sdk could not be had from PyPI')
+            self.skipTest(f'{SCHEMAS} is missing: vda5050-sdk was not installed')
 
     def go_on_if_held(self, nodes: List[Dict[str, Any]]) -> None:
-        """The route outlives the controller; else the order stays until stopPause."""
+        """The route survives the controller; otherwise the order is suspended until stopPause."""
         master, ids = self.master, [node['nodeId'] for node in nodes]
         passed = len(ids) - len(node_ids(master.state))
         state = master.wait(lambda s: s['errors'] or len(ids) - len(node_ids(s)) > passed, 60,
-                            'a vehicle that drives on, or is held', after=master.count())
+                            'a vehicle that drives on, or is paused', after=master.count())
         if state['errors']:
             self.assertEqual([error['errorType'] for error in state['errors']], ['driveError'])
             self.assertTrue(state['nodeStates'], 'an error cleared the order')
@@ -185,7 +187,7 @@ class Vda5050(unittest.TestCase):
             self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
 
     def links(self) -> Dict[str, int]:
-        """State of the links to the robot."""
+        """The states of the links to the robot."""
         return {link.link: link.state for link in self.link_states.messages}
 
 

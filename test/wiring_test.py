@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Each launch file is started: every wire between our nodes has two ends of one type."""
+"""Starts each launch file: each topic between our nodes must have two ends of one type."""
 from __future__ import annotations
 
 import os
@@ -20,7 +20,7 @@ from system_support import Launched, run_cases, wait_until
 ROOT = Path(__file__).resolve().parents[1]
 LAB = {'map_file': ROOT / 'maps/lab.map', 'graph_file': ROOT / 'maps/lab_graph.yaml'}
 SETTLED = 3.0  # s without another registration
-#: What only people and other software give: of our nodes those named publish it, too.
+#: Topics that only people and other software publish, besides the nodes of ours named here.
 FROM_OUTSIDE: Dict[str, Set[str]] = {
     'clicked_point': {'rviz'}, 'move_base_simple/goal': {'rviz'},
     'initialpose': {'rviz', 'vda5050_vehicle'}, 'send_command': set(),
@@ -28,7 +28,7 @@ FROM_OUTSIDE: Dict[str, Set[str]] = {
     'interactive_goals/feedback': {'rviz'}, 'graph_editor/feedback': {'rviz'},
     'fleet_handles/feedback': {'rviz'}, 'move_base/cancel': set(),
     'mission_request': {'goal_sender'}, 'mission_command': {'goal_sender', 'fleet_visualisation'}}
-#: What our nodes offer to people and other software, or to nodes that need not run.
+#: Topics of our nodes for people and other software, or for nodes that need not run.
 TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'shown in RViz': (
         'driven_path', 'feedback_markers', 'graph_markers', 'interactive_goals/update',
@@ -38,7 +38,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
         'map_markers/sectors', 'route_markers', 'status_markers', '/graph_editor/findings',
         '/graph_editor/graph', '/graph_editor/map', '/graph_editor/update',
         '/graph_editor/update_full', '/graph_editor/words'),
-    'told to people and other software': (
+    'published for people and other software': (
         'arcl_response', 'odom', 'status/battery_voltage', 'status/extended_status',
         'status/localization_score', 'status/location', 'status/state', 'status/state_of_charge',
         'status/temperature', 'user_feedback'),
@@ -48,7 +48,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
         '/docking_points', '/fleet_plan', '/fleet_poses'),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}
-#: The services of our nodes by the end of their names: type, and the program of ours that calls it.
+#: The services of our nodes by the end of their names: type, and our program that calls it.
 SERVICES: Dict[str, Tuple[str, str]] = {
     'stop_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/commands/stop.py'),
     'resume_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
@@ -58,9 +58,9 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
                            'graph_fleet_manager/commands/mission_watch.py'),
     'reload_graph': ('std_srvs/Trigger', 'graph_editor/nodes/take_over.py'),
-    'static_map': ('nav_msgs/GetMap', ''),    # as map_server's, for planners of others
+    'static_map': ('nav_msgs/GetMap', ''),  # the service of map_server, for planners of others
     'change_map': ('nav_msgs/LoadMap', '')}
-#: Launch files that this test does not start, the test that does, and the word by which it does.
+#: Launch files that this test does not start, the test that starts each, and the word for it there.
 ELSEWHERE = {
     'rviz.launch': ('rviz_support.py', 'rviz.launch'),
     'editor_rviz.launch': ('graph_editor_site_test.py', 'editor_rviz'),
@@ -69,17 +69,17 @@ ELSEWHERE = {
     'join_masters.launch': ('joined_fleet.py', 'multimaster'),
     'node_host.launch': ('hosted_test.py', 'node_host'),
     'robot_host.launch': ('hosted.test', 'hosted')}
-#: Those that it starts, by itself or by another one.
+#: Launch files that this test starts, directly or through another one.
 STARTED = {'full_stack.launch', 'robot.launch', 'sim.launch', 'visualisation.launch',
            'vda5050.launch', 'two_robots.launch', 'fleet_manager.launch', 'edit.launch'}
-#: What a fleet manager gives, which need not run.
+#: Topics of a fleet manager, which need not run.
 OF_THE_FLEET = ('graph', 'fleet_state', 'mission_status', 'target_route')
 NOT_OURS = ('/rosout', 'body_state_publisher')
 EVERYBODYS = {'/rosout', '/rosout_agg', '/tf', '/tf_static', '/diagnostics', '/clock'}
 
 
 class Wire(NamedTuple):
-    """A topic, with the type of each node that publishes it or listens to it."""
+    """A topic, with the type of each node that publishes it or subscribes to it."""
 
     name: str
     offered: Dict[str, str]
@@ -87,7 +87,7 @@ class Wire(NamedTuple):
 
 
 def wires() -> List[Wire]:
-    """All topics of the nodes that run, but for those of this test."""
+    """All topics of the running nodes, except those of this test."""
     master = rosgraph.Master(rospy.get_name())
     publishers, subscribers, _ = master.getSystemState()
     ends: Dict[str, Wire] = {}
@@ -104,7 +104,7 @@ def wires() -> List[Wire]:
 
 
 def settled(*nodes: str) -> List[Wire]:
-    """The topics once these nodes run and nothing more is registered."""
+    """The topics after these nodes run and no further registration comes."""
     master = rosgraph.Master(rospy.get_name())
     last: list = []
     since = time.monotonic()
@@ -142,9 +142,9 @@ class Wiring(unittest.TestCase):
             for suffix, ours in FROM_OUTSIDE.items():
                 if wire.name.endswith(f'/{suffix}'):
                     givers = {node.rsplit('/', 1)[1] for node in wire.offered}
-                    self.assertLessEqual(givers, ours, f'{wire}: no other part gives this')
+                    self.assertLessEqual(givers, ours, f'{wire}: no other node publishes this')
             if wire.heard and not wire.name.endswith(tuple(f'/{name}' for name in may_be_alone)):
-                self.assertTrue(wire.offered, f'{wire}: no node offers what is listened to')
+                self.assertTrue(wire.offered, f'{wire}: no node publishes what is subscribed to')
             if wire.offered and not wire.heard:
                 self.to_outside.add(re.sub('^/(omron_ld90|robot_[ab])/', '', wire.name))
         self.check_services()
@@ -201,7 +201,7 @@ class Wiring(unittest.TestCase):
                     self.assertEqual(len(robots), 1, f'{wire}: of one robot only')
 
     def test_z_the_tables_hold_nothing_else(self) -> None:
-        """What they allow is there, and each launch file is started by this test or another."""
+        """Each entry of the tables exists, and this or another test starts each launch file."""
         self.assertEqual(self.services, set(SERVICES))
         self.assertEqual(sorted(self.to_outside), sorted(
             name for names in TO_OUTSIDE.values() for name in names))

@@ -1,7 +1,8 @@
-"""ARCL: lines through the parser, latency from the socket to a subscriber, CPU of the two nodes.
+"""Measures ARCL: parsing of lines, latency from the socket to a subscriber, CPU of the two nodes.
 
-Each beside its floor in the same run. The bench plays the robot: 10 statuses and 10 scans of 1,000
-points a second. The floor of latency and CPU is a bare rospy publisher of the same lines.
+Each figure stands beside its floor from the same run. The benchmark plays the robot: it sends 10
+statuses and 10 scans of 1,000 points each second. The floor of latency and CPU is a bare rospy
+publisher of the same lines.
 """
 from __future__ import annotations
 
@@ -28,10 +29,11 @@ ROOT = Path(__file__).resolve().parents[2]
 NODES = ROOT / 'src/omron_ld90/nodes'
 RUNS = 7
 SECONDS = 20.0
-RATE = 10.0  # statuses, and scans, a second
+RATE = 10.0  # statuses per second, and scans per second
 PASSWORD = b'bench'
 
-# Publishes the lines of a status and a scan as plain Strings, stamped with the time of each burst.
+# A bare node: it publishes the lines of a status and a scan as plain Strings and adds the time of
+# each burst.
 BARE_NODE = '''
 import sys, time
 import rospy
@@ -51,17 +53,17 @@ while not rospy.is_shutdown():
 
 
 def lines_per_second(work: Callable[[], object], lines: int) -> float:
-    """Median of several runs."""
+    """The number of lines per second, median of several runs."""
     return 1e3 * lines / milliseconds(work, RUNS)
 
 
 def in_chunks(data: bytes) -> List[bytes]:
-    """As a socket gives them."""
+    """Cuts the bytes into chunks, as a socket delivers them."""
     return [data[i:i + 65536] for i in range(0, len(data), 65536)]
 
 
 def statuses() -> Row:
-    """Status lines, no two locations alike, through a session; floor: split and decoded only."""
+    """Parses status lines with different locations in a session; floor: split and decode only."""
     draw = random.Random(1)
     blocks = [f'ExtendedStatusForHumans: Going to {i}\r\nStatus: Going to {i}\r\n'
               f'StateOfCharge: {draw.uniform(0, 100):.1f}\r\n'
@@ -72,7 +74,7 @@ def statuses() -> Row:
 
 
 def scans() -> Row:
-    """Scans of 455 points through a session."""
+    """Parses scans of 455 points in a session; the floor only splits and decodes."""
     points = np.random.default_rng(1).integers(-20_000, 20_000, 910)
     line = f'RangeDeviceGetCurrent: Laser_1 {" ".join(map(str, points))}\r\n'
     return throughput('scans of 455 points', line.encode() * 5000, 5000, '10,000/s')
@@ -96,7 +98,7 @@ def throughput(what: str, data: bytes, lines: int, aim: str) -> Row:
 
 
 def burst(stamp: int, points: str) -> Tuple[List[str], str]:
-    """The lines of a status, with a stamp in their texts, and a scan."""
+    """The lines of a status, with a time stamp in their text, and of a scan."""
     mark = f'{stamp:019d}' if stamp else 'STAMP'
     status = [f'Status: Going to {mark}', f'ExtendedStatusForHumans: {mark}',
               'StateOfCharge: 79.4', 'Location: 3120 -540 -87', 'LocalizationScore: 0.870543',
@@ -105,7 +107,7 @@ def burst(stamp: int, points: str) -> Tuple[List[str], str]:
 
 
 class Robot:
-    """Answers the controller's login and heartbeats on one port, and dials the receiver."""
+    """A robot that answers the controller's login and heartbeats, and connects to the receiver."""
 
     def __init__(self) -> None:
         self._server = socket.create_server(('127.0.0.1', 0))
@@ -127,7 +129,7 @@ class Robot:
 
 
 def nodes() -> List[Row]:
-    """Latency and CPU of the nodes, against those of the bare publisher."""
+    """Measures latency and CPU of the nodes, and those of the bare publisher."""
     import rospy
     receiver_port = free_port()
     quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
@@ -156,12 +158,12 @@ def nodes() -> List[Row]:
                 process.terminate()
                 try:
                     process.wait(10)
-                except subprocess.TimeoutExpired:  # rospy may hang when it is ended
+                except subprocess.TimeoutExpired:  # rospy can hang at its end
                     process.kill()
 
 
 def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> List[Row]:
-    """Feeds the receiver for a while, and reads the clocks."""
+    """Sends lines to the receiver for a while, and measures latency and CPU."""
     import rospy
     from sensor_msgs.msg import PointCloud2
     from std_msgs.msg import String
@@ -209,7 +211,7 @@ def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> L
 
 
 def latency_row(what: str, ours: List[float], bare: List[float]) -> Row:
-    """p50 and p99 of both."""
+    """One row: p50 and p99 of the nodes and of the floor."""
     (p50, p99), (bare50, bare99) = (np.percentile(values, (50, 99)) for values in (ours, bare))
     return Row(f'socket to subscriber: {what}',
                f'p50 {p50:.2f} ms ({p50 / bare50:.2f} x), p99 {p99:.2f} ms',
@@ -218,7 +220,7 @@ def latency_row(what: str, ours: List[float], bare: List[float]) -> Row:
 
 
 def connect(port: int) -> socket.socket:
-    """The robot's outgoing connection."""
+    """Opens the robot's outgoing connection."""
     deadline = time.monotonic() + 30.0
     while True:
         try:
@@ -232,7 +234,7 @@ def connect(port: int) -> socket.socket:
 
 
 def feed(connection: socket.socket, points: str, sent: List[int], times: int) -> None:
-    """Sends status and scan so many times, half a period apart."""
+    """Sends the given number of statuses and scans, each half a period after the other."""
     half = 0.5 / RATE
     due = time.monotonic()
     for _ in range(times):
@@ -248,7 +250,7 @@ def feed(connection: socket.socket, points: str, sent: List[int], times: int) ->
 
 
 def main() -> None:
-    """Measure everything and print the table."""
+    """Measures everything and prints the table."""
     def rows() -> Iterator[Row]:
         yield statuses()
         yield scans()

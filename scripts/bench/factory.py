@@ -1,10 +1,15 @@
 #!/usr/bin/env python3
-"""A fleet on one computer, as `scripts/run.sh fleet:=4 longest_edge:=1.5` starts it: four simulated
-LD-90s, four simulated AGVs, the fleet manager, RViz in software rendering.
+"""Measures a fleet on one computer, started as `scripts/run.sh fleet:=4 longest_edge:=1.5`.
 
-From the command to all robots ready, beside roslaunch with as many bare rospy nodes; CPU and memory
-of every part and RViz's frames while the robots drive; missions an hour at real speed. `--only
-SECTION` runs a part (see SECTIONS).
+The fleet has four simulated LD-90s, four simulated AGVs, the fleet manager, and RViz in software
+rendering. The benchmark measures:
+
+- the time from the command until all robots are ready; the floor is roslaunch with the same number
+  of bare rospy nodes
+- CPU and memory of each part, and the frame rate of RViz, while the robots drive
+- missions per hour at real speed
+
+`--only SECTION` runs one part (see SECTIONS).
 """
 from __future__ import annotations
 
@@ -29,21 +34,21 @@ from ports import free_port
 from rviz import frames_in
 
 ROOT = Path(__file__).resolve().parents[2]
-COUNT = 4  # LD-90s, and as many AGVs
+COUNT = 4  # number of LD-90s; the number of AGVs is the same
 RUNS = 3
-WARM_UP = 20.0        # s in which the robots spread
-MEASURE = 40.0        # s of CPU and frames
-MISSION_TIME = 210.0  # s
+WARM_UP = 20.0  # s for the robots to spread over the graph
+MEASURE = 40.0  # s over which CPU and frames are measured
+MISSION_TIME = 210.0  # s over which missions are counted
 READY_LIMIT = 120.0
 BARE_NODE = ('<node name="bare_{0}" pkg="rostopic" type="rostopic" '
              'args="pub -r 2 /bare_{0} std_msgs/String {{}}"/>')
 MANAGER = ('graph_server', 'path_planner', 'path_supervisor')
 Message = Tuple[str, float]
-"""What was seen, and when (s of the monotonic clock)."""
+"""(what was observed, when in s of the monotonic clock)."""
 
 
 class Usage(NamedTuple):
-    """What one part used: processes, share of a core, MB that it has for itself."""
+    """What one part used: number of processes, share of a core, and MB of private memory."""
 
     processes: int
     share: float
@@ -51,7 +56,7 @@ class Usage(NamedTuple):
 
 
 def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
-    """Puts `ready` when so many robots take missions, and `mission` whenever one succeeded."""
+    """Puts `ready` when the given number of robots take missions, `mission` at each success."""
     import rosgraph
     import rospy
 
@@ -76,7 +81,7 @@ def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
 
 
 def watch_topics(master: str, count: int, seen: multiprocessing.Queue) -> None:
-    """Puts `ready` when something came on so many topics of bare nodes."""
+    """Puts `ready` when a message has arrived on each of the given number of bare nodes' topics."""
     import rosgraph
     import rospy
     from std_msgs.msg import String
@@ -90,7 +95,7 @@ def watch_topics(master: str, count: int, seen: multiprocessing.Queue) -> None:
 
 
 class Run(NamedTuple):
-    """One run of a launch: its process id, s until it was ready, what is seen from then on."""
+    """One run of a launch: its process id, s until it was ready, and the queue of observations."""
 
     pid: int
     ready_after: float
@@ -100,7 +105,7 @@ class Run(NamedTuple):
 @contextmanager
 def running(command: Callable[[str], List[str]], watch: Callable[..., None], count: int,
             more: Optional[Dict[str, str]] = None) -> Iterator[Run]:
-    """Starts `command` (made from the port of its ROS master), and waits until it is ready."""
+    """Starts `command`, which gets the port of its ROS master, and waits until it is ready."""
     port = str(free_port())
     environment = {**os.environ, **(more or {}), 'ROS_MASTER_URI': f'http://127.0.0.1:{port}'}
     context = multiprocessing.get_context('spawn')
@@ -108,7 +113,7 @@ def running(command: Callable[[str], List[str]], watch: Callable[..., None], cou
     watcher = context.Process(target=watch, args=(environment['ROS_MASTER_URI'], count, seen),
                               daemon=True)
     watcher.start()
-    time.sleep(2.0)  # the watcher's own imports shall not be measured
+    time.sleep(2.0)  # the time in which the watcher imports its modules must not be measured
     begun = time.monotonic()
     process = subprocess.Popen(command(port), env=environment, stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL)
@@ -121,7 +126,7 @@ def running(command: Callable[[str], List[str]], watch: Callable[..., None], cou
 
 
 def factory(*options: str) -> Callable[[str], List[str]]:
-    """The user's command, on free ports."""
+    """Starts the fleet with the user's command, on free ports."""
     first = free_ports_of_a_fleet()
     return lambda _port: [str(ROOT / 'scripts/run.sh'), f'fleet:={COUNT}', 'longest_edge:=1.5',
                           'page:=false',
@@ -130,7 +135,7 @@ def factory(*options: str) -> Callable[[str], List[str]]:
 
 
 def free_ports_of_a_fleet() -> int:
-    """The first of the ports that its simulated robots take."""
+    """The first of the free ports that its simulated robots take."""
     from fleet_bringup.ports import is_taken
     return next(first for first in range(22000, 32000, 50)
                 if not any(is_taken(first + number) for number in range(10 * COUNT)))
@@ -138,7 +143,7 @@ def free_ports_of_a_fleet() -> int:
 
 @contextmanager
 def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[float]]]]:
-    """The environment for an RViz that counts its frames, and the counts so far; see rviz.py."""
+    """The environment in which RViz counts its frames, and the counts so far; see rviz.py."""
     screen = Screen()
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -150,14 +155,14 @@ def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[flo
 
 
 def part_of(pid: int) -> str:
-    """What a process is: the name of its node, else that of its program."""
+    """Names a process: the name of its ROS node, else the name of its program."""
     words = arguments(pid)
     python = 'python' in os.path.basename(words[0]) and len(words) > 1
     return node_name(pid) or os.path.basename(words[1] if python else words[0])
 
 
 def usage_of(pid: int) -> Dict[str, Usage]:
-    """What every part of a launch uses over some time; the script's own shells are left out."""
+    """What each part of a launch uses over some time. The script's own shells are ignored."""
     before = {one: (part_of(one), cpu_seconds(one)) for one in descendants(pid)}
     time.sleep(MEASURE)
     parts: Dict[str, Usage] = {}
@@ -171,7 +176,7 @@ def usage_of(pid: int) -> Dict[str, Usage]:
 
 
 def start() -> None:
-    """From the command to all robots ready, with RViz and without; and the floor."""
+    """Measures the time from the command until all robots are ready, with and without RViz."""
     with tempfile.NamedTemporaryFile('w', suffix='.launch') as bare, \
             screen_with_frames() as (environment, _):
         with running(factory('rviz:=false'), watch_fleet, 2 * COUNT) as run:
@@ -194,12 +199,12 @@ def start() -> None:
 
 
 def nodes_of(pid: int) -> List[int]:
-    """The ROS nodes below a process."""
+    """The ROS nodes among the child processes of a process."""
     return [one for one in descendants(pid) if node_name(one)]
 
 
 def load() -> None:
-    """CPU and memory of every part, and frames a second, while all robots are at work."""
+    """Measures CPU and memory of each part, and frames per second, while all robots drive."""
     with screen_with_frames() as (environment, frames), running(
             factory('rviz:=true', 'demo:=true'), watch_fleet, 2 * COUNT, environment) as run:
         time.sleep(WARM_UP)
@@ -218,7 +223,7 @@ def load() -> None:
 
 
 def missions() -> None:
-    """Missions that succeed in some minutes at real speed, taken for an hour."""
+    """Counts the missions that succeed in some minutes at real speed, scaled to an hour."""
     with running(factory('rviz:=false', 'demo:=true'), watch_fleet, 2 * COUNT) as run:
         time.sleep(WARM_UP)
         begun = time.monotonic()

@@ -1,8 +1,8 @@
-"""Fences: how few, how fast and how tight, on the example laboratory, a real map, and grids.
+"""Measures fences on the example laboratory, a real map and grids: number, time and tightness.
 
-Times are CPU seconds, median of several runs. The floor of the fences is Shapely's union of the
-corridors alone, without which no fence can be; the conversion is everything from the bytes of the
-base map to those of the new one, check included.
+Times are CPU seconds, median of several runs. The floor of the fences is the time of Shapely's
+union of the corridors, which every method needs. The conversion is the whole way from the bytes of
+the base map to the bytes of the new map, with the check.
 """
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ class Case(NamedTuple):
 
     name: str
     graph: Graph
-    base: bytes  # of the map
-    aim: float  # objects per edge
+    base: bytes  # content of the base map
+    aim: float  # fence objects per edge
     runs: int
     dock: Optional[int] = None
     kind: Fences = Fences.AREAS
 
 
 def cases() -> List[Case]:
-    """What is measured."""
+    """The cases to measure."""
     lab = load_graph(str(ROOT / 'maps' / 'lab_graph.yaml'))
     lab_base = (ROOT / 'maps' / 'lab_base.map').read_bytes()
     found = [Case('lab_graph.yaml', lab, lab_base, 2.5, 5, 16),

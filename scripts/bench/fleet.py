@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The fleet's planner: how soon it plans, how good its plans are, what fleets get done with them.
+"""Measures the fleet's planner: planning time, cost of the plans, and missions that are done.
 
-Every plan is for true sizes, speeds and conflict sets. Times are those of the processor, which
-other work on the machine does not lengthen so much; limits are by the clock. A virtual machine's
-speed differs from minute to minute: the first plans of `stations` are made in many turns over all
-seeds, each beside a loop of additions. `--only SECTION` runs a part (see SECTIONS). Rivals come
+Every plan uses true sizes, speeds and conflict sets. Times are CPU times, because other work on the
+machine lengthens them less. Limits are limits of the clock. The speed of a virtual machine changes
+from minute to minute, so the first plans of `stations` are made in many turns over all seeds, and
+each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS). Rivals come
 from PyPI into virtual environments under build/rivals.
 """
 from __future__ import annotations
@@ -44,11 +44,11 @@ SEEDS = 20
 TURNS = 20
 """How often the first plans of all seeds are made."""
 Row = Tuple[str, str, str]
-"""What, the figure, the aim."""
+"""(label, figure, aim)."""
 
 
 class Planned(NamedTuple):
-    """One instance: s to a first plan, and what that and improvement came to."""
+    """One instance: seconds to a first plan, its cost, and the cost after improvement."""
 
     seconds: float
     solved: bool
@@ -57,7 +57,7 @@ class Planned(NamedTuple):
 
 def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = find_path,
          improve: bool = True) -> Planned:
-    """Plans with all heuristics computed anew; the conflict sets are there already."""
+    """Plans with newly computed heuristics; the conflict sets exist already."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV], search=search)
     planner.prepare()
     begun = time.process_time()
@@ -69,7 +69,7 @@ def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = f
 
 
 def additions() -> float:
-    """Seconds for 300,000 additions one by one: how fast the machine is at the moment."""
+    """Seconds for 300,000 additions in a loop: the machine's speed at the moment."""
     begun = time.process_time()
     total = 0
     for number in range(300_000):
@@ -78,12 +78,12 @@ def additions() -> float:
 
 
 def ratio(outcome: Outcome) -> float:
-    """Cost over the lower bound, of the robots that are served."""
+    """The cost divided by the lower bound, over the robots that are served."""
     return outcome.cost / outcome.lower_bound if outcome.lower_bound else 1.0
 
 
 def summary(planned: Sequence[Planned]) -> str:
-    """How many were solved, how soon, how well."""
+    """Text: the number of solved instances, the planning times, and the costs."""
     good = [p for p in planned if p.solved]
     if not good:
         return f'0 of {len(planned)}'
@@ -95,7 +95,7 @@ def summary(planned: Sequence[Planned]) -> str:
 
 
 def stations() -> Iterator[Row]:
-    """Stations at the ends of spurs."""
+    """Instances whose stations are at the ends of spurs."""
     for vertices, robots, aim, bound in ((500, 50, '20 of 20 within 25 ms', '1.25 x'),
                                          (2000, 100, '20 of 20 within 150 ms', '1.08 x')):
         graph, ends = aisles(vertices)
@@ -110,7 +110,7 @@ def stations() -> Iterator[Row]:
 
 def first_plans(base: RoadNetwork, instances: Sequence[Instance], what: str,
                 aim: str) -> Iterator[Row]:
-    """How soon there is a plan, usually and at the machine's full speed."""
+    """The time to a first plan: the usual time, and the time at the machine's full speed."""
     planned, floors = [], []
     for _ in range(TURNS):
         floors.append(1e3 * additions())
@@ -127,7 +127,7 @@ def first_plans(base: RoadNetwork, instances: Sequence[Instance], what: str,
 
 
 def any_vertex() -> Iterator[Row]:
-    """The same fleets with any vertex as a goal."""
+    """The same fleets, but any vertex can be a goal."""
     for vertices, robots in ((500, 50), (2000, 100)):
         graph = aisles(vertices)[0]
         base = RoadNetwork(graph)
@@ -137,8 +137,10 @@ def any_vertex() -> Iterator[Row]:
 
 
 def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
-    """Rivals on the same instances, each judged by the same checker; goals are stations, or
-    anywhere."""
+    """Our planner and its rivals on the same instances, each judged by the same checker.
+
+    Goals are stations, or any vertices.
+    """
     def section() -> Iterator[Row]:
         environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
         for vertices, robots in ((500, 50), (2000, 100)):
@@ -163,7 +165,7 @@ def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
-    """Our first plan within a second, by the same checker."""
+    """Our first plan within a second, judged by the same checker."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()
@@ -176,7 +178,7 @@ def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
 
 
 def judged(found: Sequence[rivals.Judged]) -> str:
-    """How many were solved, how many of these can be driven, how soon and how well."""
+    """Text: the numbers of solved and of safe instances, the times, and the costs."""
     safe = [one.ratio for one in found if one.ratio is not None]
     cost = f', {statistics.mean(safe):.2f} x the lower bound' if safe else ''
     return (f'{sum(one.solved for one in found)} of {len(found)} in 1 s each, {len(safe)} of them '
@@ -185,7 +187,7 @@ def judged(found: Sequence[rivals.Judged]) -> str:
 
 
 def conflict_sets() -> Iterator[Row]:
-    """From a graph to its conflict sets."""
+    """The time to compute the conflict sets of a graph."""
     for graph, what, aim in ((aisles(500)[0], '500 vertices', '50 ms'),
                              (dense_moves(2500, 7500), '15,000 drives', '1 s')):
         seconds = []
@@ -198,7 +200,7 @@ def conflict_sets() -> Iterator[Row]:
 
 
 def sparse() -> Iterator[Row]:
-    """A roadmap with long edges, whole and cut."""
+    """A roadmap with long edges, uncut and cut."""
     for robots, longest, aim in ((30, None, '15 of 20 in 2 s, at most 2.2 x'),
                                  (20, 3.0, '20 of 20 in 2 s, at most 1.08 x')):
         planned = []
@@ -211,7 +213,7 @@ def sparse() -> Iterator[Row]:
 
 
 def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
-    """Plans and improves, all within the limit."""
+    """Plans and improves the plan, all within the limit."""
     planner = FleetPlanner(RoadNetwork(graph), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()
@@ -220,7 +222,7 @@ def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
 
 
 def layers() -> Iterator[Row]:
-    """TEA*'s own layers beside safe intervals, in turns on the same instances."""
+    """Compares the layers of TEA* with safe intervals, in turns on the same instances."""
     graph, ends = aisles(500)
     base = RoadNetwork(graph)
     for seconds in (1.0, 0.5):
@@ -239,7 +241,7 @@ def layers() -> Iterator[Row]:
 
 
 def replanning() -> Iterator[Row]:
-    """A large fleet at work, delays and stalls; planned anew whenever a mission ends."""
+    """A large fleet at work with delays and stalls; planning runs again when a mission ends."""
     graph, ends = aisles(500)
     run = operation.at_work(graph, AGV, ends[::2][:50], ends, ends, CLEARANCE, 0, 300.0, 0, 1.0)
     times = sorted(run.planning_times)
@@ -264,7 +266,7 @@ def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: in
 
 
 def station_queues() -> Iterator[Row]:
-    """What robots could do that wait for each other at the stations only."""
+    """The missions of robots that wait for each other only at the stations."""
     found = [queueing.missions(8, seed) for seed in range(200)]
     yield ('laboratory, 8 robots that meet only at the dead ends of the stations, 200 seeds',
            f'{statistics.mean(found):.0f} missions on average ({min(found)} to {max(found)})',

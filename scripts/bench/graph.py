@@ -1,6 +1,6 @@
-"""Graphs made from maps, and the editor with a large graph, each beside its floor.
+"""Measures the making of graphs from maps, and the editor with a large graph; with floors.
 
-Uses the maps of real LD robots in LD90_REAL_MAPS where there are any, beside the laboratory.
+Uses the laboratory, and the maps of real LD robots in the folder LD90_REAL_MAPS if there are any.
 """
 from __future__ import annotations
 
@@ -46,9 +46,11 @@ LAB = ROOT / 'maps' / 'lab_base.map'
 REAL = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
 RUNS = 3
 OPTIONS = MakingOptions()
-ROOM = 1.1  # m of clearance: the middles of the laboratory's rooms and halls, parted by their doors
+# m of clearance; it selects the middles of the laboratory's rooms and halls, separated at doors
+ROOM = 1.1
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
-MIDDLE = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)  # m: of the vertex that is dragged
+# m: position of the vertex that is dragged
+MIDDLE = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)
 DRAGS, RATE = 300, 30.0  # s-1
 SETTLE, MEASURE = 8.0, 6.0  # s
 IMPORTS = ('import numpy, networkx, scipy.ndimage, scipy.spatial, shapely.geometry, '
@@ -67,7 +69,7 @@ rospy.spin()
 
 
 class Times(NamedTuple):
-    """Of a program, s."""
+    """The times of one program, in s."""
 
     wall: float
     cpu: float
@@ -91,7 +93,7 @@ def timed(*command: object) -> Times:
 
 
 def making() -> None:
-    """Time, reach and soundness of the graphs of all maps."""
+    """Measures time, covered floor and errors of the graphs of all maps."""
     floor = timed(sys.executable, '-c', IMPORTS)
     print_table([], ('map', 'vertices, edges, m', 'make_graph', 'imports alone', 'aim',
                      'floor within 2 m of an edge, by the way to drive', 'aim', 'errors'))
@@ -109,18 +111,18 @@ def making() -> None:
 
 
 def length(graph: Graph) -> float:
-    """Of all edges, m."""
+    """The length of all edges, in m."""
     return sum(graph.curve(id).length for id in graph.edges)
 
 
 def robot_floor(site: Site, graph: Graph) -> np.ndarray:
-    """Mask of what half a robot's width reaches by flooding from the graph."""
+    """Mask of the floor with half a robot's width of room, flooded from the graph."""
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 
 
 def share_served(site: Site, graph: Graph) -> float:
-    """The share of the reachable floor within 2 m of an edge, by the way to drive."""
+    """The share of the reachable floor whose driving distance to an edge is at most 2 m."""
     coverage = Coverage(site.floor, robot_floor(site, graph), 2.0)
     served = np.zeros(coverage.mask.size, bool)
     for id in graph.edges:
@@ -129,13 +131,13 @@ def share_served(site: Site, graph: Graph) -> float:
 
 
 def errors(site: Site, graph: Graph) -> int:
-    """What check_graph calls an error: an edge in a wall, a vertex that nothing leads to ..."""
+    """The number of errors in check_graph, such as edges in walls or unreachable vertices."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return sum(finding.severity is Severity.ERROR for finding in findings)
 
 
 def compare_with_hand() -> None:
-    """The made graph of the laboratory beside the one that a person drew."""
+    """Compares the made graph of the laboratory with the graph that a person drew."""
     site = load_site(str(LAB), SiteOptions())
     graphs = {'made': make_graph(site, OPTIONS).graph,
               'maps/lab_graph.yaml': load_graph(ROOT / 'maps' / 'lab_graph.yaml')}
@@ -158,7 +160,7 @@ def compare_with_hand() -> None:
 
 
 def large_site(folder: str) -> Tuple[str, str, int]:
-    """A hall as a ROS map, 500 vertices and 1,000 edges in it, and a vertex in their middle."""
+    """A hall as a ROS map, a graph with 500 vertices and 1,000 edges, a vertex in its middle."""
     width, height = (COLUMNS + 1) * PITCH, (ROWS + 1) * PITCH
     grey = np.full((int(height / 0.05), int(width / 0.05)), 254, np.uint8)
     grey[(0, -1), :] = grey[:, (0, -1)] = 0
@@ -179,7 +181,9 @@ def large_site(folder: str) -> Tuple[str, str, int]:
 
 
 class Mouse:
-    """Drags a vertex as RViz tells of it, and waits for the update with its edges."""
+    """Drags a vertex with the messages that RViz would send, and waits for the update with its
+    edges.
+    """
 
     def __init__(self, vertex: int) -> None:
         self._name = f'{VERTICES} {vertex_group(vertex)}'
@@ -190,7 +194,7 @@ class Mouse:
                                             self._on_update, tcp_nodelay=True)
 
     def drag(self, x: float, y: float) -> float:
-        """s from the feedback to the update."""
+        """Seconds from the feedback to the update."""
         self._answered.clear()
         begun = time.perf_counter()
         self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
@@ -199,9 +203,11 @@ class Mouse:
         return time.perf_counter() - begun
 
     def wait_for_editor(self) -> None:
-        """Until it answers: feedback is lost while it starts, and its first update is none."""
+        """Waits until the editor answers: feedback is lost while it starts, and its first update is
+        no answer.
+        """
         answers = 0
-        for x, y in list(circle(60))[1:]:  # a drag to where it is would not be answered
+        for x, y in list(circle(60))[1:]:  # a drag to the present position would not be answered
             self._answered.clear()
             self._tell(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
             self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
@@ -211,7 +217,7 @@ class Mouse:
         raise RuntimeError('the editor did not start within 60 s')
 
     def close(self) -> None:
-        """Lets go."""
+        """Releases the mouse button."""
         self._tell(InteractiveMarkerFeedback.MOUSE_UP, 0.0, 0.0)
         self._publisher.unregister()
         self._subscriber.unregister()
@@ -231,7 +237,7 @@ class Mouse:
 
 
 def drags(mouse: Mouse, count: int) -> List[float]:
-    """Seconds of so many drags round a circle, at the rate of a hand's mouse."""
+    """The delays, in s, of the given number of drags round a circle, at the rate of a mouse."""
     seconds = []
     for x, y in circle(count):
         begun = time.monotonic()
@@ -241,14 +247,16 @@ def drags(mouse: Mouse, count: int) -> List[float]:
 
 
 def circle(count: int) -> Iterator[Tuple[float, float]]:
-    """How far the mouse has moved from the vertex that is dragged."""
+    """Displacements (x, y) of the mouse from the first place of the vertex, in m."""
     for angle in np.linspace(0.0, 4.0 * np.pi, count, endpoint=False):
         yield np.cos(angle), np.sin(angle)
 
 
 def editing() -> None:
-    """The delay of a drag, and RViz's frames a second meanwhile."""
-    gc.freeze()  # its pauses would count as the editor's: 60 ms each; RViz has no collector
+    """Measures the delay of a drag, and RViz's frames per second during drags."""
+    # pauses of 60 ms of Python's garbage collector would count as the editor's; RViz has no
+    # collector
+    gc.freeze()
     with own_ros_master(), tempfile.TemporaryDirectory() as folder:
         map_file, graph_file, vertex = large_site(folder)
         rospy.init_node('bench_graph', disable_signals=True)
@@ -273,7 +281,7 @@ def editing() -> None:
 
 
 def in_process(command: List[str], vertex: int, more=lambda mouse: None) -> List[float]:
-    """The delays of drags that a node answers, then `more` with the same mouse."""
+    """Measures the delays of drags that a node answers, then calls `more` with the same mouse."""
     node = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     mouse = Mouse(vertex)
     try:
@@ -289,7 +297,7 @@ def in_process(command: List[str], vertex: int, more=lambda mouse: None) -> List
 
 
 def frames(mouse: Mouse, map_file: str) -> Dict[str, List[float]]:
-    """RViz's frames a second: while a vertex is dragged, at rest, and without displays."""
+    """RViz's frames per second while a vertex is dragged, at rest, and without displays."""
     if missing_programs():
         return {}
     text = (ROOT / 'src/graph_editor/rviz/graph_editor.rviz').read_text()
@@ -306,7 +314,7 @@ def frames(mouse: Mouse, map_file: str) -> Dict[str, List[float]]:
 
 
 def measured_frames(screen: Screen, text: str, mouse: Mouse) -> Tuple[List[float], List[float]]:
-    """Frames a second of an RViz with a configuration: while dragging, and at rest."""
+    """Frames per second of RViz with a configuration, while dragging and at rest."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / 'bench.rviz'
         path.write_text(text)
@@ -328,7 +336,7 @@ def measured_frames(screen: Screen, text: str, mouse: Mouse) -> Tuple[List[float
 
 
 def main() -> None:
-    """Print the tables, or with --only editing the last one."""
+    """Prints the tables; with --only editing, only the last table."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument('--only', choices=('making', 'editing'), help='a part of it')
     only = options.parse_args().only

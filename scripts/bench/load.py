@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The fleet manager under the load of hundreds of robots; each figure beside its floor.
+"""Measures the fleet manager under the load of hundreds of robots; each figure with its floor.
 
-    robots_50, robots_200   the nodes as users run them; the robots are played by this process
+    robots_50, robots_200   the nodes as users run them; this process plays the robots
     history                 a journal with a million ended missions (no ROS)
     planning                first plans and replans on 5,000 vertices (no ROS)
 
-`--only SECTION` runs a part.
+`--only SECTION` runs one part.
 """
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ from supervisor_bench.stacks import MANAGER, Stack
 from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
 from system_support import Recorder, wait_until
 
-OPEN = 5000      # missions
-SETTLING = 45.0  # s after the first robots have missions, until most of the plans are made
-SECONDS = 60.0   # of a measurement
-FLOOR = 10.0     # s of the floor's
+OPEN = 5000  # open missions
+SETTLING = 45.0  # s after the first robots have missions; most of the plans are made by then
+SECONDS = 60.0  # s of a measurement
+FLOOR = 10.0  # s of the measurement of the floor
 
 
 class Planning:
-    """When the planner works: from each question to its answer."""
+    """The times in which the planner works: from each request to its answer."""
 
     def __init__(self) -> None:
         self.times: List[float] = []
-        """s by the planner's own clock."""
+        """s, measured by the planner's own clock."""
         self.unserved = 0
         self.failed = 0
         self._begun: Dict[int, float] = {}
@@ -64,23 +64,23 @@ class Planning:
             self.failed += 1
 
     def overlaps(self, release: Release) -> bool:
-        """Did the planner work between the report and the release?"""
+        """True if the planner worked between the report and the release."""
         begun = release.moment - release.seconds
         return any(start <= release.moment and end >= begun for start, end in self._spans)
 
     def share(self, begun: float, ended: float) -> float:
-        """Part of a time in which the planner worked, as questions and answers show."""
+        """The share of a time in which the planner worked, from requests and answers."""
         return sum(max(min(end, ended) - max(start, begun), 0.0)
                    for start, end in self._spans) / (ended - begun)
 
 
 class Commits:
-    """Counts what is committed to a journal, by the log that SQLite writes first."""
+    """Counts the commits to a journal in the write-ahead log, which SQLite writes first."""
 
     def __init__(self, path: Path) -> None:
         self.count = 0
         self._log = Path(f'{path}-wal')
-        self._frame = (0, 0)  # salt of the log, and its frames so far
+        self._frame = (0, 0)  # the salt of the log, and the number of its frames so far
         threading.Thread(target=self._watch, daemon=True).start()
 
     def _watch(self) -> None:
@@ -90,7 +90,9 @@ class Commits:
             time.sleep(0.25)
 
     def _look(self) -> None:
-        """A frame of the log that ends a commit tells the size of the database; others tell 0."""
+        """Reads the log. A frame that ends a commit holds the size of the database, other frames
+        hold 0.
+        """
         with self._log.open('rb') as log:
             header = log.read(32)
             if len(header) < 32:
@@ -109,7 +111,7 @@ class Commits:
 
 
 def floors(names: Sequence[str]) -> Tuple[str, str]:
-    """A bare hop there and back, and the CPU of a bare subscriber to all reports."""
+    """The time of a bare round trip, and the CPU of a bare subscriber to all reports."""
     hops: List[float] = []
     rospy.Subscriber('/bare_answer', TargetRoute, lambda message: hops.append(
         1e3 * (rospy.Time.now() - message.header.stamp).to_sec()), tcp_nodelay=True)
@@ -128,7 +130,7 @@ def floors(names: Sequence[str]) -> Tuple[str, str]:
 
 
 def robots(count: int, side: int) -> Iterator[Row]:
-    """So many robots at 10 Hz, all on missions, on a grid of side x side vertices."""
+    """The given number of robots at 10 Hz, all on missions, on a grid of side x side vertices."""
     with Stack() as stack:
         site = save_site(stack.folder, side, count)
         graph = site.graph

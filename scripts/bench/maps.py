@@ -1,6 +1,6 @@
-"""Maps: loading, grids, messages, the node's start and its memory, each beside its floor.
+"""Measures maps: loading, grids, messages, start and memory of the node; each with its floor.
 
-Uses a real LD robot's map where there is one beside the repository, else the example laboratory.
+Uses the map of a real LD robot if there is one beside the repository, else the example laboratory.
 """
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ print(resident() - before)
 
 
 def load(path: Path) -> Row:
-    """A whole file, against numpy's own reader on the points alone."""
+    """Loads a whole file; the floor is numpy's own reader on the points alone."""
     document = MapDocument.load(str(path))
     rows = document.sections[-1].body
     ours = milliseconds(lambda: MapDocument.load(str(path)))
@@ -69,7 +69,9 @@ def load(path: Path) -> Row:
 
 
 def load_million() -> Row:
-    """A million points, checked, against numpy's unchecked conversion of the same text."""
+    """Loads a million points with checks; the floor is numpy's unchecked conversion of the same
+    text.
+    """
     points = np.unique(np.random.default_rng(1).integers(-20_000, 20_000, (1_001_000, 2)) * 20,
                        axis=0)[:1_000_000]
     text = '\n'.join(f'{x} {y}' for x, y in points.tolist()) + '\n'
@@ -87,7 +89,7 @@ def load_million() -> Row:
 
 
 def grid() -> Row:
-    """A grid of 2400 x 2400 cells, built and serialised, against filling and copying the bytes."""
+    """Builds and serialises a grid of 2400 x 2400 cells; the floor fills and copies the bytes."""
     side = 2400
     walls = [(i * 20, j) for i in range(side) for j in (0, 20 * (side - 1))]
     noise = np.random.default_rng(2).integers(0, side, (40_000, 2)) * 20
@@ -109,7 +111,7 @@ def grid() -> Row:
 
 
 def markers() -> Row:
-    """A marker of 100,000 points serialised, against a list of Point objects."""
+    """Serialises a marker of 100,000 points; the floor is a list of Point objects."""
     array = np.random.default_rng(3).random((100_000, 3))
     fast = PointsMarker(array, type=Marker.POINTS)
     ours = milliseconds(lambda: fast.serialize(io.BytesIO()))
@@ -121,7 +123,7 @@ def markers() -> Row:
 
 
 def memory(path: Path) -> Row:
-    """What a loaded document adds to a process that has the library."""
+    """The memory that a loaded document adds to a process that has imported the library."""
     grown = [int(subprocess.run([sys.executable, '-c', MEMORY, str(path)], check=True,
                                 stdout=subprocess.PIPE).stdout) for _ in range(RUNS)]
     size = path.stat().st_size
@@ -131,7 +133,7 @@ def memory(path: Path) -> Row:
 
 
 def node(path: Path) -> List[Row]:
-    """Start of the node to all topics, and its memory, against a bare rospy publisher's."""
+    """Time from the node's start to all topics, and its memory; the floor is a bare publisher."""
     import rospy
     with own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)
@@ -157,7 +159,7 @@ def node(path: Path) -> List[Row]:
 
 
 def start_node(command: List[str], topics: List[str]) -> tuple:
-    """Seconds from the start of a Python process to a message on every topic; its memory then."""
+    """Seconds from the start of a process to a message on each topic, and its memory then."""
     import rospy
     missing, everything = set(topics), threading.Event()
 
@@ -183,7 +185,7 @@ def start_node(command: List[str], topics: List[str]) -> tuple:
 
 
 def main() -> None:
-    """Measure everything and print the table."""
+    """Measures everything and prints the table."""
     warnings.simplefilter('ignore', DeprecationWarning)
     path = REAL if REAL.exists() else ROOT / 'maps' / 'lab.map'
     def rows() -> Iterator[Row]:

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Ten ROS masters joined by fkie multimaster: nine robots' computers and the fleet manager's.
+"""Measures ten ROS masters joined by fkie multimaster: nine robots' and the fleet manager's.
 
-All are on loopback addresses of a network namespace, whose bytes are counted: needs root. Each
-robot is a simulated AGV. The floor of the bytes is one robot on its computer that is not joined.
+All masters are on loopback addresses of a network namespace, in which bytes are counted: needs
+root. Each robot is a simulated AGV. The floor of the bytes is one robot on a computer that is not
+joined.
 """
 from __future__ import annotations
 
@@ -32,12 +33,12 @@ GRAPH = ROOT / 'maps/lab_graph.yaml'
 AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 JOINING = ('master_discovery', 'master_sync', 'peer_watch')
 COUNTED = 30.0  # s over which bytes and CPU are counted
-SETTLE = 15.0   # s from the last robot's start until figures are taken
+SETTLE = 15.0  # s from the start of the last robot until the measurement
 WITHIN = 180.0  # s
 
 
 class Use(NamedTuple):
-    """What the joining nodes of some computers take: bytes of memory, cores."""
+    """What the joining nodes of some computers use: memory in bytes, CPU in cores."""
 
     memory: float
     cores: float
@@ -72,26 +73,26 @@ class Site:
             f'graph_file:={GRAPH}']], folder / f'{name}.log')
 
     def stop(self) -> None:
-        """Ends all of it."""
+        """Ends all processes."""
         for computer in [*self.robots, self.hub]:
             computer.kill()
 
 
 def heard_robots(states: Recorder) -> Set[str]:
-    """The robots of which the fleet manager has heard."""
+    """The robots that have reported to the fleet manager."""
     return {robot.name for state in states.messages[-1:] for robot in state.robots
             if robot.state in (FleetRobot.IDLE, FleetRobot.BUSY)}
 
 
 def joining_nodes(computer: Computer) -> List[int]:
-    """Process ids of what joins a master with others."""
+    """The ids of the processes that join a master with others."""
     own = f'ROS_IP={computer.address}'
     return [pid for pid in descendants(os.getpid()) if node_name(pid) in JOINING
             and own in Path(f'/proc/{pid}/environ').read_text().split('\0')]
 
 
 def use_of(computers: List[Computer]) -> Use:
-    """Means for one computer over some seconds; also lets that time pass."""
+    """Means for one computer over some seconds; waits for that time."""
     pids = [pid for computer in computers for pid in joining_nodes(computer)]
     before, begun = sum(map(cpu_seconds, pids)), time.monotonic()
     time.sleep(COUNTED)
@@ -100,17 +101,17 @@ def use_of(computers: List[Computer]) -> Use:
 
 
 def bytes_a_second() -> float:
-    """Now, all computers together."""
+    """Bytes per second at present, for all computers together."""
     before, begun = transmitted('lo'), time.monotonic()
     time.sleep(COUNTED)
     return (transmitted('lo') - before) / (time.monotonic() - begun)
 
 
 def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
-    """The rows of so many robots."""
+    """The rows for the given number of robots."""
     site = Site(folder, count)
     try:
-        apart = Site(folder, count).robots[0]  # not joined: what one robot costs by itself
+        apart = Site(folder, count).robots[0]  # not joined: the bytes that one robot sends alone
         apart.fkie = False
         apart.start()
         wait_until(lambda: apart.publishes('/agv_1/execution_route_states'), 60.0, 'a robot')
@@ -154,12 +155,12 @@ def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
 
 
 def main() -> None:
-    """Prints the table; in a network namespace of its own."""
+    """Prints the table; runs in a network namespace of its own."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--robots', type=int, default=9, help='so many besides the fleet manager')
+    parser.add_argument('--robots', type=int, default=9, help='number of robots')
     given = parser.parse_args()
     if not has_fkie():
-        print('Left out: fkie multimaster is not there; scripts/multimaster.sh brings it.')
+        print('Skipped: fkie multimaster is not installed; run scripts/multimaster.sh.')
         return
     if 'MASTERS_BENCH' not in os.environ:
         os.execvpe('unshare', ['unshare', '--net', 'sh', '-c', 'ip link set lo up && exec "$@"',

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Two ROS masters joined by fkie multimaster: recovery, messages lost, bytes across the link.
+"""Measures two ROS masters joined by fkie multimaster: recovery, lost messages, bytes on the link.
 
-An LD-90 with its computer and a fleet manager in network namespaces of their own, joined by a
-virtual cable: needs root, and leaves the host's own network alone.
+An LD-90 with its computer and a fleet manager run in two network namespaces. A virtual cable joins
+them. Needs root; the host's own network is not changed.
 """
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ HERE = Path(__file__).resolve().parent
 REPORTS = (f'/{LD90}/execution_route_states', 'itrci_nav_msgs/ExecutionRouteStates')
 STATES = ('/fleet_state', 'itrci_nav_msgs/FleetState')
 AWAY = (1.0, 5.0, 15.0)  # s without the link
-DEATHS = 2               # of either side
-COUNTED = 10.0           # s over which bytes are counted
+DEATHS = 2  # deaths of each side
+COUNTED = 10.0  # s over which bytes are counted
 
 
 class Listener:
-    """Hears a topic on a computer, from every publisher, in a process of its own there."""
+    """Receives a topic from all publishers, in its own process on one of the computers."""
 
     def __init__(self, computer: Computer, namespace: str, topic: Tuple[str, str]) -> None:
         self.heard: List[Tuple[float, int]] = []
@@ -54,14 +54,14 @@ class Listener:
         self._process.wait(10)
 
     def first_after(self, moment: float) -> float:
-        """When the next message came."""
+        """The time at which the next message arrived."""
         return wait_until(lambda: next((at for at, _ in self.heard if at > moment), None), 60,
                           'a message across the link')
 
     def lost_since(self, moment: float) -> int:
-        """Messages of one publisher that did not come, out of the gaps in their numbers.
+        """The number of messages of one publisher that were lost, from the gaps in their numbers.
 
-        The gap behind the last one that came before is the first to be counted.
+        The first gap that counts is the gap after the last message before the given time.
         """
         before = [number for at, number in self.heard if at < moment]
         numbers = before[-1:] + [number for at, number in self.heard if at >= moment]
@@ -71,7 +71,7 @@ class Listener:
 
 @contextlib.contextmanager
 def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Iterator[Listener]:
-    """A listener, which hears something already."""
+    """A listener that has received a message."""
     wait_until(lambda: inside(namespace, lambda: computer.publishes(topic[0])), 120,
                f'{topic[0]} at the master of {computer.name}')
     listener = Listener(computer, namespace, topic)
@@ -84,7 +84,9 @@ def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Ite
 
 def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
                  ) -> List[Tuple[float, float, int]]:
-    """Per break: how long it was, s from its end to the next report, reports lost."""
+    """For each break: its length, s from its end to the next report, and the number of lost
+    reports.
+    """
     found = []
     for seconds in AWAY:
         before = time.monotonic()
@@ -99,7 +101,9 @@ def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
 
 def died(side: Computer, namespace: str, topic: str, listener: Listener
          ) -> List[Tuple[float, float]]:
-    """Per death of a side: s until it is up again by itself, and from then on until it is heard."""
+    """For each death of a side: s until the side runs again, and s from then until its first
+    message.
+    """
     found = []
     for _ in range(DEATHS):
         side.kill()
@@ -113,7 +117,7 @@ def died(side: Computer, namespace: str, topic: str, listener: Listener
 
 
 def rate(cable: Cable) -> Tuple[float, float]:
-    """Bytes per second that cross now, from the robot and to it."""
+    """Bytes per second on the link at present, from the robot and to the robot."""
     before, begun = cable.bytes_sent(), time.monotonic()
     time.sleep(COUNTED)
     passed = time.monotonic() - begun
@@ -122,13 +126,13 @@ def rate(cable: Cable) -> Tuple[float, float]:
 
 
 def seconds(values: List[float]) -> str:
-    """Least, median and most."""
+    """The least, the median and the largest."""
     return ' / '.join(f'{value:.2f}' for value in (
         min(values), statistics.median(values), max(values))) + ' s'
 
 
 def measure(fleet: JoinedFleet, cable: Cable) -> None:
-    """Everything, one after the other."""
+    """Measures everything, one after the other."""
     robot, manager = cable.namespaces
     for computer in fleet.computers:
         computer.start()
@@ -158,10 +162,10 @@ def measure(fleet: JoinedFleet, cable: Cable) -> None:
 def main() -> None:
     """Prints the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not there; '
-                                                 'scripts/multimaster.sh brings it')
+    reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not installed; '
+                                                 'run scripts/multimaster.sh')
     if reason:
-        print(f'Left out: {reason}.')
+        print(f'Skipped: {reason}.')
         return
     print_table([], ('two ROS masters, fkie multimaster, real time', 'least / median / most',
                      'goal'))

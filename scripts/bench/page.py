@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The fleet in a browser: what the node costs, and how soon a browser shows a change.
+"""Measures the fleet page: the load of the node, and the delay until a browser shows a change.
 
-The real node under a ROS master of its own; this program tells it of 50 robots that drive at 5 Hz,
-on a graph of 1,000 vertices, as the fleet manager would. Nine clients follow, and a tenth reads
-nothing. Takes a minute and a half.
+The real node runs under a ROS master of its own. This program publishes 50 robots that drive at 5
+Hz on a graph of 1,000 vertices, as the fleet manager would. Nine clients read everything, a tenth
+client reads nothing. It takes a minute and a half.
 """
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ import('/page/map.js').then(map => {
 
 
 class Fleet:
-    """Tells of robots that drive, as path_supervisor and graph_server do."""
+    """Publishes driving robots, as path_supervisor and graph_server do."""
 
     def __init__(self) -> None:
         self.graph = graph(COLUMNS, ROWS)
@@ -85,13 +85,13 @@ class Fleet:
         message.header.stamp = rospy.Time.now()
         self._graphs.publish(message)
         self.probe = 0.0
-        """Where the robot stands whose changes are timed, m."""
+        """The position, in m, of the robot whose changes are timed."""
         self._lock = threading.Lock()
         self._ticks = 0
         self._timer = rospy.Timer(rospy.Duration(0.1), self._tick)
 
     def move_probe(self, x: float) -> float:
-        """Tells at once that it is elsewhere; when, in s since 1970."""
+        """Publishes another position at once; returns the time, in s since 1970."""
         with self._lock:
             self.probe = x
             now = time.time()
@@ -122,7 +122,7 @@ class Fleet:
 
 
 class Reader(threading.Thread):
-    """A client that reads all that comes."""
+    """A client that reads all events."""
 
     def __init__(self, port: int) -> None:
         super().__init__(daemon=True)
@@ -139,7 +139,7 @@ class Reader(threading.Thread):
 
 
 def connection(port: int, buffer: int = 0) -> socket.socket:
-    """One that has asked for the events."""
+    """A connection that has requested the events."""
     stream = socket.socket()
     if buffer:
         stream.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
@@ -150,7 +150,7 @@ def connection(port: int, buffer: int = 0) -> socket.socket:
 
 @contextmanager
 def node(port: int, folder: str) -> Iterator[subprocess.Popen]:
-    """The node itself."""
+    """Starts the node; yields when the page answers."""
     program = subprocess.Popen(
         [sys.executable, str(ROOT / 'src/fleet_page/nodes/fleet_page'), f'_port:={port}',
          f'_folder:={folder}', f'_journal:={folder}/none.sqlite'],
@@ -167,7 +167,7 @@ def node(port: int, folder: str) -> Iterator[subprocess.Popen]:
 
 
 def answers(port: int) -> bool:
-    """Is the page served?"""
+    """True if the page is served."""
     try:
         return urllib.request.urlopen(f'http://127.0.0.1:{port}/api/me', timeout=1).status == 200
     except OSError:
@@ -175,14 +175,14 @@ def answers(port: int) -> bool:
 
 
 def cost(program: subprocess.Popen, seconds: float) -> float:
-    """Share of a core, %."""
+    """The CPU use over some time, in % of a core."""
     begun, used = time.monotonic(), cpu_seconds(program.pid)
     time.sleep(seconds)
     return 100.0 * (cpu_seconds(program.pid) - used) / (time.monotonic() - begun)
 
 
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
-    """Median and p95 of ms from a change in /fleet_poses to its frame."""
+    """Median and p95, in ms, from a change in /fleet_poses to its frame."""
     window.wait(lambda: window.driver.find_elements('css selector', '.robot[data-name=probe]'))
     window.script(WATCH)
     delays: List[float] = []
@@ -197,7 +197,7 @@ def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
 
 
 def first_paint(window: Browser, port: int) -> float:
-    """Median of ms from the call of the page to its first paint with content."""
+    """Median, in ms, from the request of the page to its first paint with content."""
     found = []
     for _ in range(5):
         window.open(f'http://127.0.0.1:{port}/')
@@ -207,7 +207,7 @@ def first_paint(window: Browser, port: int) -> float:
 
 
 def page_bytes(port: int) -> int:
-    """All files of the page, as they are sent, Chart.js included."""
+    """The size of all files of the page as sent, Chart.js included."""
     total = 0
     names = [f'/page/{path.name}' for path in (ROOT / 'src/fleet_page/page').iterdir()]
     for path in ('/', '/chart.js', *(name for name in names if not name.endswith('.html'))):
@@ -218,7 +218,7 @@ def page_bytes(port: int) -> int:
 
 
 def figures(port: int, program: subprocess.Popen, fleet: Fleet) -> Iterator[Row]:
-    """All of them."""
+    """All figures."""
     floor = cost(program, SECONDS / 3)
     readers = [Reader(port) for _ in range(GOOD_CLIENTS)]
     stalled = connection(port, 4096)

@@ -1,6 +1,6 @@
-"""route_visualisation under long routes and forged reports: its memory and its share of a core.
+"""Measures memory and CPU of route_visualisation with long routes and forged reports.
 
-The floor is the same node with the report of an ordinary route at the same rate.
+The floor is the same node with the reports of an ordinary route at the same rate.
 """
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ Reports = Iterator[ExecutionRouteStates]
 
 
 class Load(NamedTuple):
-    """What the node needs for some reports: MB it grew by at most, and its share of a core."""
+    """The node's load for some reports: largest growth of memory in MB, and share of a core."""
 
     growth: float
     share: float
 
 
 def advancing(edges: int) -> Reports:
-    """Reports of one route, each with one more edge complete."""
+    """Reports of one route; each has one more complete edge."""
     ids = [3, 4, 31, -31, -4, -3]
     states = [EdgeState(ids[index % len(ids)], EdgeState.PROCESSING) for index in range(edges)]
     done = 0
@@ -43,14 +43,14 @@ def advancing(edges: int) -> Reports:
 
 
 def with_forged(edges: int) -> Reports:
-    """The same, and one in twenty is of a million edges."""
+    """The same reports, but every twentieth is a forged one with a million edges."""
     forged = ExecutionRouteStates(route_id=2, edge_states=[EdgeState(3, 1)] * FORGED)
     for number, report in enumerate(advancing(edges)):
         yield forged if number % 20 == 19 else report
 
 
 def measure(reports: Callable[[], Reports]) -> Load:
-    """A new node, shown `reports` for a while."""
+    """Starts a new node and sends it `reports` for a while."""
     node = subprocess.Popen(
         [str(ROOT / 'src/omron_ld90/nodes/route_visualisation'), '__ns:=omron_ld90',
          f'_graph_file:={ROOT}/maps/lab_graph.yaml', '_dock_vertex:=16'],
@@ -77,13 +77,13 @@ def measure(reports: Callable[[], Reports]) -> Load:
 
 
 def median(reports: Callable[[], Reports]) -> Load:
-    """Of several runs."""
+    """The median of several runs."""
     growths, shares = zip(*(measure(reports) for _ in range(RUNS)))
     return Load(statistics.median(growths), statistics.median(shares))
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints the table."""
     with own_ros_master():
         rospy.init_node('bench', disable_signals=True)
         print_table(

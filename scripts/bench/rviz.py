@@ -1,7 +1,7 @@
-"""RViz in software rendering: frames a second, its CPU, and the CPU of the nodes that feed it.
+"""Measures RViz in software rendering: frames per second, its CPU, and the CPU of its nodes.
 
-The floor is the same RViz, window and frame rate with every display switched off. Mesa's own
-heads-up display (GALLIUM_HUD) counts the frames and writes one number a second to a file.
+The floor is RViz with the same window and frame rate, but with all displays off. Mesa's heads-up
+display (GALLIUM_HUD) counts the frames and writes one number per second to a file.
 """
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ NODES = ('map_visualisation', 'robot_state_publisher', 'body_state_publisher', '
 
 
 class Figures(NamedTuple):
-    """Frames a second (median), and shares of a core by node."""
+    """Frames per second (median), and shares of a core by node."""
 
     frames: float
     shares: Dict[str, float]
 
 
 def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> Figures:
-    """Run RViz with `configuration` beside the stack (its process id) and look at both."""
+    """Runs RViz with `configuration` beside the stack (its process id), and measures both."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / 'bench.rviz'
         path.write_text(configuration.replace('Frame Rate: 10', f'Frame Rate: {frame_rate}'))
@@ -64,16 +64,16 @@ def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> 
 
 
 def frames_in(folder: str) -> List[float]:
-    """The frame rates that Mesa wrote so far."""
+    """The frame rates that Mesa has written so far."""
     file = Path(folder) / 'fps'
     return [float(line) for line in file.read_text().split()] if file.exists() else []
 
 
 def main() -> None:
-    """Print the table."""
+    """Prints the table."""
     missing = missing_programs()
     if missing:
-        print(f'RViz is not measured, not installed: {", ".join(missing)}')
+        print(f'Skipped, because these programs are not installed: {", ".join(missing)}')
         return
     port = free_port()
     os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Many LD-90s on one computer, as `scripts/run.sh fleet:=FILE` runs them, hosted and not.
+"""Measures many LD-90s on one computer, as `scripts/run.sh fleet:=FILE` runs them.
 
-Simulators are shown beside the rest. The floor are as many bare publishers at 2 Hz, hosted
-and not. `--robots 10 --hosted true` takes one point, which is less than four minutes.
+The robots run with and without the node host. The load of the simulators has its own rows. The
+floor is the same number of bare publishers at 2 Hz, hosted and not. `--robots 10 --hosted true`
+measures one point, in less than four minutes.
 """
 from __future__ import annotations
 
@@ -46,7 +47,7 @@ AIMS = {'ready': '< 40 s', 'memory': '< 3000 MB', 'standing': '< 0.9 cores',
 
 
 class Fleet:
-    """What the topics of all robots tell."""
+    """What all topics of the robots report."""
 
     def __init__(self, robots: int) -> None:
         self._robots = robots
@@ -78,7 +79,7 @@ class Fleet:
 
 @contextmanager
 def launched(command: List[str]) -> Iterator[subprocess.Popen]:
-    """A program that roslaunch ends as Ctrl-C does."""
+    """Starts a program, and ends it as Ctrl-C does."""
     with LOG.open('a', encoding='utf-8') as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, start_new_session=True)
         try:
@@ -89,7 +90,7 @@ def launched(command: List[str]) -> Iterator[subprocess.Popen]:
 
 
 def measure(robots: int, hosted: bool, speed: float) -> None:
-    """Prints the rows of one fleet; in a process of its own, as it becomes a node."""
+    """Prints the rows of one fleet; needs a process of its own, because it becomes a ROS node."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         os.environ['ROS_HOME'] = str(folder / 'ros_home')
@@ -121,7 +122,7 @@ def measure(robots: int, hosted: bool, speed: float) -> None:
 
 
 def show_standing(parts: Dict[str, Part]) -> None:
-    """Memory, threads and sockets, and the CPU of robots that stand."""
+    """Rows: memory, threads and sockets, and the CPU of robots that stand."""
     before, begun = used(parts), time.monotonic()
     for name in PARTS:
         part = parts[name]
@@ -136,7 +137,7 @@ def show_standing(parts: Dict[str, Part]) -> None:
 
 
 def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -> None:
-    """The CPU of robots that drive missions, delays, and what is lost."""
+    """Rows: the CPU of robots that drive missions, delays, and losses."""
     with launched(['rosrun', 'graph_fleet_manager', 'random_missions', '_seed:=1']):
         time.sleep(START_DRIVING)
         probe = Probe(PROBE, port)
@@ -157,7 +158,7 @@ def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -
 
 
 def show_cpu(when: str, parts: Dict[str, Part], before: Dict[str, float], seconds: float) -> None:
-    """One row: stacks with the host first."""
+    """One row, with the stacks (and their host) first."""
     shares = cpu_shares(parts, before, seconds)
     own = shares['stacks'] + shares[HOST]
     others = ', '.join(f'{name} {share:.2f}' for name, share in shares.items()
@@ -166,11 +167,11 @@ def show_cpu(when: str, parts: Dict[str, Part], before: Dict[str, float], second
 
 
 def measure_floor(nodes: int, hosted: bool) -> None:
-    """As many bare publishers."""
+    """Measures the same number of bare publishers."""
     hosted_by = '$(find node_host)/hosted ' if hosted else ''
     host = '''<include file="$(find node_host)/launch/node_host.launch">
       <arg name="modules" value="rospy std_msgs.msg"/></include>''' if hosted else ''
-    # roslaunch starts programs of packages only; what stands before one is free
+    # roslaunch starts only programs of packages; the launch-prefix can be any program
     rows = [f'<node name="bare_{k}" pkg="rostopic" type="rostopic" '
             f'launch-prefix="{hosted_by}{BARE}"/>' for k in range(nodes)]
     with tempfile.TemporaryDirectory() as folder:
@@ -197,7 +198,7 @@ def measure_floor(nodes: int, hosted: bool) -> None:
 
 
 def registered() -> int:
-    """Bare publishers that the master knows."""
+    """The number of bare publishers that the master knows."""
     try:
         publishers, _, _ = rosgraph.Master('/bench').getSystemState()
     except (OSError, rosgraph.MasterException):
@@ -206,7 +207,7 @@ def registered() -> int:
 
 
 def main() -> None:
-    """Prints the table, each point from a process of its own."""
+    """Prints the table; each point is measured in a process of its own."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--robots', type=int, choices=ROBOTS, action='append')
     parser.add_argument('--hosted', choices=('true', 'false'), action='append')

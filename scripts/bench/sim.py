@@ -1,8 +1,8 @@
-"""The simulated LD-90: what it costs at rest and driving, alone and as a fleet; scans; planning.
+"""Measures the simulated LD-90: CPU at rest and driving, alone and as a fleet; scans; planning.
 
-Processor time is that of the simulator's process over wall time, with a client that reads
-everything and watches whether the statuses come when they should. Scans and plans use a real LD
-robot's map where there is one beside the repository, else the laboratory.
+CPU time is the time of the simulator's process over wall time. A client reads everything and checks
+that the statuses come on time. Scans and plans use the map of a real LD robot if there is one
+beside the repository, else the laboratory.
 """
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ LIBRARIES = [sys.executable, '-c',
              'import numpy, yaml, scipy.ndimage, skimage.graph; print("ready", flush=True)']
 STATUS_PERIOD = 0.5     # s
 SECONDS = 10.0
-SETTLE = 8.0            # s, in which a whole fleet plans its first ways
+SETTLE = 8.0  # s, in which a whole fleet plans its first paths
 RUNS = 3
 FLEET = 50
 PAIRS = 60
 
 
 class Listener:
-    """Takes the outgoing connections of all robots, reads them and notes when statuses come."""
+    """Takes the outgoing connections of all robots, reads them, and notes when statuses come."""
 
     def __init__(self) -> None:
         self._selector = selectors.DefaultSelector()
@@ -77,12 +77,14 @@ class Listener:
                     self._selector.unregister(key.fileobj)
 
     def pace(self, since: float) -> float:
-        """Simulated seconds for each real one since then."""
+        """Simulated seconds per real second since then."""
         recent = [sum(at >= since for at in list(times)) for times in list(self._statuses.values())]
         return max(recent) * STATUS_PERIOD / (time.monotonic() - since)
 
     def lateness(self, since: float) -> np.ndarray:
-        """How late (s) each status came since then, against its link's most punctual one."""
+        """The delay, in s, of each status since then, relative to the most punctual one of its
+        link.
+        """
         late = []
         for times in list(self._statuses.values()):
             recent = np.array([at for at in list(times) if at >= since])
@@ -94,7 +96,7 @@ class Listener:
 
 def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
                     ) -> Tuple[float, float]:
-    """Percent of a core that a program takes, median of several stretches; and when they began."""
+    """Percent of a core that a program uses, median of several periods; and when they began."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:
             ports = [int(program.stdout.readline().split('127.0.0.1:')[1].split()[0])
@@ -113,13 +115,13 @@ def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], 
 
 
 def patrol(ports: List[int]) -> None:
-    """Sends the robots on endless drives, each of its own."""
+    """Sends each robot on an endless drive of its own."""
     for number, port in enumerate(ports):
         threading.Thread(target=drive, args=(port, number), daemon=True).start()
 
 
 def drive(port: int, number: int) -> None:
-    """Goes from goal to goal until the simulation ends."""
+    """Drives from goal to goal until the simulation ends."""
     with socket.create_connection(('127.0.0.1', port)) as sock, contextlib.suppress(OSError):
         sock.sendall(b'adept\ngetGoals\n')
         goals: List[str] = []
@@ -132,7 +134,7 @@ def drive(port: int, number: int) -> None:
 
 
 def hall(folder: str) -> Path:
-    """A hall of 50 x 40 m with pillars and 99 goals, wide enough for a fleet to move in."""
+    """A hall of 50 x 40 m with pillars and 99 goals, wide enough for a fleet."""
     path = Path(folder) / 'hall.map'
     walls = [(0, 0, 50000, 0), (0, 40000, 50000, 40000), (0, 0, 0, 40000),
              (50000, 0, 50000, 40000)]
@@ -157,7 +159,7 @@ def fleet_file(folder: str, link: int) -> Path:
 
 
 def processes(lab: Path) -> List[Row]:
-    """Shares of a core."""
+    """Rows: shares of a core."""
     listener = Listener()
     floor, _ = share_of_a_core(FLOOR_PROGRAM, 0, lambda ports: None)
     base = [*PROGRAM, '--port', '0']
@@ -179,14 +181,14 @@ def processes(lab: Path) -> List[Row]:
 
 
 def punctuality(listener: Listener, since: float) -> str:
-    """Whether the simulated clock kept up with the real one, as a listener saw it."""
+    """Text: did the simulated clock keep up with the real one, as a listener saw it?"""
     late = listener.lateness(since) * 1000.0
     return (f'clock at {100.0 * listener.pace(since):.0f} %, statuses late by '
             f'{np.median(late):.0f} ms, at most {late.max():.0f} ms')
 
 
 def ready(lab: Path) -> Row:
-    """From the program's start to the line that says it listens."""
+    """Seconds from the start of the program to the line that says that it listens."""
     def start(command: List[str]) -> None:
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
             program.stdout.readline()
@@ -198,7 +200,7 @@ def ready(lab: Path) -> Row:
 
 
 def scans(document: MapDocument, floor: Floor, start: Pose) -> Row:
-    """One scan, against one pass of numpy over as many rays."""
+    """One scan; the floor is one numpy operation over the same number of rays."""
     robot = Robot(Clock(), document, floor, start)
     rays = np.linspace(0.0, 1.0, laser.RAYS)
     ours = milliseconds(robot.scan, 200)
@@ -208,7 +210,7 @@ def scans(document: MapDocument, floor: Floor, start: Pose) -> Row:
 
 
 def plans(floor: Floor, start: Pose) -> Row:
-    """Planning between random places of the robot's own region."""
+    """Plans between random places of the region in which the robot stands."""
     planner = Planner(floor)
     region = floor.regions[floor.planning_cell(start.x, start.y)]
     cells = np.argwhere(floor.regions == region)
@@ -235,7 +237,7 @@ def plans(floor: Floor, start: Pose) -> Row:
 
 
 def main() -> None:
-    """Measures and prints the table."""
+    """Measures everything and prints the table."""
     lab = ROOT / 'maps' / 'lab.map'
     path = REAL if REAL.exists() else lab
     document = MapDocument.load(str(path))

@@ -1,6 +1,6 @@
-"""The whole stack: seconds from `scripts/run.sh` to the first pose, and the CPU it needs when idle.
+"""Measures the whole stack: s from `scripts/run.sh` to the first pose, and the CPU when idle.
 
-The floor of the start is roslaunch with one bare rospy publisher; that of the CPU is such a
+The floor of the start is roslaunch with one bare rospy publisher. The floor of the CPU is such a
 publisher at the stack's own rate, 2 Hz.
 """
 from __future__ import annotations
@@ -30,7 +30,7 @@ BARE = '''<launch>
 
 
 def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
-    """Puts the time at which the first message on /tf came."""
+    """Puts the time of the first message on /tf."""
     import rosgraph
     import rospy
     from tf2_msgs.msg import TFMessage
@@ -43,14 +43,16 @@ def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
 
 
 def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[str, float]]:
-    """Start `command`; returns seconds to the first transform, and CPU shares by node when idle."""
+    """Starts `command`; returns the seconds to the first transform, and CPU shares by node when
+    idle.
+    """
     master_port = free_port()
     queue: multiprocessing.Queue = multiprocessing.get_context('spawn').Queue()
     watcher = multiprocessing.get_context('spawn').Process(
         target=first_transform, args=(master_port, queue), daemon=True)
     watcher.start()
     environment = {**os.environ, 'ROS_MASTER_URI': f'http://127.0.0.1:{master_port}'}
-    time.sleep(1.0)  # the watcher's own imports shall not be measured
+    time.sleep(1.0)  # the time in which the watcher imports its modules must not be measured
     begun = time.monotonic()
     process = subprocess.Popen(command(master_port), env=environment, stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL)
@@ -58,7 +60,7 @@ def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[st
         seconds = queue.get(timeout=120) - begun
         shares: Dict[str, float] = {}
         if idle:
-            time.sleep(5.0)  # start-up is over
+            time.sleep(5.0)  # after this time the start-up is over
             before = {pid: cpu_seconds(pid) for pid in descendants(process.pid)
                       if node_name(pid) not in ('', 'rosout')}
             time.sleep(IDLE_SECONDS)
@@ -72,13 +74,13 @@ def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[st
 
 
 def stack(_: int) -> List[str]:
-    """The user's command, on free ports."""
+    """Starts the stack with the user's command, on free ports."""
     return [str(ROOT / 'scripts/run.sh'), 'rviz:=false', f'arcl_port:={free_port()}',
             f'outgoing_port:={free_port()}']
 
 
 def main() -> None:
-    """Print the tables."""
+    """Prints the tables."""
     with tempfile.NamedTemporaryFile('w', suffix='.launch') as bare:
         bare.write(BARE)
         bare.flush()

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""How long two missions in the example laboratory take, by strategy.
+"""Measures the time of two missions in the example laboratory, by route strategy.
 
-The bridge's route follower drives the simulated LD-90 on maps/lab.map from the dock and home again,
-in simulated time, so the figures do not depend on this computer. The floor is the robot sent to the
-destinations by itself, without a route: it need not pass the vertices between them. Each figure is
-the median of runs that differ in when the robot's status falls. `rolling` was made with the first
-mission; the second one, which calls at other places and turns round less often, keeps it honest.
+The bridge's route follower drives the simulated LD-90 on maps/lab.map from the dock and back to it,
+in simulated time. So the figures do not depend on this computer. For the floor, the robot itself
+drives to each destination without a route: it need not pass the vertices in between. Each figure is
+the median of runs that differ in the time of the robot's status. `rolling` was developed with the
+first mission. The second mission visits other places and turns round less often; it checks that the
+result is not specific to the first one.
 """
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ HEADINGS = ('strategy', 's', 'of vertex_by_vertex', 'commands', 'm off the curve
 
 
 class Drive(NamedTuple):
-    """What one drive of the mission came to."""
+    """The results of one drive of the mission."""
 
     seconds: float
     commands: int
@@ -40,7 +41,7 @@ class Drive(NamedTuple):
 
 
 def drive(strategy: str, route: Sequence[int], delay: float) -> Drive:
-    """Drives the route after waiting `delay` seconds."""
+    """Drives the route after a wait of `delay` seconds."""
     robot = SimulatedDrive(strategy)
     robot.wait(delay)
     seconds = robot.drive(1, *route)
@@ -56,7 +57,7 @@ def drive(strategy: str, route: Sequence[int], delay: float) -> Drive:
 
 
 def drive_freely(mission: Sequence[int], delay: float) -> Drive:
-    """The floor: the robot is sent to each destination, and left to itself."""
+    """The floor: the robot is sent to each destination and chooses its own path."""
     robot = SimulatedDrive()
     robot.wait(delay)
     start = robot.now

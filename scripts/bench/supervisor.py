@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The fleet's supervisor: what it costs a mission, and what it costs the computer.
+"""Measures the fleet's supervisor: the delay that it adds to a mission, and its CPU and memory.
 
 Everything runs as users run it: nodes under a ROS master, simulated robots, missions by topic, the
-journal on this computer's disk. `--only SECTION` runs a part (see SECTIONS); `headline` takes nine
-minutes, the others less than three each.
+journal on this computer's disk. `--only SECTION` runs one part (see SECTIONS). `headline` takes
+nine minutes, the others less than three each.
 """
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ LAB = {'graph': ROOT / 'maps/lab_graph.yaml', 'fleet': ROOT / 'maps/lab_fleet.ya
 MISSION = (18, 39, 52, 6, 16)
 ROBOT_NAME = 'omron_ld90'
 RUNS = 5
-SPEED = 4.0      # of the simulated LD-90's clock; every delay of ours counts so many times
+# factor of the simulated LD-90's clock; each delay of our programs counts by this factor
+SPEED = 4.0
 DRIVES = 20
 ACCEPTED = 300
 AGV_COUNT = 50
@@ -48,7 +49,7 @@ LOAD_SECONDS = 60.0
 
 
 class Robot:
-    """One simulated LD-90 behind the real nodes, and what they tell."""
+    """One simulated LD-90 behind the real nodes, and its reports."""
 
     def __init__(self, stack: Stack, speed: float) -> None:
         ports = {name: free_port() for name in ('robot', 'tap', 'outgoing')}
@@ -60,7 +61,7 @@ class Robot:
 
     def drive(self, begin: Callable[[], Any], ends: Callable[[ExecutionRouteStates], bool]
               ) -> Tuple[float, Tuple[int, ...]]:
-        """Seconds from `begin` to the report that ends it, and the edges driven."""
+        """Returns the seconds from `begin` to the last report, and the driven edges."""
         heard, begun = len(self.reports.messages), time.monotonic()
         begin()
         last = self.reports.wait_for(ends, 200, 'end of the drive', heard)
@@ -68,7 +69,7 @@ class Robot:
 
 
 class Missions:
-    """Sends missions to the fleet manager, and hears what becomes of them."""
+    """Sends missions to the fleet manager, and receives their states."""
 
     def __init__(self, robots: int) -> None:
         self.statuses = Recorder('/mission_status', MissionStatus)
@@ -81,25 +82,25 @@ class Missions:
         self.last = 0
 
     def send(self, *vertices: int) -> int:
-        """Sends one; its id."""
+        """Sends one mission; returns its id."""
         self.last += 1
         self.requests.publish(request_id=self.last, destination_vertices_id=vertices)
         return self.last
 
     def wait(self, id: int, *states: int) -> None:
-        """Until a mission is in one of these states."""
+        """Waits until a mission is in one of these states."""
         self.statuses.wait_for(lambda status: status.request_id == id and status.state in states,
                                200, f'mission {id} in {states}')
 
 
 def is_complete(report: ExecutionRouteStates) -> bool:
-    """Is the whole route driven, and the robot docked?"""
+    """True if the whole route is driven and the robot is docked."""
     return bool(report.edge_states) and report.edge_states[-1].edge_id == 13 and all(
         edge.state == EdgeState.COMPLETE for edge in report.edge_states)
 
 
 def headline() -> Iterator[Row]:
-    """The dissertation's mission by the fleet, and the same edges sent by hand at once."""
+    """The dissertation's mission by the fleet; the floor is the same edges sent by hand at once."""
     with Stack() as stack:
         robot = Robot(stack, SPEED)
         manager = stack.launch(MANAGER, speed=SPEED, **LAB)
@@ -123,7 +124,7 @@ def headline() -> Iterator[Row]:
 
 
 def latency() -> Iterator[Row]:
-    """From /mission_request to the first byte of the robot's first motion command."""
+    """The time from /mission_request to the first byte of the robot's first motion command."""
     with Stack() as stack:
         robot = Robot(stack, SPEED)
         stack.launch(MANAGER, speed=SPEED, **LAB)
@@ -135,14 +136,14 @@ def latency() -> Iterator[Row]:
             missions.wait(id, MissionStatus.SUCCEEDED)
             first = min(moment for moment in robot.tap.motions if moment > begun)
             found.append(1e3 * (first - begun))
-    found = sorted(found[2:])  # the first two prepare the planner
+    found = sorted(found[2:])  # the first two missions prepare the planner
     yield ('`/mission_request` to the first byte of a motion command, one LD-90',
            f'p50 {statistics.median(found):.0f} ms, at most {found[-1]:.0f} ms of {len(found)}',
            '', 'p50 < 60 ms')
 
 
 def acceptance() -> Iterator[Row]:
-    """From a mission sent to its status heard, and a bare commit on the same disk."""
+    """The time from a request to its first status; the floor is a bare commit on the same disk."""
     with Stack() as stack:
         stack.launch(MANAGER, speed=1.0, **LAB)
         rospy.init_node('bench', anonymous=True, disable_signals=True)
@@ -162,7 +163,7 @@ def acceptance() -> Iterator[Row]:
 
 
 def bare_commits(folder: Path) -> List[float]:
-    """Milliseconds of one small row each, as safe as the journal."""
+    """Milliseconds to commit one small row, with the same durability as the journal."""
     database = sqlite3.connect(folder / 'bare.sqlite', isolation_level=None)
     database.execute('PRAGMA journal_mode=WAL')
     database.execute('PRAGMA synchronous=FULL')
@@ -187,7 +188,7 @@ def load() -> Iterator[Row]:
         fleet = Recorder('/fleet_state', FleetState)
         fleet.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
                        >= 0.9 * AGV_COUNT, 120, 'a busy fleet')
-        time.sleep(20.0)  # the first plans for all of them are made
+        time.sleep(20.0)  # meanwhile the first plans for all robots are made
         before = {pid: cpu_seconds(pid) for pid in descendants(manager.pid) if node_name(pid)}
         heard = sum(len(recorder.messages) for recorder in reports)
         begun = time.monotonic()
@@ -209,7 +210,7 @@ def load() -> Iterator[Row]:
 
 
 def flood(count: int) -> Iterator[Row]:
-    """So many requests at once, beside a fleet that drives, and a cancel in their midst."""
+    """The given number of requests at once, beside a driving fleet, and a cancel among them."""
     with Stack() as stack:
         files = stack.agv_fleet(FLOODED_AGVS)
         stack.launch(MANAGER, speed=1.0, **files)
@@ -234,11 +235,11 @@ def flood(count: int) -> Iterator[Row]:
 
 
 class Flooding:
-    """Requests at once, each for one of the vertices, and what is heard of them."""
+    """Requests at once, each for one of the vertices, and the messages about them."""
 
     def __init__(self, count: int, vertices: Sequence[int]) -> None:
         self._count, self._vertices = count, vertices
-        self._answered: Dict[int, float] = {}  # by id, when the first status of it came
+        self._answered: Dict[int, float] = {}  # by id: the time of its first status
         self._cancelled = 0.0
         rospy.Subscriber('/mission_status', MissionStatus, self._hear)
         self._requests, self._commands = (
@@ -258,7 +259,7 @@ class Flooding:
             self._vertices[id % len(self._vertices)]])
 
     def run(self) -> Tuple[float, float]:
-        """Seconds until all are answered, and until a mission of before is cancelled."""
+        """Seconds until all are answered, and until an earlier mission is cancelled."""
         self._send(1)
         wait_until(lambda: 1 in self._answered, 30, 'the first mission')
         begun = asked = time.monotonic()

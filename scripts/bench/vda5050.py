@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""VDA 5050: latencies through the adapter beside bare MQTT, many vehicles on one broker, driving.
+"""Measures VDA 5050: latencies through the adapter, many vehicles on one broker, and driving.
 
-A mosquitto of its own on loopback; the stack with a simulated LD-90; the ARCL line goes through a
-tap that notes when the first command of an order passes.
+The floor is bare MQTT. A mosquitto of the benchmark's own runs on loopback. The stack runs with a
+simulated LD-90. The ARCL line goes through a tap that notes when the first command of an order
+passes.
 """
 from __future__ import annotations
 
@@ -44,12 +45,12 @@ RUNS = 5
 CHANGES = 200
 ORDERS = 15
 VEHICLES, RATE, SECONDS = 50, 2.0, 20.0
-AHEAD = 8.0  # m that the base is kept ahead
+AHEAD = 8.0  # m: the base ends at least this far ahead of the vehicle
 
 
 @contextmanager
 def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[ArclTap, int]]:
-    """The stack under a ROS master of its own; yields the tap and roslaunch's process id."""
+    """The stack under its own ROS master; yields the tap and the process id of roslaunch."""
     robot_port, outgoing = free_port(), free_port()
     tap = ArclTap(free_port(), robot_port)
     launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
@@ -88,12 +89,12 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Arcl
 
 
 def milliseconds(values: Sequence[float]) -> str:
-    """Of seconds, for a table."""
+    """Formats seconds as ms for a table."""
     return p50_and_p99([1e3 * value for value in values])
 
 
 def ready(master: Master) -> None:
-    """The vehicle is well, at the dock."""
+    """Waits until the vehicle is without errors, at the dock."""
     master.wait(lambda s: s['lastNodeId'] and not s['errors'], 60, 'a vehicle that is well')
 
 
@@ -107,7 +108,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
         client.connect(broker.host, broker.port)
         client.loop_start()
     clients[1].subscribe('bare')
-    time.sleep(0.5)  # the subscription has no acknowledgement here that both paho versions share
+    time.sleep(0.5)  # paho has no acknowledgement of a subscription that both its versions share
     latencies = []
     for _ in range(CHANGES):
         event.clear()
@@ -123,13 +124,13 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
 
 
 def ros_to_mqtt(master: Master) -> List[float]:
-    """From publishing a field violation on ROS to the state at a subscriber of MQTT."""
+    """The time from a field violation on ROS to the state at an MQTT subscriber."""
     publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
     deadline = time.monotonic() + 30.0
     while not any(info[1].endswith('vda5050_vehicle')
                   for info in publisher.impl.get_stats_info()):
         if time.monotonic() > deadline:
-            raise SystemExit('the adapter does not subscribe its signal')
+            raise SystemExit('the adapter does not subscribe to its signal')
         time.sleep(0.05)
     latencies = []
     for number in range(CHANGES):
@@ -146,11 +147,11 @@ def ros_to_mqtt(master: Master) -> List[float]:
 
 
 def first_with(master: Master, heard: int, pressed: bool) -> float:
-    """When the first state with this field violation came."""
+    """The time of the first state with this field violation."""
     for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
         if state['safetyState']['fieldViolation'] == pressed:
             return moment
-    raise SystemExit('the change was lost')
+    raise SystemExit('the state with the change did not arrive')
 
 
 def drive(master: Master, track: Track, send: Callable[[str], int]) -> float:
@@ -164,13 +165,13 @@ def drive(master: Master, track: Track, send: Callable[[str], int]) -> float:
 
 
 def whole(master: Master, track: Track) -> Callable[[str], int]:
-    """The order in one message."""
+    """Returns a function that sends the order in one message."""
     return lambda order_id: master.send('order', track.order(order_id))
 
 
 def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
                     ) -> Callable[[str], int]:
-    """The order edge by edge, so that the base ends `AHEAD` m or more ahead of the vehicle."""
+    """Returns a function that sends the order edge by edge, with a base of `AHEAD` m or more."""
     def send(order_id: str) -> int:
         base, update = 1, 0
         heard = master.send('order', track.part(0, 1).order(order_id))
@@ -191,7 +192,7 @@ def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
 
 
 def order_to_arcl(master: Master, tap: ArclTap, graph) -> List[float]:
-    """From sending an order to the first byte of its command on the ARCL line."""
+    """The time from sending an order to the first byte of its command on the ARCL line."""
     latencies = []
     there = track_on(graph, (8, 10), 'map')
     for track in (there, there.reversed()) * (ORDERS // 2 + 1):
@@ -203,7 +204,7 @@ def order_to_arcl(master: Master, tap: ArclTap, graph) -> List[float]:
 
 
 def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int, List[float]]:
-    """Sent, received, latencies of states of many vehicles on one broker."""
+    """Many vehicles on one broker: messages sent, messages received, latencies of their states."""
     arrived: List[float] = []
     subscriber = make_client('many')
     subscriber.on_message = lambda _c, _u, message: arrived.append(
@@ -234,7 +235,7 @@ def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int,
 
 
 def returns(master: Master, own_broker: OwnBroker) -> List[float]:
-    """Seconds from the broker's return to ONLINE."""
+    """Seconds from the broker's return to the state ONLINE."""
     found = []
     for _ in range(RUNS):
         heard = master.count('connection')
@@ -249,7 +250,7 @@ def returns(master: Master, own_broker: OwnBroker) -> List[float]:
 
 
 def share_of_core(pid: int, seconds: float) -> float:
-    """CPU of the adapter, as a share of one core."""
+    """The CPU of the adapter, as a share of one core."""
     adapter = next(child for child in descendants(pid)
                    if node_name(child) == 'vda5050_vehicle')
     before = cpu_seconds(adapter)
@@ -258,7 +259,7 @@ def share_of_core(pid: int, seconds: float) -> float:
 
 
 def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
-    """Latencies, many vehicles, return of the broker, CPU; robot in its own time."""
+    """Rows: latencies, many vehicles, return of the broker, CPU; the robot runs in real time."""
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     master = Master(broker, PREFIX)
     with stack(broker, 1.0, folder) as (_, pid):
@@ -286,7 +287,7 @@ def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
 
 
 def part_mission(broker: Broker, folder: Path) -> None:
-    """Orders to the ARCL line; the mission of the laboratory at once, and by single edges."""
+    """Rows: order to ARCL line; the mission of the laboratory in one message, and edge by edge."""
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     track = track_on(graph, MISSION, 'map')
     lengths = [graph.curve(int(edge)).length for edge in track.edges]

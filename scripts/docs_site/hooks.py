@@ -1,4 +1,4 @@
-"""What mkdocs does besides: pages of the repository's root, and links as they are on the site."""
+"""Hooks of mkdocs: they add pages of the repository's root, and change links for the site."""
 from __future__ import annotations
 
 import posixpath
@@ -20,7 +20,7 @@ _LINK = re.compile(r'(?<=\]\()[^)#\s:]+(?=[)#])')
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Adds the pages of the root, and what each page loads."""
+    """Adds the pages of the root, and the files that pages load."""
     for name in ROOT_PAGES:
         files.append(File.generated(config, name, content=(ROOT / name).read_text('utf-8')))
     for name in ASSETS:
@@ -30,7 +30,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """The page as Python-Markdown reads it: the sources are written for GitHub's reader."""
+    """Converts a page written for GitHub's Markdown into one for Python-Markdown."""
     on_site = page.file.src_uri
     in_repository = on_site if on_site in ROOT_PAGES else f'docs/{on_site}'
 
@@ -42,14 +42,14 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def plain_pipes(markdown: str) -> str:
-    r"""`a\|b` in tables: GitHub needs the backslash, Python-Markdown shows it."""
+    r"""Replaces `a\|b` in tables: GitHub needs the backslash, but Python-Markdown shows it."""
     return re.sub(r'`[^`\n]*`', lambda code: code[0].replace(r'\|', '|'), markdown)
 
 
 def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
-    """Refuses a page that loads something from the internet."""
+    """Fails if a page loads something from the internet."""
     foreign = _FOREIGN.search(output)
     if foreign:
-        raise PluginError(f'{page.file.src_uri} loads {foreign[0]}: the site must do without a '
+        raise PluginError(f'{page.file.src_uri} loads {foreign[0]}: the site must work without a '
                           'network, so put it beside the other files of scripts/docs_site')
     return output

@@ -1,4 +1,5 @@
-// Browsers start no worker for a page that was opened as a file, and the search is one. There it runs in a hidden frame.
+// The search of the site runs in a web worker. Browsers start no worker for a page that was opened as a file, so for such
+// a page the search runs in a hidden frame.
 if (location.protocol === 'file:') {
   window.Worker = class extends EventTarget {
     constructor(url) {

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""A simulated fleet for hours, while all sorts of things go wrong; a witness judges it.
+"""Runs a simulated fleet for hours while many things go wrong; a witness judges it.
 
-Robots are several times as fast as real ones; all software runs in real time. The same seed draws
-the same missions, faults and waits; when they happen depends on the machine. Prints a report.
+Robots are several times as fast as real ones. All software runs in real time. The same seed draws
+the same missions, faults and waits, but the time at which they happen depends on the machine.
+Prints a report.
 """
 from __future__ import annotations
 
@@ -31,14 +32,14 @@ ROOT = Path(__file__).resolve().parents[2]
 LOG = ROOT / 'build/soak.log'
 READY = (FleetRobot.IDLE, FleetRobot.BUSY)
 READY_WITHIN = 150.0  # s
-LOOK = 0.04  # s between two looks
-GRACE = 6.0  # s until a robot that can be reached stands
-SAMPLE = 5.0  # s between two looks at memory
-LAST = 240.0  # s for open missions to end, once nothing goes wrong any more
+LOOK = 0.04  # s between two looks of the witness
+GRACE = 6.0  # s within which a robot that can be reached must stop
+SAMPLE = 5.0  # s between two measurements of memory
+LAST = 240.0  # s for open missions to end, after the last disturbance
 KINDS = ('memory, MB', 'threads', 'sockets', 'files')
 GROWTH = {'memory, MB': (0.15, 40.0), 'threads': (0.1, 20.0), 'sockets': (0.1, 20.0),
           'files': (0.1, 20.0)}
-JOURNAL = 12e6, 10e3  # bytes, the write-ahead log included; and so many for each mission
+JOURNAL = 12e6, 10e3  # bytes, with the write-ahead log; the second number is bytes per mission
 
 
 class Soak:
@@ -60,12 +61,12 @@ class Soak:
         self._sent = 0
 
     def run(self) -> bool:
-        """Whether every promise held; raises SystemExit where the fleet does not start."""
+        """True if all promises held; raises SystemExit if the fleet does not start."""
         names = set(self.hall.radii)
         if not self.fleet.wait_for(lambda: self.fleet.is_connected and names <= {
                 name for name, robot in self.fleet.robots().items() if robot.state in READY},
                 READY_WITHIN):
-            print(f'The fleet is not ready within {READY_WITHIN:.0f} s; its log: {LOG}')
+            print(f'The fleet was not ready within {READY_WITHIN:.0f} s; see its log: {LOG}')
             sys.exit(2)
         port = self.launch.control_port
         self.simulators = Simulators(port, port + 1)
@@ -79,7 +80,7 @@ class Soak:
             thread.start()
         self._wait_until_over(begun + 3600.0 * self._given.hours)
         if not self.launch.is_running:
-            self._errors.append(f'roslaunch has ended; its log: {LOG}')
+            self._errors.append(f'roslaunch ended before the soak; see its log: {LOG}')
         self._ended.set()
         threads[-1].join(120.0)
         self._end(begun)
@@ -97,7 +98,7 @@ class Soak:
             time.sleep(0.2)
 
     def _end(self, begun: float) -> None:
-        """Nothing goes wrong any more: all missions end."""
+        """Waits, without further disturbances, until all missions have ended."""
         if self.witness.broken and self._given.until_broken:
             return
         self.disturbances.remedy_all()
@@ -110,7 +111,7 @@ class Soak:
     def _guarded(self, work: Callable[[], None]) -> None:
         try:
             work()
-        except Exception as error:  # it ends the run, and stands in the report
+        except Exception as error:  # the exception ends the run, and the report shows it
             self._errors.append(f'{work.__name__}: {type(error).__name__}: {error}')
             raise
 
@@ -165,7 +166,7 @@ class Soak:
 
     @property
     def journal_size(self) -> int:
-        """With what belongs to it."""
+        """The size of the journal with its write-ahead log, in bytes."""
         return sum(file.stat().st_size for file in self.launch.folder.glob('fleet.sqlite*'))
 
     def _report(self, seconds: float) -> None:

@@ -1,7 +1,7 @@
-"""The wall clock of a Python process jumps: time.time() is ahead by what stands in a file.
+"""Makes the wall clock of a Python process jump: time.time() is ahead by the number in a file.
 
-Python imports this by itself from a folder in PYTHONPATH. JUMPING_CLOCK names the file, which may
-be missing. Clocks that never jump (time.monotonic) stay as they are.
+Python imports this module at its start if its folder is in PYTHONPATH. JUMPING_CLOCK names the
+file, which may be missing. Clocks that never jump (time.monotonic) do not change.
 """
 from __future__ import annotations
 

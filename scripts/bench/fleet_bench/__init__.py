@@ -1,1 +1,1 @@
-"""What `fleet.py` measures with: graphs, fleets, rivals, a fleet at work."""
+"""Parts of `fleet.py`: graphs, fleets, rivals, and a fleet at work."""

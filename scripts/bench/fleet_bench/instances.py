@@ -1,4 +1,4 @@
-"""Graphs and fleets for the benchmark; everything is drawn from a seed."""
+"""Graphs and fleets for the benchmark. A seed determines everything."""
 from __future__ import annotations
 
 import math
@@ -16,19 +16,19 @@ CLEARANCE = 0.1
 
 
 class Instance(NamedTuple):
-    """Robots by name with the vertices at which they begin and end."""
+    """Robots by name, each with its start vertex and its goal vertex."""
 
     starts: Dict[str, int]
     goals: Dict[str, int]
 
     def tasks(self, kind: RobotType = AGV) -> List[Task]:
-        """The same for the planner."""
+        """The same as tasks for the planner."""
         return [Task(name, kind, start, destinations=(self.goals[name],), stays=True)
                 for name, start in self.starts.items()]
 
 
 class _Drawing:
-    """A graph that grows."""
+    """A graph to which vertices and edges are added."""
 
     def __init__(self) -> None:
         self.vertices: List[Vertex] = []
@@ -47,11 +47,11 @@ class _Drawing:
 
 
 def aisles(vertices: int) -> Tuple[Graph, List[int]]:
-    """A warehouse of about so many vertices, and its stations.
+    """Returns a warehouse with about the given number of vertices, and its stations.
 
-    Aisles 6 m apart with a vertex every 2.4 m, joined by a cross lane at every fourth; from the
-    vertices between leads a spur of 1.8 m, driven at half speed, to a station with no other way
-    out.
+    The aisles are 6 m apart, with a vertex every 2.4 m. A cross lane joins them at every fourth
+    vertex. At the vertices in between, a spur of 1.8 m leads to a station. Robots drive a spur at
+    half speed, and a station has no other exit.
     """
     columns = int(math.sqrt(vertices) * 0.9)
     rows = int(vertices / (columns * 1.9)) + 1
@@ -77,8 +77,11 @@ def aisles(vertices: int) -> Tuple[Graph, List[int]]:
 
 
 def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Graph:
-    """A roadmap with few, long edges: points at least `spacing` m apart, each pair joined that no
-    third point is nearer to than they are to each other (the relative neighbourhood graph)."""
+    """Returns a roadmap with few, long edges (a relative neighbourhood graph).
+
+    Points are at least `spacing` m apart. A pair is joined if no third point is nearer to both of
+    them than they are to each other.
+    """
     random = Random(seed)
     side = spacing * math.sqrt(vertices) * 1.3
     points: List[Tuple[float, float]] = []
@@ -99,7 +102,7 @@ def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Grap
 
 
 def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
-    """So many edges between near vertices on a jittered grid, half of them splines."""
+    """The given number of edges between near vertices on a jittered grid; half are splines."""
     random = Random(seed)
     columns = math.ceil(math.sqrt(vertices))
     drawing = _Drawing()
@@ -118,7 +121,7 @@ def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
 
 
 def draw(pool: Sequence[int], robots: int, seed: int) -> Instance:
-    """Robots with different starts and different goals out of `pool`."""
+    """Robots with different starts and different goals, drawn from `pool`."""
     random = Random(seed)
     starts, goals = random.sample(pool, robots), random.sample(pool, robots)
     names = [f'r{k}' for k in range(robots)]

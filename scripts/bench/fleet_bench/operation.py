@@ -1,4 +1,6 @@
-"""A fleet at work: missions one after the other, delays and stalls, every replanning timed."""
+"""A fleet at work: missions one after the other, delays and stalls, with a time for each
+replanning.
+"""
 from __future__ import annotations
 
 import sys
@@ -19,7 +21,8 @@ from trajectory_graph import Graph, load_graph, split_edges  # noqa: E402
 DOCK = 16
 STATIONS = (6, 18, 27, 39, 52, DOCK)
 PARKING = (8, 10, 14, 32, 33, 35, 41, 18, 27, 39, 52, 6, DOCK)  # the largest well-formed set
-# The first of them are the robots' starts. At edge speeds an AGV goes as fast as the edge allows.
+# The first vertices of `parking` are the starts of the robots. At edge speeds an AGV drives as fast
+# as the edge allows.
 AGV = RobotType('agv', 0.43, 10.0, docks=frozenset((DOCK,)))
 LD90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks=frozenset((DOCK,)))
 DELAYS = Delays()
@@ -28,7 +31,9 @@ DELAYS = Delays()
 def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequence[int],
             parking: Sequence[int], clearance: float, seed: int, seconds: float,
             rounds: int, time_limit: float) -> FleetRun:
-    """The fleet after so many simulated seconds; each mission is one goal, drawn evenly."""
+    """Runs the fleet for the given number of simulated seconds; each mission is one goal, drawn
+    evenly.
+    """
     planner = FleetPlanner(RoadNetwork(graph), clearance, [kind], parking, seed=seed)
     planner.prepare()
     robots: Dict[str, tuple] = {f'r{k}': (kind, start) for k, start in enumerate(starts)}
@@ -42,7 +47,7 @@ def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequenc
 
 def in_the_laboratory(robots: int, longest: float, kind: RobotType, seed: int,
                       seconds: float = 3600.0, rounds: int = 100) -> FleetRun:
-    """An hour on the example laboratory's graph, its edges cut at `longest` m."""
+    """An hour on the example laboratory's graph, with its edges cut at `longest` m."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), longest)
     return at_work(graph, kind, PARKING[:robots], STATIONS, PARKING, 0.1, seed, seconds, rounds,
                    time_limit=2.0)

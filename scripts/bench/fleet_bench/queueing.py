@@ -1,8 +1,8 @@
-"""What the laboratory's dead ends alone allow: robots that meet only at the stations.
+"""Missions that the dead ends of the laboratory allow, if robots meet only at the stations.
 
-Every station lies at the end of an edge with no other way out, so one robot after the other drives
-in and out again, in the order in which they come. Everywhere else robots drive as if alone. No
-planner can do much better with missions that are drawn one by one.
+Each station lies at the end of an edge and has no other exit. So one robot after the other drives
+in and out, in the order of arrival. Everywhere else a robot drives as if it were alone. No planner
+can do much better if missions are drawn one by one.
 """
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ class _Spur(NamedTuple):
 
 
 def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
-    """How many are done in so many simulated seconds, with the delays of the laboratory's runs."""
+    """The missions done in the given number of simulated seconds, with the delays of the runs
+    above.
+    """
     network = RoadNetwork(load_graph(operation.ROOT / 'maps/lab_graph.yaml'))
     graph, times = network.graph, network.times(operation.AGV)
     random = Random(seed)
@@ -46,7 +48,8 @@ def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
         times = network.paths_to(operation.AGV, (network.index[junction],))[0]
         return late(float(times[network.index[begin]]))
 
-    arrivals: List[Tuple[float, int, int]] = []  # when a robot comes to the junction of a station
+    # time at which a robot arrives at the junction of a station
+    arrivals: List[Tuple[float, int, int]] = []
     for robot, start in enumerate(operation.PARKING[:robots]):
         station, begun = other_than(start), 0.0
         if start in spurs:

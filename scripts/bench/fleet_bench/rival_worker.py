@@ -1,9 +1,9 @@
 """Runs a rival in its own virtual environment: instances as JSON on stdin, paths on stdout.
 
-A rival that runs in C++ cannot be stopped; what it finds after its time does not count.
+A rival in C++ cannot be stopped. A result that it finds after its time limit does not count.
 
 Input: {"edges": [[a, b], ...], "instances": [{"starts": [...], "goals": [...]}], "solver": name,
-"limit": seconds}. Output: for each instance [seconds, paths or null], a path being the vertex of
+"limit": seconds}. Output: for each instance [seconds, paths or null]; a path lists the vertex of
 one robot at each step.
 """
 import json
@@ -17,7 +17,7 @@ class TooLong(Exception):
 
 
 def pymapf_solver(name, edges, limit):
-    """LaCAM and PIBT of pymapf, pure Python: one robot per vertex, none swap their places."""
+    """LaCAM and PIBT of pymapf, pure Python: one robot per vertex, no two robots swap places."""
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
 
@@ -32,7 +32,8 @@ def w9_solver(name, edges, limit):
     """HCA* and CBS of w9-pathfinding, C++: one robot per vertex, one per edge."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
-    both_ways = [*edges, *(edge[::-1] for edge in edges)]  # undirected, it would let robots swap
+    # in an undirected graph it would let robots swap
+    both_ways = [*edges, *(edge[::-1] for edge in edges)]
     graph = Graph(max(map(max, edges)) + 1, edges=both_ways, edge_collision=True)
     longest = {'max_length': len(edges)}
     if name == 'cbs':
@@ -46,7 +47,7 @@ def w9_solver(name, edges, limit):
 
 
 def stopped_after(limit, solve, *instance):
-    """Runs Python for at most `limit` s; raises TooLong when they are over."""
+    """Runs Python code for at most `limit` s; raises TooLong after that."""
     def stop(*_):
         raise TooLong
     signal.signal(signal.SIGALRM, stop)
@@ -59,7 +60,7 @@ def stopped_after(limit, solve, *instance):
 
 
 def main():
-    """Solves what stdin asks for."""
+    """Solves the instances on stdin."""
     asked = json.load(sys.stdin)
     package, name = asked['solver'].split('/')
     solve = {'pymapf': pymapf_solver, 'w9': w9_solver}[package](
@@ -70,7 +71,7 @@ def main():
         begun = time.perf_counter()
         try:
             paths = stopped_after(asked['limit'], solve, instance['starts'], instance['goals'])
-        except (TooLong, RuntimeError):  # the latter is w9's own way to say so
+        except (TooLong, RuntimeError):  # w9 returns the empty list when it finds nothing
             paths = None
         seconds = time.perf_counter() - begun
         results.append([seconds, paths if seconds <= asked['limit'] else None])

@@ -1,9 +1,10 @@
-"""Other planners on the same instances, and whether robots could really drive what they plan.
+"""Runs other planners on the same instances, and checks if robots can drive their plans.
 
-They know vertices, edges and steps that all take equally long; conflict sets, durations, sizes and
-delays cannot be told to any of them. So their moves are put into an order, step by step, which
-robot leaves a vertex before which one enters it, and timed by our own rules; then the checker says
-whether that is safe. A plan in which robots follow each other in a ring has no such order.
+The rivals know vertices, edges, and steps of equal length. None of them can be given conflict sets,
+durations, sizes or delays. So this module puts their moves into an order: at each step a robot
+leaves a vertex before another robot enters it. Then it computes the times by our own rules, and the
+checker decides if the result is safe. A plan in which robots follow each other in a ring has no
+such order.
 """
 from __future__ import annotations
 
@@ -31,17 +32,17 @@ SOLVERS = ('pymapf/lacam', 'pymapf/pibt', 'w9/hca', 'w9/cbs')
 
 
 class Judged(NamedTuple):
-    """What came of one instance."""
+    """The result for one instance."""
 
     seconds: float
     solved: bool
-    """Was a plan found in time?"""
+    """True if a plan was found in time."""
     ratio: Optional[float]
-    """Its cost over the lower bound, at true durations; None where it cannot be driven safely."""
+    """Its cost over the lower bound, with true durations; None if it cannot be driven safely."""
 
 
 def environment(package: str) -> Tuple[Optional[Path], str]:
-    """The Python of a virtual environment with a rival, or why there is none."""
+    """The Python of a virtual environment with a rival, or the reason why there is none."""
     folder = ROOT / 'build/rivals' / package
     python = folder / 'bin/python'
     if sys.version_info < (3, 10):
@@ -62,7 +63,7 @@ def environment(package: str) -> Tuple[Optional[Path], str]:
 
 def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
         limit: float) -> List[Judged]:
-    """A rival on all instances."""
+    """Runs a rival on all instances."""
     asked = {'solver': solver, 'limit': limit,
              'edges': [[e.origin, e.destination] for e in graph.edges.values()],
              'instances': [{'starts': list(i.starts.values()), 'goals': list(i.goals.values())}
@@ -75,8 +76,10 @@ def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
 
 
 def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> Optional[float]:
-    """Cost over the lower bound of these moves with true sizes, curves and durations, None where no
-    order makes them safe."""
+    """The cost over the lower bound of these moves, with true sizes, curves and durations.
+
+    None if no order makes them safe.
+    """
     order = _in_order(graph, instance, paths)
     if order is None:
         return None
@@ -98,7 +101,7 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
 
 def _in_order(graph: Graph, instance: Instance,
               paths: Sequence[Sequence[int]]) -> Optional[List[Tuple[str, int]]]:
-    """(robot, drive) step by step; None where robots follow each other in a ring."""
+    """(robot, drive) step by step; None if robots follow each other in a ring."""
     drives: Dict[Tuple[int, int], int] = {}
     for k, edge in enumerate(graph.edges.values()):
         drives[edge.origin, edge.destination] = 2 * k
@@ -119,7 +122,7 @@ def _in_order(graph: Graph, instance: Instance,
 
 
 def world_of(graph: Graph, instance: Instance) -> World:
-    """An instance for the checker."""
+    """The checker's view of an instance."""
     return World(*as_files(graph, [AGV], {name: (AGV.name, vertex)
                                           for name, vertex in instance.starts.items()},
                            {name: [goal] for name, goal in instance.goals.items()}, CLEARANCE))

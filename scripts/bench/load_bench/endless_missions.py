@@ -1,6 +1,6 @@
-"""Keeps so many missions open: for each that ends another one is sent.
+"""Keeps the given number of missions open: sends a new mission for each that ends.
 
-The robots on rings have one long mission each, round after round.
+Each robot on a ring has one long mission, round after round.
 """
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import rospy
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from system_support import connected_publisher
 
-STEP, STOPS = 5, 60  # vertices of a ring from stop to stop, and stops of a mission
+STEP, STOPS = 5, 60  # vertices of a ring between two stops; number of stops of a mission
 _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
                    MissionStatus.CANCELLED))
 
 
 class EndlessMissions:
-    """Missions over two of these vertices, at random; `rings` by the robots that drive on them."""
+    """Missions to two of these vertices, drawn at random; `rings` holds vertices by robot name."""
 
     def __init__(self, vertices: Sequence[int], rings: Mapping[str, Sequence[int]]) -> None:
         self._rings = rings
@@ -34,13 +34,13 @@ class EndlessMissions:
                                              to='path_supervisor')
 
     def send_round(self) -> None:
-        """One mission for each robot on a ring."""
+        """Sends one mission for each robot on a ring."""
         for robot, ring in self._rings.items():
             stops = [ring[STEP * k % len(ring)] for k in range(1, STOPS + 1)]
             self._publish(MissionRequest(destination_vertices_id=stops, robot=robot, priority=1))
 
     def send(self, count: int) -> None:
-        """So many more."""
+        """Sends the given number of further missions."""
         for _ in range(count):
             with self._lock:
                 chosen = self._random.sample(self._vertices, 2)

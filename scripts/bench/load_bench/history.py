@@ -1,4 +1,4 @@
-"""A journal in which a million missions have ended: what the start and a request cost with it."""
+"""A journal with a million ended missions: the time of the start, and the time of a request."""
 from __future__ import annotations
 
 import json
@@ -24,11 +24,11 @@ ENDED = 1_000_000  # missions
 ROBOTS, SIDE = 200, 71
 STARTS = 5
 REQUESTS = 300
-_PERIOD = 86400.0  # s in which they ended
+_PERIOD = 86400.0  # s over which the missions ended
 
 
 def fill(path: Path, count: int) -> None:
-    """Writes so many ended missions into a new journal; each has three changes."""
+    """Writes the given number of ended missions into a new journal, each with three changes."""
     Journal(str(path)).close()
     database = sqlite3.connect(path)
     now, done = time.time(), int(MissionState.SUCCEEDED)
@@ -50,7 +50,7 @@ def fill(path: Path, count: int) -> None:
 
 
 def history() -> Iterator[Row]:
-    """Starts, and requests, with an empty journal as the floor."""
+    """Measures starts and requests; the floor is an empty journal."""
     kind = RobotType('agv', 0.43, 1.0)
     graph = grid(SIDE)
     vertices = list(graph.vertices)
@@ -63,7 +63,7 @@ def history() -> Iterator[Row]:
         for count in (0, ENDED):
             path = Path(folder) / f'{count}.sqlite'
             fill(path, count)
-            _begin(path, graph, fleet)  # the graph is stored by the first
+            _begin(path, graph, fleet)  # the first start stores the graph
             starts[count] = [_begin(path, graph, fleet) for _ in range(STARTS)]
             journal = Journal(str(path))
             supervisor = Supervisor(graph, fleet, {}, journal, 0.0)

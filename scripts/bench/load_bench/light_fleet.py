@@ -1,7 +1,8 @@
-"""Hundreds of robots in one process: they report at 10 Hz and obey routes, and no more.
+"""Hundreds of robots in one process: they report at 10 Hz and obey routes, and do nothing else.
 
-Each order for more edges of a robot on a ring of its own is timed from the report that made it due:
-the first by which the robot has no more ahead than it needs in order not to brake.
+For a robot on a ring of its own, each order for more edges is timed from the report that made the
+order due. That is the first report by which the robot has no more metres ahead than it needs in
+order not to brake.
 """
 from __future__ import annotations
 
@@ -20,14 +21,14 @@ from trajectory_graph import Graph
 from trajectory_graph.route_messages import fill_refusal
 
 PERIOD = 0.1  # s between two reports of a robot
-_SLICES = 10  # in which the reports of a period are spread
+_SLICES = 10  # parts of a period over which the reports are spread
 
 
 class Release(NamedTuple):
-    """More edges for a robot under the same id.
+    """More edges for a robot under the same route id.
 
-    moment  -- when it came, s by the monotonic clock
-    seconds -- since the report that made it due
+    moment  -- time of arrival, s of the monotonic clock seconds -- seconds since the report that
+    made the order due
     """
 
     moment: float
@@ -35,7 +36,7 @@ class Release(NamedTuple):
 
 
 class _Robot:
-    """One robot, its topics, and since when it has told that it needs more edges."""
+    """One robot, its topics, and the time since which it reports that it needs more edges."""
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
                  lock: threading.Lock) -> None:
@@ -64,13 +65,13 @@ class _Robot:
                                                 rospy.Time.now().to_nsec()))
 
     def _ahead(self) -> float:
-        """m of its route that it has not driven yet."""
+        """Metres of its route that it has not driven yet."""
         agv = self.agv
         left = sum(agv.graph.curve(edge).length for edge in agv.edges[agv.current:])
         return left - (agv.arc if agv.is_driving else 0.0)
 
     def report(self, stamp: rospy.Time) -> None:
-        """Publishes where the robot is."""
+        """Publishes the robot's report."""
         with self._lock:
             agv = self.agv
             report, (x, y) = agv.report(0.0), agv.position
@@ -87,7 +88,7 @@ class _Robot:
 
 
 class LightFleet:
-    """The robots, driven by a thread of their own."""
+    """The robots; a thread of this object drives them."""
 
     def __init__(self, graph: Graph, places: Mapping[str, int]) -> None:
         self._lock = threading.Lock()
@@ -96,7 +97,7 @@ class LightFleet:
                                            for name, vertex in places.items()}
         self.reports = 0
         self.latest = 0.0
-        """s, the longest time by which reports were late so far."""
+        """s: the longest delay of a report so far."""
         threading.Thread(target=self._drive, name='robots', daemon=True).start()
 
     def _drive(self) -> None:
@@ -122,12 +123,12 @@ class LightFleet:
 
     @property
     def releases(self) -> List[Release]:
-        """All so far of robots on rings."""
+        """All releases so far of robots on rings."""
         with self._lock:
             return [release for name, robot in self._robots.items() if name.startswith(ALONE)
                     for release in robot.releases]
 
     @property
     def travelled(self) -> float:
-        """m that all robots have driven."""
+        """Metres that all robots have driven."""
         return sum(robot.agv.travelled for robot in self._robots.values())

@@ -1,4 +1,4 @@
-"""First plans and replans of 200 robots on 5,000 vertices: how long, by time of the processor."""
+"""CPU time of first plans and replans of 200 robots on 5,000 vertices."""
 from __future__ import annotations
 
 import statistics
@@ -17,7 +17,7 @@ from load_bench.site import grid, starts
 ROBOTS, SIDE = 200, 71
 AT_ONCE = 10  # robots that get a first destination together
 REPLANS = 20
-LIMIT = 30.0  # s for one plan
+LIMIT = 30.0  # s, the limit for one plan
 KIND = RobotType('agv', 0.43, 1.0)
 
 
@@ -27,7 +27,7 @@ class _Answer(NamedTuple):
 
 
 class _Site:
-    """The robots, what they are to do, and the plans that they have."""
+    """The robots, their tasks, and their present plans."""
 
     def __init__(self) -> None:
         self.graph = grid(SIDE)
@@ -41,14 +41,14 @@ class _Site:
         self._kept: Dict[str, Tuple[PlannedDrive, ...]] = {}
 
     def send(self, count: int, is_new: bool) -> None:
-        """Gives so many robots a destination: such as have none, or such as have one."""
+        """Gives destinations to the given number of robots, either without or with one."""
         names = [name for name in self._places if (name in self.goals) != is_new]
         for name in self._random.sample(names, count):
             self.goals[name] = self._random.choice(self._vertices)
             self._kept.pop(name, None)
 
     def plan(self) -> _Answer:
-        """Plans for all."""
+        """Plans for all robots."""
         tasks = tuple(Task(name, KIND, vertex, kept=self._kept.get(name), destinations=(
             (self.goals[name],) if name in self.goals else ()))
             for name, vertex in self._places.items())
@@ -62,7 +62,7 @@ class _Site:
 
 
 def planning() -> Iterator[Row]:
-    """In turns, and for all at once."""
+    """Measures plans for some robots at a time, and for all at once."""
     site = _Site()
     what = f'{ROBOTS} robots, {len(site.graph.vertices)} vertices, {len(site.graph.edges)} edges'
     first = site.plan()

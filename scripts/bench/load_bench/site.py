@@ -1,7 +1,7 @@
-"""A site with thousands of edges, and its fleet, as files.
+"""The files of a site with thousands of edges, and of its fleet.
 
-Most robots share a grid. Some have a ring of their own, on which no other robot ever is: what these
-wait for is the fleet manager alone.
+Most robots share a grid. Some robots have a ring of their own, which no other robot enters: these
+wait only for the fleet manager.
 """
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 from trajectory_graph import CurveType, Edge, Graph, Vertex, save_graph
 
 SPACING = 2.5  # m between two vertices of a row, column or ring
-RING = 24      # vertices of a ring
-RINGS = 10     # and so many robots
-ALONE = 'alone_'  # begins the name of a robot on a ring
+RING = 24  # vertices of a ring
+RINGS = 10  # number of rings with one robot each
+ALONE = 'alone_'  # prefix of the name of a robot on a ring
 RELEASE_AHEAD = 4.0  # m
 
 
 class Site(NamedTuple):
-    """The graph, where each robot begins, the vertices of the grid and of each ring, and files."""
+    """The graph, the start of each robot, the vertices of the grid and of each ring, the files."""
 
     graph: Graph
     places: Dict[str, int]
@@ -29,7 +29,7 @@ class Site(NamedTuple):
 
 
 def grid(side: int) -> Graph:
-    """So many rows and columns of vertices, each joined to the next."""
+    """A grid with these numbers of rows and columns; each vertex is joined to its neighbours."""
     vertices = [Vertex(side * row + column + 1, SPACING * column, SPACING * row, 0.0)
                 for row in range(side) for column in range(side)]
     pairs = [(vertex.id, vertex.id + step) for vertex in vertices for step, is_inside in (
@@ -38,7 +38,7 @@ def grid(side: int) -> Graph:
 
 
 def with_rings(graph: Graph) -> Tuple[Graph, Dict[str, List[int]]]:
-    """The graph with rings beside it; and the vertices of each by the robot on it."""
+    """Returns the graph with rings beside it, and the vertices of each ring by robot name."""
     vertices, pairs = list(graph.vertices.values()), []
     rings: Dict[str, List[int]] = {}
     radius = SPACING * RING / math.tau
@@ -59,14 +59,14 @@ def _edges(first: int, pairs: Sequence[Tuple[int, int]]) -> List[Edge]:
 
 
 def starts(graph: Graph, robots: int) -> Dict[str, int]:
-    """By the name of each robot the vertex at which it begins, spread evenly."""
+    """The start vertex by robot name, spread evenly."""
     vertices: List[int] = list(graph.vertices)
     step = len(vertices) // robots
     return {f'agv_{k}': vertices[k * step] for k in range(robots)}
 
 
 def save_site(folder: Path, side: int, robots: int) -> Site:
-    """The site of so many robots in all."""
+    """Writes the site for the given total number of robots."""
     shared = grid(side)
     graph, rings = with_rings(shared)
     places = {**starts(shared, robots - RINGS), **{name: ring[0] for name, ring in rings.items()}}

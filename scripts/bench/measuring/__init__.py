@@ -1,1 +1,1 @@
-"""What benchmarks have in common: times, processes, a ROS master of their own, tables."""
+"""Common parts of the benchmarks: times, processes, a ROS master of their own, tables."""

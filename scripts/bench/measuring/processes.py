@@ -1,4 +1,4 @@
-"""What other processes use, from /proc."""
+"""Measures CPU and memory of other processes, from /proc."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -6,12 +6,12 @@ from typing import Dict, List
 
 
 def descendants(pid: int) -> List[int]:
-    """Process ids below `pid`."""
+    """The ids of all processes below `pid` in the process tree."""
     children: Dict[int, List[int]] = {}
     for folder in Path('/proc').glob('[0-9]*'):
         try:
             fields = (folder / 'stat').read_text().rsplit(')', 1)[1].split()
-        except OSError:  # it has ended meanwhile
+        except OSError:  # the process has ended meanwhile
             continue
         children.setdefault(int(fields[1]), []).append(int(folder.name))
     found, waiting = [], [pid]
@@ -36,19 +36,20 @@ def node_name(pid: int) -> str:
 def cpu_seconds(pid: int) -> float:
     """The CPU time that a process has used so far, in s.
 
-    From the scheduler's own account: /proc/PID/stat counts whole ticks and misses short wake-ups.
+    Reads the scheduler's own account, because /proc/PID/stat counts whole ticks and misses short
+    wake-ups.
     """
     return sum(int(task.read_text().split()[0])
                for task in Path(f'/proc/{pid}/task').glob('*/schedstat')) / 1e9
 
 
 def resident(pid: int) -> int:
-    """Bytes of memory, all that it has in common with others included."""
+    """Memory of a process in bytes, with all memory that it shares with others (RSS)."""
     return _kilobytes(Path(f'/proc/{pid}/status'), 'VmRSS:')
 
 
 def proportional(pid: int) -> int:
-    """Bytes of memory: its own, and its part of what it has in common with others."""
+    """Memory of a process in bytes: its own, and its part of the shared memory (PSS)."""
     return _kilobytes(Path(f'/proc/{pid}/smaps_rollup'), 'Pss:')
 
 

@@ -1,4 +1,4 @@
-"""A ROS master that a benchmark has for itself."""
+"""Starts a ROS master for one benchmark."""
 from __future__ import annotations
 
 import os
@@ -15,7 +15,7 @@ from ports import free_port
 
 @contextmanager
 def own_ros_master() -> Iterator[str]:
-    """Its URI, which this process and those that it starts use from now on."""
+    """Starts a master; this process and its child processes use its URI from now on."""
     port = free_port()
     uri = os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
     core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,

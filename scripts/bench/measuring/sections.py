@@ -1,4 +1,4 @@
-"""Benchmarks in sections, each in a process of its own, as a process is one ROS node."""
+"""Benchmarks in sections, each in its own process, because a process is one ROS node."""
 from __future__ import annotations
 
 import argparse
@@ -11,7 +11,7 @@ from measuring.tables import Row, print_row, print_table
 
 def print_sections(sections: Mapping[str, Callable[[], Iterator[Row]]],
                    description: Optional[str]) -> None:
-    """Prints one table of all sections of the program that runs, or of those given by --only."""
+    """Prints one table of all sections of the running program, or of the sections in --only."""
     options = argparse.ArgumentParser(description=description)
     options.add_argument('--only', choices=list(sections), action='append')
     chosen = options.parse_args().only or list(sections)

@@ -1,4 +1,4 @@
-"""The tables that benchmarks print: Markdown, as docs/performance.md has them."""
+"""Prints Markdown tables, in the form of docs/performance.md."""
 from __future__ import annotations
 
 from typing import Iterable, NamedTuple, Sequence
@@ -17,7 +17,7 @@ HEADINGS = Row('what', 'figure', 'floor in the same run', 'aim')
 
 
 def print_table(rows: Iterable[Sequence[str]], headings: Sequence[str] = HEADINGS) -> None:
-    """Prints each row as soon as it is there."""
+    """Prints each row as soon as it is measured."""
     print_row(headings)
     print_row(['---'] * len(headings))
     for row in rows:
@@ -25,5 +25,5 @@ def print_table(rows: Iterable[Sequence[str]], headings: Sequence[str] = HEADING
 
 
 def print_row(cells: Sequence[str]) -> None:
-    """One line, at once."""
+    """Prints one line at once."""
     print(f'| {" | ".join(cells)} |', flush=True)

@@ -1,1 +1,1 @@
-"""What the benchmark of joined ROS masters runs on either side."""
+"""Program that the benchmark of joined ROS masters runs on each side."""

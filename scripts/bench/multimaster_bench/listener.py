@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints, for every message of a topic: time of arrival (s, monotonic) and its number."""
+"""Prints, for each message of a topic, its time of arrival (s, monotonic) and its number."""
 from __future__ import annotations
 
 import os
@@ -11,10 +11,10 @@ from roslib.message import get_message_class
 
 
 def main() -> None:
-    """Listens to TOPIC of TYPE, the words of the command line, until it is ended."""
+    """Listens to TOPIC of TYPE, given on the command line, until the process is ended."""
     topic, kind = sys.argv[1:]
     figures = os.fdopen(os.dup(1), 'w')
-    os.dup2(2, 1)  # rospy's own words are no figures
+    os.dup2(2, 1)  # rospy's own messages must not appear among the figures
     rospy.init_node('bench_listener', anonymous=True)
     rospy.Subscriber(topic, get_message_class(kind),
                      lambda message: print(time.monotonic(), message.header.seq, file=figures,

@@ -1,1 +1,1 @@
-"""What the benchmark `scale` starts and measures."""
+"""Parts of the benchmark `scale`."""

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node with one publisher at 2 Hz, and nothing else: the floor of what a node costs."""
+"""A node with one publisher at 2 Hz and nothing else: the floor of one node."""
 from __future__ import annotations
 
 import rospy

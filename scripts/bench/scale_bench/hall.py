@@ -1,4 +1,4 @@
-"""A hall for so many LD-90s: graph, map and fleet file."""
+"""A hall for a given number of LD-90s: graph, map and fleet file."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -14,8 +14,11 @@ PROBE = 'probe'
 
 
 def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) -> Dict[str, str]:
-    """Arguments of `scripts/run.sh` for the hall. The probe is a robot that the benchmark plays; it
-    is declared absent, so that the fleet manager does not wait for it."""
+    """Writes the files of the hall; returns the arguments of `scripts/run.sh`.
+
+    The probe is a robot that the benchmark plays. It is declared absent, so that the fleet manager
+    does not wait for it.
+    """
     graph, stations = aisles(max(150, 6 * robots))
     save_graph(graph, folder / 'graph.yaml')
     (folder / 'base.map').write_text(map_text(graph))
@@ -35,7 +38,7 @@ def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) 
 
 
 def map_text(graph: Graph) -> str:
-    """An empty hall."""
+    """The map of an empty hall."""
     xs = [vertex.x for vertex in graph.vertices.values()]
     ys = [vertex.y for vertex in graph.vertices.values()]
     left, right = (round(1000 * x) for x in (min(xs) - MARGIN, max(xs) + MARGIN))

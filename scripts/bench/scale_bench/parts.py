@@ -1,4 +1,4 @@
-"""What the processes of a fleet are for, and what they use."""
+"""The purpose of each process of a fleet, and what it uses."""
 from __future__ import annotations
 
 import os
@@ -23,28 +23,30 @@ class Part:
 
     @property
     def memory(self) -> float:
-        """MB, what is shared counted once (PSS)."""
+        """MB; shared memory counts once (PSS)."""
         return sum(map(proportional, self.pids)) / 2 ** 20
 
     @property
     def threads(self) -> int:
-        """Of all."""
+        """The threads of all its processes."""
         return sum(len(os.listdir(f'/proc/{pid}/task')) for pid in self.pids)
 
     @property
     def sockets(self) -> int:
-        """Of all, by open file."""
+        """The sockets of all its processes, by open files."""
         return sum(os.readlink(link).startswith('socket:') for pid in self.pids
                    for link in Path(f'/proc/{pid}/fd').iterdir())
 
     @property
     def cpu(self) -> float:
-        """Seconds so far: of threads that run now, or in ticks those of all that ever ran."""
+        """CPU seconds so far: of the present threads, or, in ticks, of all threads that have
+        existed.
+        """
         return sum(max(cpu_seconds(pid), _whole_ticks(pid)) for pid in self.pids)
 
 
 def parts_of(launch: int) -> Dict[str, Part]:
-    """What runs below a roslaunch, itself included."""
+    """The parts of a roslaunch: its child processes and itself."""
     found: Dict[str, List[int]] = {part: [] for part in PARTS}
     for pid in [launch, *descendants(launch)]:
         found[part_of(pid)].append(pid)
@@ -73,10 +75,10 @@ def _whole_ticks(pid: int) -> float:
 
 def cpu_shares(parts: Dict[str, Part], before: Dict[str, float],
                seconds: float) -> Dict[str, float]:
-    """Cores that each part used since it had used `before`."""
+    """The cores that each part has used since `before`."""
     return {name: (parts[name].cpu - used) / seconds for name, used in before.items()}
 
 
 def used(parts: Dict[str, Part], names: Iterable[str] = PARTS) -> Dict[str, float]:
-    """CPU seconds so far."""
+    """CPU seconds used so far."""
     return {name: parts[name].cpu for name in names}

@@ -1,4 +1,4 @@
-"""From the robot's byte to the subscriber: the benchmark plays one robot and listens to it."""
+"""Measures the time from the robot's byte to the subscriber; the benchmark plays one robot."""
 from __future__ import annotations
 
 import socket
@@ -13,7 +13,7 @@ PERIOD = 0.1  # s
 
 
 class Probe:
-    """Sends numbered locations until it is closed, and notes when each is heard."""
+    """Sends numbered locations until it is closed, and notes when each is received."""
 
     def __init__(self, robot: str, port: int) -> None:
         self._sent: Dict[str, float] = {}
@@ -24,16 +24,16 @@ class Probe:
         self._thread = threading.Thread(target=self._send, daemon=True)
 
     def start(self) -> None:
-        """As soon as the subscriber is connected."""
+        """Starts to send as soon as the subscriber is connected."""
         while not self._topic.get_num_connections():
             time.sleep(0.01)
         self._thread.start()
 
     def close(self) -> int:
-        """Ends it; returns how many lines were not heard."""
+        """Ends it; returns how many lines were not received."""
         self._closed.set()
         self._thread.join()
-        time.sleep(1.0)  # what is on its way
+        time.sleep(1.0)  # time for the lines that are on their way
         self._socket.close()
         return len(self._sent)
 

@@ -1,4 +1,4 @@
-"""What is measured: one LD-90 with or without its fleet manager, or a fleet of simulated AGVs."""
+"""The systems to measure: one LD-90 with or without its fleet manager, or simulated AGVs."""
 from __future__ import annotations
 
 import signal
@@ -44,7 +44,7 @@ AGVS = '''<launch>
 
 
 class Stack:
-    """A ROS master of its own, and launch texts on it; ended with `with`."""
+    """A ROS master of its own, and launch texts on it; use it in a `with` statement."""
 
     def __init__(self) -> None:
         self._context = ExitStack()
@@ -59,7 +59,7 @@ class Stack:
         self._context.close()
 
     def launch(self, text: str, **values: Any) -> subprocess.Popen:
-        """Starts what a launch text says."""
+        """Starts what a launch text describes."""
         self._launched += 1
         path = self.folder / f'{self._launched}.launch'
         path.write_text(text.format(folder=self.folder, **values))
@@ -77,7 +77,7 @@ class Stack:
             process.wait(40)
 
     def agv_fleet(self, count: int) -> dict:
-        """Files of a warehouse with so many AGVs at stations of their own."""
+        """The files of a warehouse with the given number of AGVs, each at a station of its own."""
         graph, stations = aisles(500)
         step = len(stations) // count
         save_graph(graph, self.folder / 'graph.yaml')

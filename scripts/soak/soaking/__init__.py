@@ -1,1 +1,1 @@
-"""What `scripts/soak.sh` consists of."""
+"""Parts of `scripts/soak.sh`."""

@@ -1,4 +1,4 @@
-"""What goes wrong: faults of robots, people, closures, and programs that end or hang."""
+"""Disturbances: faults of robots, acts of people, closed edges, programs that end or hang."""
 from __future__ import annotations
 
 import enum
@@ -23,15 +23,15 @@ from soaking.hall import Hall
 from soaking.launch import Launch, process_of
 from soaking.simulators import Simulators
 
-RECOVERS = 8.0  # s after which a robot whose program or link was away is reached again
-MASTER_RECOVERS = 15.0  # s after which all nodes are known to a new ROS master
-SLOW = 0.15  # factor on the clock of LD-90s that are to drive for long
-BRAKES = RECOVERS + 3.0 / SLOW  # s after which a slow LD-90 stands whose link is back
-OWED = 9.0  # s in which a robot must not drive on, the grace of the witness included
-CLEAR = 1.6  # m between a place to which a robot is carried, and all others
-ON_GRAPH = 0.35  # m
-SETTLES = 4.0  # s until a robot that was carried reports that it stands there
-TRIES = 5  # of joining a robot where it stands, until it is carried
+RECOVERS = 8.0  # s within which a robot can be reached again after its program or link was away
+MASTER_RECOVERS = 15.0  # s within which a new ROS master knows all nodes
+SLOW = 0.15  # factor on the clock of LD-90s that must drive for a long time
+BRAKES = RECOVERS + 3.0 / SLOW  # s within which a slow LD-90 stops after its link is back
+OWED = 9.0  # s in which a robot must not drive on, with the tolerance of the witness
+CLEAR = 1.6  # m between the place to which a robot is carried and all other robots
+ON_GRAPH = 0.35  # m, largest distance from the graph
+SETTLES = 4.0  # s within which a carried robot reports that it stands there
+TRIES = 5  # attempts to join a robot where it stands, before it is carried
 NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                 FleetRobot.OUT_OF_SERVICE)
 LD90_NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
@@ -40,17 +40,17 @@ MANAGER_NODES = ('path_supervisor', 'path_planner', 'graph_server', 'fleet_visua
 
 
 class Effect(enum.Flag):
-    """What a fault does to the robot, as far as the witness must know."""
+    """The effect of a fault on the robot, as far as the witness must know it."""
 
     NONE = 0
-    CUT = enum.auto()  # it cannot be reached
-    FAILS = enum.auto()  # its mission may fail
-    CARRIES = enum.auto()  # it is not where its route is
+    CUT = enum.auto()  # the robot cannot be reached
+    FAILS = enum.auto()  # its mission can fail
+    CARRIES = enum.auto()  # the robot is no longer on its route
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Words for the simulator, and those that end it after a while. {goal} is a vertex."""
+    """Commands to the simulator, and the commands that end the fault. {goal} is a vertex."""
 
     words: Tuple[str, ...]
     remedies: Tuple[str, ...] = ()
@@ -96,7 +96,7 @@ LD90_FAULTS = (
 
 
 class Disturbances:
-    """One thing after the other goes wrong; `people` mend what needs a person, in between."""
+    """Disturbs the fleet, one disturbance after the other; `people` repair what needs a person."""
 
     def __init__(self, hall: Hall, simulators: Simulators, fleet: Fleet, witness: Witness,
                  lock: threading.RLock, launch: Launch, master: RosMaster, speed: float,
@@ -107,8 +107,8 @@ class Disturbances:
         self._chance, self._ended = Random(seed), ended
         self._names = sorted(hall.radii)
         self._ld90s = [name for name in self._names if name.startswith('ld90')]
-        self._held: Dict[str, int] = {}  # robots that people leave alone for now
-        self._refused: Dict[str, int] = {}  # joins in a row, by robot
+        self._held: Dict[str, int] = {}  # robots that people must not touch now
+        self._refused: Dict[str, int] = {}  # attempts to join in a row, by robot
         self._carried_at: Dict[str, float] = {}
         self._turn = 0
         self.done: Dict[str, int] = {}
@@ -123,7 +123,7 @@ class Disturbances:
                         'quiet': 1}
 
     def run(self, only: Sequence[str]) -> None:
-        """Until `ended`; what was begun is always mended."""
+        """Runs until `ended`. A disturbance that has begun is always repaired."""
         kinds = list(only) or list(self.kinds)
         while not self._ended.is_set():
             kind = self._chance.choices(kinds, [self.weights[one] for one in kinds])[0]
@@ -182,7 +182,7 @@ class Disturbances:
                         self._held[name] -= 1
 
     def _free_vertex(self, name: str) -> int:
-        """A place from which all other robots are far."""
+        """A vertex that is far from all other robots."""
         poses = self._simulators.poses()
         places = list(self._hall.places.items())
         self._chance.shuffle(places)
@@ -191,7 +191,7 @@ class Disturbances:
             if other != name)), places[0][0])
 
     def _roomiest_vertex(self, name: str) -> int:
-        """The place that is farthest from all other robots."""
+        """The vertex that is farthest from all other robots."""
         others = [pose[:2] for other, pose in self._simulators.poses().items() if other != name]
         return max(self._hall.places, key=lambda id: min(
             (math.dist(self._hall.places[id], place) for place in others), default=0.0))
@@ -199,7 +199,7 @@ class Disturbances:
     # -- people ------------------------------------------------------------------------------------
 
     def help_robots(self) -> None:
-        """A person goes to every robot that needs one, puts it onto the graph and joins it."""
+        """A person goes to each robot that needs one, puts it onto the graph and joins it."""
         for name, told in self._fleet.robots().items():
             if (self._held.get(name) or told.state not in NEEDS_PERSON
                     or time.monotonic() < self._carried_at.get(name, -math.inf) + SETTLES):
@@ -232,7 +232,7 @@ class Disturbances:
             self._inject(name, (f'place {goal}',), goal)
 
     def remedy_all(self) -> None:
-        """Ends each fault that a robot may still have."""
+        """Ends each fault that a robot can still have."""
         for name in self._names:
             table = LD90_FAULTS if name in self._ld90s else AGV_FAULTS
             for remedy in {words for fault in table for words in fault.remedies
@@ -274,7 +274,7 @@ class Disturbances:
         else:
             self._fleet.command(mission, MissionCommand.PAUSE)
             self._wait(self._chance.uniform(1.0, 6.0))
-            for _ in range(3):  # one may be lost with a process
+            for _ in range(3):  # a message can be lost with a process
                 self._fleet.command(mission, MissionCommand.RESUME)
                 self._wait(0.5)
         self._wait(1.0)
@@ -290,7 +290,7 @@ class Disturbances:
         self._resume()
 
     def _stop_and_kill(self) -> None:
-        """The fleet manager dies while all stand, and must know it when it is back."""
+        """Stops the fleet and kills the fleet manager, which must know the stop afterwards."""
         if self._is_stopped():
             with self._affected(self._names, Effect.CUT):
                 self._kill_node('/path_supervisor')
@@ -298,8 +298,11 @@ class Disturbances:
         self._resume()
 
     def _stop_without_link(self) -> None:
-        """A robot on a long way cannot hear the stop. From then on all LD-90s are slow, so that it
-        still drives when it can hear again. Slow robots take long to brake."""
+        """Stops the fleet while a robot on a long path has no link.
+
+        From then on all LD-90s are slow, so that this robot still drives when its link is back.
+        Slow robots take long to brake.
+        """
         name = self._sent_far()
         if not name:
             return
@@ -326,7 +329,7 @@ class Disturbances:
             self._inject(name, ('refuse off',), 0)
 
     def _sent_far(self) -> str:
-        """An LD-90 that drives a mission over the whole hall by now; empty: none does."""
+        """An LD-90 that now drives a mission across the whole hall; empty if there is none."""
         name = self._chance.choice(self._ld90s)
         start = self._simulators.poses()[name][:2]
         places = self._hall.places
@@ -340,7 +343,7 @@ class Disturbances:
         return ''
 
     def _is_stopped(self) -> bool:
-        """Stops all; whether the fleet manager says that they are."""
+        """Stops the fleet; true if the fleet manager reports that it is stopped."""
         if not self._fleet.call('/stop_fleet'):
             return False
         with self._lock:
@@ -356,7 +359,7 @@ class Disturbances:
     # -- programs ----------------------------------------------------------------------------------
 
     def _next_node(self) -> Tuple[str, List[str]]:
-        """Each node in its turn, with the robots that cannot be reached meanwhile."""
+        """Each node in turn, with the robots that cannot be reached while it is down."""
         nodes = [*((f'/{node}', self._names if node == 'path_supervisor' else [])
                    for node in MANAGER_NODES),
                  *((f'/{name}/{node}', [name]) for name in self._ld90s for node in LD90_NODES),

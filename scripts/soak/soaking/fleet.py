@@ -1,4 +1,4 @@
-"""The fleet as its users see it by topics and services."""
+"""The fleet as its users see it through topics and services."""
 from __future__ import annotations
 
 import copy
@@ -26,11 +26,11 @@ from node_lifecycle.master_watch import watch_master
 from soaking.launch import TRUE_ANSWERS
 
 REPEAT = 5.0  # s after which a request without an answer is sent again, unchanged
-SERVICE = 3.0  # s within which a service is found
+SERVICE = 3.0  # s within which a service must be found
 
 
 class Fleet:
-    """Asks and listens; the witness is told of all of it. One lock guards all that tells it."""
+    """Sends requests and receives answers. The witness gets all of it, under one lock."""
 
     def __init__(self, witness: Witness, lock: threading.RLock, seed: int, share: float) -> None:
         rospy.init_node('soak', disable_signals=True)
@@ -53,12 +53,12 @@ class Fleet:
 
     @property
     def is_connected(self) -> bool:
-        """Whether the fleet manager hears what is asked."""
+        """True if the fleet manager receives requests."""
         return bool(self._requests.get_num_connections() and self._plans.get_num_connections()
                     and self._commands.get_num_connections() and self._edges.get_num_connections())
 
     def send(self, destinations: List[int], **more: Any) -> int:
-        """A mission."""
+        """Sends a mission."""
         request = MissionRequest(request_id=next(self._ids), destination_vertices_id=destinations,
                                  **more)
         request.header.stamp = rospy.Time.now()
@@ -69,7 +69,9 @@ class Fleet:
         return request.request_id
 
     def repeat_unanswered(self) -> None:
-        """A message may be lost with the fleet manager's process."""
+        """Sends unanswered requests again, because a message can be lost with the fleet manager's
+        process.
+        """
         with self._lock:
             due = [request for since, request in self._unanswered.values()
                    if time.monotonic() > since + REPEAT]
@@ -79,7 +81,7 @@ class Fleet:
             self._requests.publish(request)
 
     def command(self, mission: int, command: int) -> None:
-        """Cancels, pauses ... a mission."""
+        """Sends a command about a mission, such as cancel or pause."""
         if command == MissionCommand.CANCEL:
             with self._lock:
                 self._witness.cancel(mission)
@@ -88,13 +90,13 @@ class Fleet:
         self._commands.publish(message)
 
     def edges(self, command: int, edges: List[int]) -> None:
-        """Opens or closes them."""
+        """Opens or closes edges."""
         message = EdgeCommand(command=command, edges=edges)
         message.header.stamp = rospy.Time.now()
         self._edges.publish(message)
 
     def call(self, service: str) -> bool:
-        """Whether the service did it."""
+        """Calls a service; true if it reports success."""
         try:
             rospy.wait_for_service(service, SERVICE)
             return bool(rospy.ServiceProxy(service, Trigger)().success)
@@ -102,11 +104,11 @@ class Fleet:
             return False
 
     def robots(self) -> Dict[str, Any]:
-        """What is told of each."""
+        """The reported state of each robot."""
         return {} if self.state is None else {robot.name: robot for robot in self.state.robots}
 
     def wait_for(self, condition: Callable[[], bool], timeout: float) -> bool:
-        """Whether it became true."""
+        """Waits; true if the condition became true in time."""
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > deadline:
@@ -132,7 +134,7 @@ class Fleet:
 
 
 def spoilt(answer: PlanAnswer, chance: Random) -> PlanAnswer:
-    """The answer, wrong in one of the ways of `WRONG`."""
+    """The answer with one of the errors in `WRONG`."""
     wrong = copy.copy(answer)
     released = {plan.robot: sum(drive.released for drive in plan.drives)
                 for plan in answer.plans}

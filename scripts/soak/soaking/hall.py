@@ -23,7 +23,7 @@ robots:
 
 @dataclass(frozen=True)
 class Hall:
-    """Where the robots drive."""
+    """The hall in which the robots drive."""
 
     graph: Graph
     stations: List[int]
@@ -32,19 +32,19 @@ class Hall:
 
     @property
     def places(self) -> Dict[int, Tuple[float, float]]:
-        """Of all vertices."""
+        """The positions of all vertices, in m."""
         return {id: vertex.position for id, vertex in self.graph.vertices.items()}
 
     @property
     def words(self) -> List[str]:
-        """Arguments of `fleet_launch` for the hall."""
+        """The arguments of `fleet_launch` for the hall."""
         return [f'{key}:={self.folder / name}' for key, name in (
             ('fleet', 'site_fleet.yaml'), ('graph_file', 'site_graph.yaml'),
             ('base_map', 'base.map'))]
 
 
 def write_hall(folder: Path, ld90s: int, agvs: int) -> Hall:
-    """Writes its files. There are half as many stations again as robots."""
+    """Writes the files of the hall. There are one and a half times as many stations as robots."""
     count = ld90s + agvs
     size = 40
     graph, stations = aisles(size)

@@ -1,4 +1,4 @@
-"""Fleet files that the tests share."""
+"""Fleet files for several tests."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -17,7 +17,7 @@ robots:
 
 
 def fleet_file(folder: Path, *robots: str) -> str:
-    """A fleet file with these robots, one a line from line 6 on."""
+    """A fleet file with these robots, one per line from line 6 on."""
     path = folder / 'fleet.yaml'
     path.write_text(HEAD + ''.join(f'- {{{robot}}}\n' for robot in robots))
     return str(path)

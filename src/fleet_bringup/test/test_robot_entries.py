@@ -1,4 +1,4 @@
-"""What a fleet file says about starting its robots."""
+"""The settings in a fleet file for starting its robots."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""A real headless Chromium, and a page that is served to it in a thread, without ROS."""
+"""A real headless Chromium, and a page that a thread serves to it, without ROS."""
 from __future__ import annotations
 
 import asyncio
@@ -32,7 +32,7 @@ PATIENCE = 8.0  # s
 
 
 class ServedPage:
-    """A page on a free port, used by its own thread; `do` runs something there."""
+    """A page on a free port, in a thread of its own; `do` runs a function in this thread."""
 
     def __init__(self, folder: Path, secured: bool = False, chart: str = CHART) -> None:
         self.fleet = FakeFleet()
@@ -49,7 +49,7 @@ class ServedPage:
         self._ticking = asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
 
     async def _tick(self) -> None:
-        """The fleet manager tells its state, while it lives."""
+        """The fleet manager publishes its state while it runs."""
         while True:
             if self._alive:
                 self.page.model.take_robots(self.page.model.robots.values(), time.time())
@@ -57,13 +57,13 @@ class ServedPage:
             await asyncio.sleep(0.2)
 
     def do(self, work: Callable[[], Any]) -> Any:
-        """Runs it in the page's thread; gives its result."""
+        """Runs a function in the page's thread; returns its result."""
         async def run() -> Any:
             return work()
         return asyncio.run_coroutine_threadsafe(run(), self._loop).result(PATIENCE)
 
     def die(self) -> None:
-        """The fleet manager falls silent."""
+        """The fleet manager stops to publish."""
         self._alive = False
 
     def close(self) -> None:
@@ -95,7 +95,7 @@ class Browser:
         self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
 
     def resize(self, width: int, height: int) -> None:
-        """The size of what is seen, as on a phone, too."""
+        """Sets the size of the visible area, for example that of a phone."""
         self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
             'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False})
 
@@ -106,7 +106,7 @@ class Browser:
         return self.driver.execute_script(text, *values)
 
     def wait(self, condition: Callable[[], Any], what: str = 'it') -> Any:
-        """Until it holds; errors of elements that come and go count as not yet."""
+        """Waits until the condition is true; errors of elements that come and go count as false."""
         from selenium.common.exceptions import WebDriverException
         deadline = time.monotonic() + PATIENCE
         while True:
@@ -116,7 +116,7 @@ class Browser:
                     return found
             except WebDriverException as error:
                 found = error
-            assert time.monotonic() < deadline, f'{what} did not come: {found}'
+            assert time.monotonic() < deadline, f'{what} did not appear: {found}'
             time.sleep(0.03)
 
     def one(self, selector: str) -> Any:
@@ -130,8 +130,10 @@ class Browser:
         self.wait(clicked, selector)
 
     def click_vertex(self, vertex: int) -> None:
-        """As a finger does: on the map, where the vertex is drawn, once the map is at rest. Where
-        words come or go above it, it moves."""
+        """Clicks as a finger does: on the map, at the drawn vertex, after the map has come to rest.
+
+        The map moves when texts appear or disappear above it.
+        """
         x, y = self.wait(lambda: self.driver.execute_async_script('''
             const [vertex, done] = arguments;
             const frame = () => new Promise(requestAnimationFrame);
@@ -154,12 +156,12 @@ class Browser:
         return self.script('return document.querySelector(arguments[0]).textContent', selector)
 
     def picture(self, name: str) -> None:
-        """Kept where the test runner keeps artefacts."""
+        """Saves a picture among the artefacts of the test run."""
         if Path('') != PICTURES:
             self.driver.save_screenshot(str(PICTURES / f'fleet_page_{name}.png'))
 
     def addresses(self) -> set:
-        """Every address that the window asked, of all requests since the last call."""
+        """The addresses of all requests that the window has made since the last call."""
         import json
         found = set()
         for entry in self.driver.get_log('performance'):
@@ -169,7 +171,7 @@ class Browser:
         return found
 
     def problems(self) -> list:
-        """What the console says of errors and refused contents."""
+        """The errors and refused contents in the console."""
         return [entry['message'] for entry in self.driver.get_log('browser')
                 if entry['level'] == 'SEVERE']
 

@@ -41,23 +41,23 @@ def robot(name: str = 'a', **values: Any) -> Robot:
 
 
 def status(id: int = 7, state: str = 'ACTIVE', **values: Any) -> MissionStatus:
-    """What is told of a mission."""
+    """The published state of a mission."""
     known = {'stamp': id * 10 ** 9, 'robot': 'a', 'reached': 0, 'reason': ''}
     return MissionStatus(id, state=state, **{**known, **values})
 
 
 def request(id: int = 7, *destinations: int) -> MissionRequest:
-    """What a mission is to do."""
+    """The request of a mission."""
     return MissionRequest(id, id * 10 ** 9, destinations or (2, 3), '', '', 1, 'anna')
 
 
 def no_missions(since: float) -> List[HistoryLine]:
-    """A journal that remembers none."""
+    """A journal without missions."""
     return []
 
 
 def page(folder: str, journal: Missions = no_missions) -> Page:
-    """A page with nothing on it."""
+    """A page without content."""
     return Page(Records(os.path.join(folder, 'page.sqlite')),
                 ReplayRing(os.path.join(folder, 'replay')), journal)
 
@@ -79,15 +79,15 @@ def show_fleet(shown: Page, now: Optional[float] = None) -> None:
 
 
 class FakeFleet:
-    """Takes acts in place of the fleet manager, and keeps them with the persons' names."""
+    """Takes acts in place of the fleet manager, and records them with the persons' names."""
 
     def __init__(self) -> None:
         self.acts: List[Tuple[Act, Person]] = []
         self.slow: Optional[threading.Event] = None
-        """Acts but stops wait for it."""
+        """If set, all acts except stops wait for it."""
 
     def do(self, act: Act, person: Person) -> Outcome:
-        """What `WebServer` calls."""
+        """The function that `WebServer` calls."""
         if self.slow is not None and act.kind is not ActKind.STOP:
             self.slow.wait(10.0)
         self.acts.append((act, person))
@@ -95,7 +95,7 @@ class FakeFleet:
 
     @property
     def kinds(self) -> List[ActKind]:
-        """What was asked for, in order."""
+        """The kinds of the acts, in order."""
         return [act.kind for act, _ in self.acts]
 
 
@@ -109,7 +109,7 @@ def token_file(folder: Path, mode: int = 0o600) -> str:
 
 
 def tokens(folder: Path) -> Tokens:
-    """Their tokens, loaded."""
+    """The tokens of that file, loaded."""
     return load_tokens(token_file(folder))
 
 
@@ -117,5 +117,5 @@ async def until(condition: Any, seconds: float = 5.0) -> None:
     """Waits in an event loop."""
     deadline = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < deadline, 'it did not come to that'
+        assert time.monotonic() < deadline, 'the condition did not become true'
         await asyncio.sleep(0.01)

@@ -1,4 +1,4 @@
-"""What a client may ask for: exactly what the table says, and nothing else passes."""
+"""The acts of a client: exactly those in the table are accepted."""
 import math
 
 import pytest

@@ -1,4 +1,4 @@
-"""What the page shows, made of what the fleet manager tells."""
+"""The content of the page, made from the fleet manager's messages."""
 from page_builders import graph, page, request, robot, show_fleet, status
 
 from fleet_page.core import fleet_model

@@ -35,7 +35,7 @@ def window(browser, served):
     browser.resize(1400, 900)
     browser.open(served.url)
     browser.one('.robot[data-name=a]')
-    browser.wait(lambda: 'wheel blocked' in browser.text('#alarms'))  # it moves the map
+    browser.wait(lambda: 'wheel blocked' in browser.text('#alarms'))  # this text moves the map
     browser.addresses()
     browser.problems()
     yield browser
@@ -45,7 +45,7 @@ def window(browser, served):
 
 
 def asked(window, served, kind, **values):
-    """The act that came to the fleet."""
+    """The act that arrived at the fleet."""
     act = window.wait(lambda: next((act for act, _ in served.fleet.acts if act.kind is kind), None),
                       kind.value)
     for name, value in values.items():

@@ -1,4 +1,4 @@
-"""A client is the revision that it has seen: it gets what is newest, and no more."""
+"""A client is known by the revision that it has; it gets only what is newer."""
 import json
 
 from hypothesis import given

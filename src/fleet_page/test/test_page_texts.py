@@ -1,4 +1,4 @@
-"""Every text of the page is in both tables, and nothing is fetched from elsewhere."""
+"""Each text of the page is in both language tables, and the page loads nothing from elsewhere."""
 import json
 import re
 from pathlib import Path
@@ -60,7 +60,7 @@ def test_texts_never_become_html_and_nothing_comes_from_elsewhere(name):
 
 
 def said_by_the_fleet_manager():
-    """All texts in its sources and in the page's commands, with {} for what is put in."""
+    """All texts in its sources and in the page's commands, with {} for inserted values."""
     packages = Path(__file__).parents[2]
     paths = [*packages.glob('graph_fleet_manager/src/*/supervision/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),

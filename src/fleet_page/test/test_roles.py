@@ -1,4 +1,4 @@
-"""Tokens give roles, sessions end, and no message tells a token."""
+"""Tokens give roles, sessions end, and no message contains a token."""
 import pytest
 from page_builders import TOKENS, token_file, tokens
 

@@ -1,4 +1,4 @@
-"""The site as pages get it, and the fleet for Prometheus."""
+"""The site as pages receive it, and the metrics of the fleet for Prometheus."""
 import zlib
 
 import pytest

@@ -1,4 +1,4 @@
-"""The page by TLS: tokens and cookies are never sent in the clear."""
+"""The page over TLS: tokens and cookies are never sent unencrypted."""
 from __future__ import annotations
 
 import asyncio
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl
 
 
 def make_certificate(folder, name: str = 'page', *more: str):
-    """A certificate for this computer and its key, as docs/reference/fleet_page.md has it."""
+    """A certificate for this computer and its key, as docs/reference/fleet_page.md describes."""
     certificate, key = folder / f'{name}.pem', folder / f'{name}.key'
     subprocess.run(
         ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1',
@@ -41,7 +41,7 @@ def pair(tmp_path_factory):
 
 
 def served(folder, pair, test) -> None:
-    """Runs test(port, client_context) with a page that wants a login, by TLS."""
+    """Runs test(port, client_context) with a page that needs a login, over TLS."""
     async def work() -> None:
         web = WebServer(page(str(folder)), FakeFleet().do, PageFiles(str(PAGE_FOLDER)), Access(
             Addresses.of('127.0.0.1', (), True), tokens(folder), True))
@@ -66,7 +66,7 @@ def test_a_login_by_tls_gets_a_cookie_that_is_sent_by_tls_only(tmp_path, pair):
                 assert answer.status == 200
             async with session.post(f'{url}/api/act', json={'act': 'stop'}, ssl=trust, headers={
                     'Origin': f'http://127.0.0.1:{port}'}) as answer:
-                assert answer.status == 403  # a page that came in the clear is another origin
+                assert answer.status == 403  # a page that was loaded without TLS is another origin
     served(tmp_path, pair, test)
 
 

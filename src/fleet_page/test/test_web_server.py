@@ -1,4 +1,4 @@
-"""The page over HTTP: permissions, hostile requests, and streams that cost nothing."""
+"""The page over HTTP: permissions, hostile requests, and cheap event streams."""
 from __future__ import annotations
 
 import asyncio
@@ -67,7 +67,7 @@ class Client:
 
 
 class Site:
-    """A page that is served, with a fleet that takes all acts."""
+    """A served page, with a fleet that accepts all acts."""
 
     def __init__(self, folder, secured: bool, journal=no_missions) -> None:
         self.page, self.fleet = page(str(folder), journal), FakeFleet()
@@ -86,7 +86,7 @@ def served(folder, test, secured: bool = False, journal=no_missions) -> None:
         await server.start_server()
 
         def new_client() -> Client:
-            # Cookies of an address without a name are kept, too.
+            # Without this, cookies of an address without a name would not be kept.
             from aiohttp import CookieJar
             sessions.append(ClientSession(cookie_jar=CookieJar(unsafe=True)))
             return Client(sessions[-1], server)

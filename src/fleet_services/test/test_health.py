@@ -1,4 +1,4 @@
-"""systemd is told that a unit works as long as each of its nodes was well a moment ago."""
+"""systemd learns that a unit works as long as each of its nodes was healthy a moment ago."""
 from __future__ import annotations
 
 from fleet_services.health import PATIENCE, Health

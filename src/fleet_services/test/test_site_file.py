@@ -1,4 +1,4 @@
-"""The site file is read strictly: what is wrong is named with its line."""
+"""The site file is read strictly: each error is named with its line."""
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Units say what systemd needs, in the order of the start, and allow little."""
+"""Units contain what systemd needs, start in the right order, and have few permissions."""
 from __future__ import annotations
 
 import re

@@ -16,7 +16,7 @@ Box = Tuple[float, float, float, float]  # x1, y1, x2, y2 in m
 
 @dataclass(frozen=True)
 class Plan:
-    """Walls and things as boxes in m, and where robots start."""
+    """Walls and objects as boxes in m, and the starts of robots."""
 
     width: float
     height: float

@@ -1,4 +1,4 @@
-"""The menus are one table, and RViz gets it with ids that lead back to it."""
+"""The menus are one table; RViz gets it with ids that refer back to it."""
 from __future__ import annotations
 
 import pytest

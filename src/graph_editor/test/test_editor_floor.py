@@ -1,4 +1,4 @@
-"""Floors: how much room there is, what can be reached, what is inside."""
+"""Floors: clearance, reachable area, inside."""
 from __future__ import annotations
 
 import math
@@ -10,7 +10,7 @@ from graph_editor.floor import Floor, inside_outline
 
 
 def floor_of(*rows: str, resolution: float = 0.5, origin=(0.0, 0.0)) -> Floor:
-    """A floor drawn with `#` for what is occupied; the first row is the highest."""
+    """A floor drawn with `#` for occupied cells; the first row is the highest."""
     occupied = np.array([[letter == '#' for letter in row] for row in rows[::-1]])
     return Floor(occupied, np.ones_like(occupied), resolution, origin)
 
@@ -26,7 +26,8 @@ def test_clearance_is_exact_where_the_places_of_obstacles_are_known():
     floor = Floor(cells.occupied, cells.inside, cells.resolution, cells.origin,
                   np.array([(1.55, 1.05)]))
     assert floor.clearance_at(np.array([(2.25, 1.75)])) == pytest.approx([math.hypot(0.7, 0.7)])
-    assert floor.clearance_at(np.array([(1.75, 0.25)])) == pytest.approx([0.5]), 'from the end'
+    assert floor.clearance_at(np.array([(1.75, 0.25)])) == pytest.approx([0.5]), (
+        'measured from the end')
     assert cells.clearance_at(np.array([(2.25, 1.75)])) == pytest.approx([math.hypot(0.5, 0.5)])
     assert np.array_equal(floor.of_cells().clearance, cells.clearance)
 

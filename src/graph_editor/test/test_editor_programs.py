@@ -1,4 +1,4 @@
-"""make_graph and check_graph: what they print, write and return."""
+"""make_graph and check_graph: their output, their files and their exit statuses."""
 from __future__ import annotations
 
 from pathlib import Path

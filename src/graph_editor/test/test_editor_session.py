@@ -1,4 +1,4 @@
-"""What clicks, drags, menus and fields do to a graph file, and that all of it can be undone."""
+"""The effects of clicks, drags, menus and fields on a graph file; all can be undone."""
 from __future__ import annotations
 
 import math
@@ -143,7 +143,8 @@ def test_the_ball_ahead_of_a_vertex_turns_it():
     session.drag_heading(2, 8.0, 3.0)
     assert session.draft.vertices[2].theta == pytest.approx(math.pi / 2.0)
     session.drag_heading(2, 8.0, 0.0)
-    assert session.draft.vertices[2].theta == pytest.approx(math.pi / 2.0), 'on it: no direction'
+    assert session.draft.vertices[2].theta == pytest.approx(math.pi / 2.0), (
+        'the robot is on the vertex, so there is no direction')
 
 
 def test_the_balls_of_a_spline_bend_it():
@@ -287,7 +288,7 @@ def test_a_new_graph_is_saved_where_no_file_is_and_never_over_one(path):
     assert not other.save()
 
 
-# All of it at random
+# Random actions
 
 PLACES = st.tuples(st.floats(-5.0, 15.0), st.floats(-5.0, 15.0))
 IDS = st.integers(1, 6)

@@ -1,4 +1,4 @@
-"""Sites from maps of robots and of ROS; what cannot be used is told in a sentence."""
+"""Sites from maps of robots and of ROS; an unusable map gives one clear message."""
 from __future__ import annotations
 
 import math
@@ -28,7 +28,7 @@ def hall() -> np.ndarray:
     """A hall of 6 x 4 m as map_server's grey values: row 0 is the highest."""
     grey = np.full((40, 60), 254, np.uint8)
     grey[(0, -1), :] = grey[:, (0, -1)] = 0
-    grey[5:10, 5:10] = 205  # never seen
+    grey[5:10, 5:10] = 205  # unknown cells
     return grey
 
 
@@ -72,7 +72,7 @@ def test_a_ros_map_is_read_as_map_server_does(tmp_path):
     grid = load_ros_map(ros_map(tmp_path))
     assert grid.origin == (-2.0, -1.0)
     assert grid.cells[-1, 30] == 100 and grid.cells[20, 30] == 0
-    assert grid.cells[-7, 7] == -1, 'the image begins at the top, the grid at the bottom'
+    assert grid.cells[-7, 7] == -1, 'an image begins at the top, a grid at the bottom'
 
 
 def test_a_negated_ros_map_is_the_same_with_the_colours_exchanged(tmp_path):

@@ -67,7 +67,8 @@ def test_texts_of_vertices_a_metre_apart_are_all_written():
     places.show(ids)
     assert len(boxes(places, ids)) == 25
     assert all(places.middle(key) == pytest.approx((text.vertex[0] + 0.3, text.vertex[1] + 0.3))
-               for key, text in ids.items()), 'there is room at their usual places'
+               for key, text in ids.items()), (
+                   'the texts must be at their usual places, where there is room')
 
 
 def test_the_first_text_keeps_its_place_and_the_other_moves():

@@ -1,4 +1,4 @@
-"""Files of made graphs may be replaced as long as they were not edited."""
+"""Files of made graphs may be replaced only if they were not edited."""
 from __future__ import annotations
 
 import pytest

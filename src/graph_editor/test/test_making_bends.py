@@ -1,4 +1,4 @@
-"""Where lanes bend: round where there is room, and before and behind a narrow door, not in it."""
+"""Bends of lanes: round if there is room; before and behind a narrow door, never in it."""
 from __future__ import annotations
 
 from typing import List, Sequence, Tuple
@@ -18,7 +18,7 @@ CORNERS = ((4.2, 1.0), (4.2, 5.0), (5.8, 5.0), (5.8, 9.0))
 
 
 def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> List[Piece]:
-    """The lane along `corners` through a door (m) in the wall between two rooms."""
+    """The pieces of the lane along `corners` through a door (m) in the wall between two rooms."""
     plan = Plan(10.0, 10.0, ((4.95, 0.0, 5.05, 5.0 - door / 2.0),
                              (4.95, 5.0 + door / 2.0, 5.05, 10.0)), (1.0, 1.0))
     net = LaneNet(plan.site().floor)
@@ -47,7 +47,8 @@ def test_before_and_behind_a_narrow_door_robots_can_turn():
     floor = Plan(10.0, 10.0, ((4.95, 0.0, 5.05, 4.65), (4.95, 5.35, 5.05, 10.0)),
                  (1.0, 1.0)).site().floor
     made = pieces(0.7)
-    assert any(piece.control is not None for piece in made), 'there is room for bends'
+    assert any(piece.control is not None for piece in made), (
+        'there must be bends, because there is room')
     for piece in made:
         ends = floor.clearance_at(np.array((piece.start, piece.end)))
         assert ends.min() >= OPTIONS.turning - 0.03
@@ -61,7 +62,7 @@ def test_a_wide_opening_may_be_passed_in_a_bend():
 
 
 def test_a_lane_with_no_room_to_turn_anywhere_still_bends():
-    """Else a robot would have to turn where it cannot."""
+    """Otherwise a robot would have to turn where it cannot."""
     corners = ((4.2, 5.0), (5.0, 5.0), (6.0, 5.8))
     made = pieces(0.8, corners)
     assert [piece.control is not None for piece in made].count(True) == 1

@@ -1,4 +1,4 @@
-"""A skeleton stays whole while chains are taken out of it."""
+"""A skeleton stays connected while chains are removed from it."""
 from __future__ import annotations
 
 import numpy as np
@@ -10,7 +10,7 @@ from graph_editor.making.chains import ChainGraph
 
 @pytest.fixture
 def ring_on_a_way() -> ChainGraph:
-    """Node 1 between 2 and 3, with a ring of its own that is hardly longer than nothing."""
+    """Node 1 between 2 and 3, with a ring of its own of almost no length."""
     graph = ChainGraph(Plan(10.0, 10.0, (), (1.0, 1.0)).site().floor)
     for node, place in ((1, (5.0, 5.0)), (2, (2.0, 5.0)), (3, (8.0, 5.0))):
         graph.add_node(node, np.array(place))

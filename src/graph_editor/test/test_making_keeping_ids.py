@@ -1,4 +1,4 @@
-"""What is still there in a graph that is made again keeps its ids."""
+"""Vertices and edges that still exist when a graph is made again keep their ids."""
 from __future__ import annotations
 
 import math

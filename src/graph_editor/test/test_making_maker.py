@@ -1,4 +1,4 @@
-"""Made graphs are valid, connected, drivable, deterministic, and reach what a robot can reach."""
+"""Made graphs are valid, connected, drivable, deterministic, and cover the reachable floor."""
 from __future__ import annotations
 
 import math
@@ -31,9 +31,9 @@ OPTIONS = MakingOptions()
 
 
 def floor_of_robot(site: Site) -> np.ndarray:
-    """Where a robot can turn that starts at the places, and drives straight where it cannot.
+    """The floor where a robot can turn, or pass straight, from its start places.
 
-    With more margin than the maker falls back to, so that all of it must be reached.
+    The margin is larger than the smallest one of the maker, so that the maker must reach all of it.
     """
     floor, turning = site.floor, OPTIONS.turning
     parts, count = ndimage.label(floor.clearance >= turning, np.ones((3, 3)))
@@ -55,7 +55,7 @@ def floor_of_robot(site: Site) -> np.ndarray:
 
 def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
                      near: coo_matrix) -> bool:
-    """Does a straight with room to pass lead from one of `starts` to one of `ends` near by?"""
+    """True if a straight with room to pass leads from one of `starts` to a near one of `ends`."""
     first, last = starts[near.row], ends[near.col]
     room = np.full(len(first), np.inf)
     for fraction in np.linspace(0.0, 1.0, 31):
@@ -64,17 +64,17 @@ def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
 
 
 def share_served(site: Site, graph: Graph, reach: float) -> float:
-    """The share of the robot's floor that is within `reach` m of an edge, by the way to drive."""
+    """The share of the robot's floor whose driving distance to an edge is at most `reach` m."""
     return float(served_or_not(site, graph, reach).mean())
 
 
 def floor_left(site: Site, graph: Graph, reach: float) -> float:
-    """The rest of it, in m2."""
+    """The rest of that floor, in m2."""
     return np.count_nonzero(~served_or_not(site, graph, reach)) * PITCH ** 2
 
 
 def served_or_not(site: Site, graph: Graph, reach: float) -> np.ndarray:
-    """For every cell of the robot's floor; ways lead also through gaps that it passes straight."""
+    """True or False for each cell of the robot's floor; paths also lead straight through gaps."""
     coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
     its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
     served = np.zeros(coverage.mask.size, bool)
@@ -91,13 +91,13 @@ def least_clearance(site: Site, graph: Graph) -> float:
 
 
 def turns_without_room(site: Site, graph: Graph) -> List[str]:
-    """What check_graph says of places where robots must turn and cannot."""
+    """The findings of check_graph about places where robots must turn and cannot."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return [str(finding) for finding in findings if 'must turn' in finding.text]
 
 
 def crookedness(graph: Graph) -> float:
-    """The share of the graph's length that is neither level nor upright."""
+    """The share of the graph's length that is neither horizontal nor vertical."""
     lengths = {True: 0.0, False: 0.0}
     for id in graph.edges:
         curve = graph.curve(id)
@@ -155,8 +155,9 @@ def test_among_things_lanes_bend_only_where_robots_have_room_to_turn(things):
                            *((x, y, x + 0.2, y + 0.2) for x, y in things)), (2.8, 1.2)).site()
     graph = make_graph(site, OPTIONS).graph
     assert turns_without_room(site, graph) == []
-    assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015, 'as the robot plans'
-    assert share_served(site, graph, 3.0) > 0.95, 'the upper room is reached'
+    assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015, (
+        'the clearance must be that of the robot planner')
+    assert share_served(site, graph, 3.0) > 0.95, 'the upper room must be reached'
 
 
 def room_behind_a_corner(width: float) -> Plan:
@@ -186,14 +187,14 @@ def test_of_two_parts_the_one_stays_in_which_robots_start_not_one_behind_the_wal
 
 
 def two_doors(*boxes: Box) -> Plan:
-    """Two rooms and two doors of 0.6 m between them; in the upper room a goal on either side."""
+    """Two rooms and two doors of 0.6 m between them; in the upper room a goal on each side."""
     return Plan(6.4, 5.1, (
         (0.0, 2.35, 1.75, 2.45), (2.35, 2.35, 4.9, 2.45), (5.5, 2.35, 6.4, 2.45), *boxes),
         (3.2, 0.7), (Place(PlaceKind.GOAL, 'right', 3.9, 3.6),
                      Place(PlaceKind.GOAL, 'left', 1.0, 3.6)))
 
 
-BEHIND_LEFT_DOOR = 1.6, 3.05, 2.0, 3.45  # a box: robots do not get round it
+BEHIND_LEFT_DOOR = 1.6, 3.05, 2.0, 3.45  # a box that robots cannot pass
 
 
 def test_a_goal_is_a_vertex_even_if_the_first_lanes_to_it_are_too_narrow():
@@ -203,7 +204,8 @@ def test_a_goal_is_a_vertex_even_if_the_first_lanes_to_it_are_too_narrow():
     labels = {vertex.label: vertex for vertex in graph.vertices.values()}
     assert labels['left'].position == pytest.approx((1.0, 3.6), abs=1e-3)
     assert labels['right'].position == pytest.approx((3.9, 3.6), abs=1e-3)
-    assert note.startswith('At 2.0') and note.endswith('no lane leads through.'), 'but there'
+    assert note.startswith('At 2.0') and note.endswith('no lane leads through.'), (
+        'the note must name the place without a lane')
     assert turns_without_room(site, graph) == []
     assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015
 
@@ -260,7 +262,7 @@ def test_a_hall_is_a_lattice_if_wanted():
     graph = make_graph(site, MakingOptions(halls=Halls.LATTICE, lattice_pitch=3.0)).graph
     crossings = [id for id in graph.vertices if len(graph.edges_at(id)) == 4]
     assert len(crossings) >= 6
-    assert crookedness(graph) < 0.1, "all but the rounded corners"
+    assert crookedness(graph) < 0.1, "only the rounded corners may be oblique"
     assert share_served(site, graph, 2.0) > 0.98
 
 
@@ -268,15 +270,16 @@ def test_a_hall_is_a_lattice_if_wanted():
 @given(floor_plans())
 def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
     site = plan.site()
-    graph = make_graph(site, OPTIONS).graph  # a Graph is valid and connected, or is none
+    graph = make_graph(site, OPTIONS).graph  # a Graph is always valid and connected
     assert turns_without_room(site, graph) == []
     if graph.edges:
         assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015
         assert min(graph.curve(id).length for id in graph.edges) > 0.05
         assert all(edge.velocity_forward > 0.0 and edge.velocity_backwards > 0.0
                    for edge in graph.edges.values())
-    # in small plans a tenth is less than a lane of its own is worth
+    # in a small plan, a tenth of the floor may be too little for a lane of its own
     assert share_served(site, graph, 3.5) > 0.9 or floor_left(site, graph, 3.5) < LEAST_FLOOR
     again = make_graph(plan.site(), OPTIONS).graph
-    assert dump_graph(again) == dump_graph(graph), 'made again it is the same'
-    assert dump_graph(with_ids_of(graph, again)) == dump_graph(graph), 'with its ids kept, too'
+    assert dump_graph(again) == dump_graph(graph), 'a second graph must be the same'
+    assert dump_graph(with_ids_of(graph, again)) == dump_graph(graph), (
+        'it must also be the same with kept ids')

@@ -1,4 +1,4 @@
-"""Graphs of the laboratory's bare map and of real robots' maps reach all that robots can reach."""
+"""Graphs of the laboratory's bare map and of real robots' maps cover the reachable floor."""
 from __future__ import annotations
 
 import os
@@ -28,16 +28,16 @@ OPTIONS = MakingOptions()
 @pytest.fixture(scope='module', params=['lab_base.map', 'omron-ld-site-a.map',
                                         'omron-ld-site-b.map'])
 def made(request):
-    """A site and the graph that is made of it."""
+    """A site and the graph that is made from it."""
     path = (MAPS if request.param.startswith('lab') else REAL) / request.param
     if not path.exists():
-        pytest.skip(f'{request.param} is not there: set LD90_REAL_MAPS')
+        pytest.skip(f'{request.param} does not exist: set LD90_REAL_MAPS')
     return made_of(path)
 
 
 @lru_cache(maxsize=None)
 def made_of(path: Path):
-    """A site and the graph that is made of it, once for all tests."""
+    """A site and the graph that is made from it, once for all tests."""
     site = load_site(str(path), SiteOptions())
     return site, make_graph(site, OPTIONS).graph
 
@@ -54,7 +54,8 @@ def test_robots_have_room_to_pass_every_edge_and_to_turn_where_it_bends(made):
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     assert [str(each) for each in findings if 'must turn' in each.text] == []
     least = min(site.floor.clearance_at(graph.curve(id).sample(0.02)).min() for id in graph.edges)
-    assert least > OPTIONS.robot_width / 2.0 + 0.015, "what the robot's own planner keeps free"
+    assert least > OPTIONS.robot_width / 2.0 + 0.015, (
+        "the clearance of the robot's own planner must be kept")
 
 
 def test_every_goal_and_dock_is_a_vertex(made):

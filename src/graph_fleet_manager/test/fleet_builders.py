@@ -1,4 +1,4 @@
-"""Graphs and fleets that the tests share."""
+"""Graphs and fleets for several tests."""
 from __future__ import annotations
 
 import math
@@ -13,7 +13,7 @@ AGV = RobotType('agv', 0.4, 1.0)
 
 def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple[int, int]],
              speed: float = 1.0, one_way: Sequence[int] = ()) -> Graph:
-    """Straight edges `ends` {id: (origin, destination)} between vertices {id: (x, y)}."""
+    """A graph of straight edges `ends` {id: (origin, destination)} and vertices {id: (x, y)}."""
     return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
                  [Edge(id, *pair, velocity_forward=speed,
                        velocity_backwards=0.0 if id in one_way else speed)
@@ -21,7 +21,7 @@ def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple
 
 
 def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0) -> Graph:
-    """Vertices 1 .. length in a row, edges 1 .. length - 1; a siding 100 beside one of them."""
+    """Vertices 1 .. length in a row, edges 1 .. length - 1; a siding 100 beside one vertex."""
     places: Dict[int, Tuple[float, float]] = {
         k: ((k - 1) * spacing, 0.0) for k in range(1, length + 1)}
     ends = {k: (k, k + 1) for k in range(1, length)}
@@ -32,7 +32,7 @@ def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0)
 
 
 def ladder(length: int, spacing: float = 2.0) -> Graph:
-    """Two rows of vertices, 1 .. length and 101 .. 100 + length, joined at every one."""
+    """Two rows of vertices, 1 .. length and 101 .. 100 + length, joined at each pair."""
     places = {100 * row + k: ((k - 1) * spacing, row * spacing)
               for row in (0, 1) for k in range(1, length + 1)}
     ends = {100 * row + k: (100 * row + k, 100 * row + k + 1)
@@ -49,7 +49,7 @@ def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> G
         if all(math.dist(place, other) > 0.05 for other in places):
             places.append(place)
     pairs = []
-    for k in range(1, vertices):  # a tree that joins near ones, then edges across
+    for k in range(1, vertices):  # a tree that joins near vertices, then edges across
         near = sorted(range(k), key=lambda j: math.dist(places[j], places[k]))
         pairs.append((random.choice(near[:2]), k))
     for _ in range(extra):
@@ -69,7 +69,7 @@ def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> G
 
 def as_files(graph: Graph, types: Sequence[RobotType], robots: Mapping[str, Tuple[str, int]],
              missions: Mapping[str, Sequence[int]], clearance: float) -> Tuple[dict, dict, dict]:
-    """What stands in the three files of `plan_fleet`, as plain data."""
+    """The contents of the three files of `plan_fleet`, as plain data."""
     return ({
         'Vertices': [{'Id': v.id, 'X': v.x, 'Y': v.y, 'Theta': v.theta, 'ThetaHolomonic': 0.0,
                       'Label': v.label, 'FrameId': 'map', 'Dock': v.dock}

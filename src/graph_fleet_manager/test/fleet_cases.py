@@ -18,12 +18,11 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Task
 
-GIVE_UP = 0.3  # s of the processor after which an instance counts as one without a solution
+GIVE_UP = 0.3  # s of CPU time after which an instance counts as one without a solution
 
 
 def plan_in_time(planner, tasks, rounds):
-    """A plan whose time limit counts the processor's time, regardless of other load on the
-    machine."""
+    """Plans with a limit on CPU time, so that other load on the machine does not matter."""
     with patch('time.monotonic', time.process_time), \
             patch.object(layers, 'time_now', time.process_time), \
             patch.object(safe_intervals, 'time_now', time.process_time):
@@ -72,7 +71,7 @@ class Case:
             self.network.index[a]]) for a, b in zip(stops, stops[1:]))
 
     def plan(self, search=find_path, seed=0, rounds=10):
-        """The plan as it stands in the file, None where none was found."""
+        """The plan in the form of the file, None if none was found."""
         planner = FleetPlanner(self.network, self.clearance, self.types, search=search, seed=seed)
         tasks = [Task(t.name, t.type, t.vertex, destinations=self.missions.get(t.name, ()),
                       stays=True) for t in self.robots.values()]
@@ -81,7 +80,7 @@ class Case:
 
     @property
     def world(self):
-        """For the checker."""
+        """The instance for the checker."""
         world = World(*as_files(self.graph, self.types, {
             name: (t.type.name, t.vertex) for name, t in self.robots.items()},
             self.missions, self.clearance))
@@ -93,8 +92,11 @@ class Case:
 
 
 class MidEdgeCase(Case):
-    """A random fleet of which some robots, `moved`, stand between the ends of an edge, the first
-    end that of their vertex in the same case without them; some of these edges are closed."""
+    """A random fleet in which some robots, `moved`, stand between the ends of an edge.
+
+    The first end of that edge is the robot's vertex in the same case without `moved`. Some of these
+    edges are closed.
+    """
 
     def __init__(self, random: Random, share: float = 0.5) -> None:
         super().__init__(random)
@@ -126,7 +128,7 @@ class MidEdgeCase(Case):
         return curve.point_at(mid_edge[1] * curve.length)
 
     def outcome(self, mid_edge, rounds=0):
-        """Of the case, or of the same case with all robots on their vertices."""
+        """The outcome of the case, or of the same case with all robots on their vertices."""
         tasks = [replace(task, destinations=self.missions.get(name, ()), stays=True,
                          **({} if mid_edge or not task.mid_edge else {
                              'mid_edge': None, 'vertex': self._vertex(task)}))

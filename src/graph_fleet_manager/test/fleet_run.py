@@ -1,7 +1,8 @@
-"""A fleet at work, as a discrete-event run of the planning core: missions come, robots run late.
+"""A fleet at work: a discrete-event simulation with the planning core, missions and late robots.
 
-Robots begin a drive when its precedence allows, at the last moment (nothing is released ahead).
-Whenever a mission ends, its robot gets the next one and all is planned from where all robots are.
+A robot begins a drive as soon as its precedence allows, and at the last moment (nothing is released
+ahead). When a mission ends, its robot gets the next one, and all robots are planned again from
+their present places.
 """
 from __future__ import annotations
 
@@ -17,8 +18,10 @@ from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive, Task
 
 
 class Delays(NamedTuple):
-    """How late robots run: each drive takes between 1 and `slower` times as long as planned, and
-    about every `between_stalls` s of driving the robot stands still for `stall` s."""
+    """Delays of robots: each drive takes between 1 and `slower` times as long as planned.
+
+    About every `between_stalls` s of driving the robot stands for `stall` s.
+    """
 
     slower: float = 1.1
     between_stalls: float = 800.0
@@ -26,14 +29,14 @@ class Delays(NamedTuple):
 
 
 class Driven(NamedTuple):
-    """One drive as it came to pass: at times `at` the robot was at fractions `share`."""
+    """One drive as it happened: at times `at` the robot was at fractions `share`."""
 
     edge: int
     at: Tuple[float, ...]
     share: Tuple[float, ...]
 
     def share_at(self, now: float) -> float:
-        """The fraction driven by then."""
+        """The fraction driven at a time."""
         if now >= self.at[-1]:
             return 1.0
         k = max(bisect_right(self.at, now) - 1, 0)
@@ -42,7 +45,7 @@ class Driven(NamedTuple):
         return self.share[k] + part * (self.share[k + 1] - self.share[k])
 
     def time_of(self, share: float) -> float:
-        """When a fraction is driven."""
+        """The time at which a fraction is driven."""
         for k in range(len(self.at) - 1):
             if share <= self.share[k + 1]:
                 step = self.share[k + 1] - self.share[k]
@@ -60,7 +63,7 @@ class RobotState:
     vertex: int
     plan: Tuple[PlannedDrive, ...] = ()
     done: int = 0
-    """Drives of the plan that have begun; the last of them may be under way."""
+    """The number of drives of the plan that have begun; the last of them may be under way."""
     driving: Optional[Driven] = None
     destinations: Tuple[int, ...] = ()
     served: int = 0
@@ -68,7 +71,9 @@ class RobotState:
 
 
 class FleetRun:
-    """Missions for robots on one graph; `next_mission` draws the destinations of a robot's next."""
+    """Missions for robots on one graph; `next_mission` draws the destinations of a robot's next
+    one.
+    """
 
     def __init__(self, planner: FleetPlanner, robots: Mapping[str, Tuple[RobotType, int]],
                  next_mission: Callable[[Random, int], Sequence[int]], delays: Delays, seed: int,
@@ -85,13 +90,13 @@ class FleetRun:
         self.now = 0.0
         self.missions = 0
         self.planning_times: List[float] = []
-        """s of the processor that each plan took."""
+        """CPU time of each plan, in s."""
         self.unserved: Dict[str, str] = {}
         self.longest_standstill = 0.0
-        """The longest time in which no robot at all was driving."""
+        """The longest time in which no robot was driving, in s."""
 
     def run(self, seconds: float) -> None:
-        """Lets so much time pass."""
+        """Runs for the given time."""
         for robot in self.robots.values():
             robot.destinations = tuple(self._next_mission(self._random, robot.vertex))
         self._plan()
@@ -102,7 +107,7 @@ class FleetRun:
                 if self._plan_again_when_stuck(seconds):
                     continue
                 return
-            # What happens next: a drive ends, or a robot is far enough for another to begin.
+            # Next event: a drive ends, or a robot is far enough for another robot to begin.
             self.now = min(min(ends)[0], self._next_release())
             if self.now > seconds:
                 return
@@ -110,7 +115,7 @@ class FleetRun:
                 self._plan()
 
     def _plan_again_when_stuck(self, seconds: float) -> bool:
-        """No robot drives: the fleet manager would try again, a moment later."""
+        """Plans again 1 s later, as the fleet manager would, because no robot drives."""
         self.longest_standstill += 1.0
         self.now += 1.0
         if self.longest_standstill > 300.0 or self.now > seconds:
@@ -119,7 +124,7 @@ class FleetRun:
         return True
 
     def _end_drives(self) -> bool:
-        """Ends what ends now; tells whether a mission ended."""
+        """Ends the drives that end now; true if a mission ended."""
         ended = False
         for robot in self.robots.values():
             if robot.driving and robot.driving.at[-1] <= self.now:
@@ -139,7 +144,7 @@ class FleetRun:
     # -- driving by precedence --------------------------------------------------------------------
 
     def _begin_drives(self) -> None:
-        """Begins every drive whose time has come."""
+        """Begins each drive whose time has come."""
         for robot in self.robots.values():
             if (robot.driving is None and robot.done < len(robot.plan)
                     and self._may_begin_at(robot) <= self.now):
@@ -154,7 +159,7 @@ class FleetRun:
                    default=float('inf'))
 
     def _may_begin_at(self, robot: RobotState) -> float:
-        """When the others are out of the way of a robot's next drive, as far as that is known."""
+        """The time at which others are out of the way of a robot's next drive, or infinity."""
         begin = self.now
         for first, before, fraction in self._needs.get((robot.name, robot.done), ()):
             other = self.robots[first]

@@ -1,4 +1,4 @@
-"""The other side of joined ROS masters, as far as XML-RPC shows it: a master and its discovery."""
+"""A stand-in for the other side of joined ROS masters: a master and its discovery by XML-RPC."""
 from __future__ import annotations
 
 import socket
@@ -10,7 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 
 class OtherSide:
-    """Serves both at an address; the attributes are what it answers."""
+    """Serves both at an address; the attributes are the answers."""
 
     def __init__(self, address: str) -> None:
         self.address = address

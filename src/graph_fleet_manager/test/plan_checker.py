@@ -1,9 +1,10 @@
 """Judges plans from their files alone; shares no code with the planner.
 
-Everything is worked out anew: curves as the fleet's files describe them, lengths by fine sampling,
-distances by Shapely. A plan is judged by the places that two robots can hold at once under its
-precedence, however late each of them is: for every robot and drive it is worked out how far the
-others must be by then, and all that they may still hold is kept apart from it.
+Everything is computed anew: curves from the fleet's files, lengths by fine sampling, distances by
+Shapely. The checker assumes that each robot can be arbitrarily late. It compares all places that
+two robots can occupy at the same time under the precedence: for each robot and drive it computes
+how far the other robots must be by then, and checks the distance to all places that they may still
+occupy.
 """
 from __future__ import annotations
 
@@ -14,13 +15,13 @@ import numpy as np
 import yaml
 from shapely.geometry import LineString, Point
 
-SAMPLES = 400  # points on a spline: chords nearer than 0.01 mm to it where it bends with 0.3 m
+SAMPLES = 400  # points on a spline: with a radius of 0.3 m, chords are within 0.01 mm of the curve
 TOLERANCE = 1e-4  # m
 SLACK = 1e-6  # s, and fractions
 
 
 class World:
-    """Graph, fleet and missions as plain data, with each edge as a fine polyline."""
+    """Graph, fleet and missions as plain data; each edge is a fine polyline."""
 
     def __init__(self, graph: dict, fleet: dict, missions: dict) -> None:
         self.vertices = {v['Id']: v for v in graph['Vertices']}
@@ -73,13 +74,13 @@ class World:
         return points
 
     def ends(self, signed: int) -> Tuple[int, int]:
-        """First and last vertex in driving direction."""
+        """The first and last vertex in driving direction."""
         edge = self.edges[abs(signed)]
         ends = edge['Origin_ID'], edge['Destination_ID']
         return ends if signed > 0 else ends[::-1]
 
     def speed(self, robot: str, signed: int) -> float:
-        """m/s; 0 where it may not drive."""
+        """The speed in m/s; 0 if the edge may not be driven in this direction."""
         edge, kind = self.edges[abs(signed)], self.types[self.robots[robot]['type']]
         own = edge['VelocityForward'] if signed > 0 else edge['VelocityBackwards']
         if own == 0:
@@ -87,12 +88,12 @@ class World:
         return min(own, kind['speed']) if kind.get('obeys_edge_speed', True) else kind['speed']
 
     def apart(self, a: str, b: str) -> float:
-        """How far the curves of two robots must be from each other."""
+        """The required distance between the curves of two robots, in m."""
         kinds = [self.types[self.robots[name]['type']] for name in (a, b)]
         return self.clearance + sum(k['radius'] + k.get('play', 0.0) for k in kinds)
 
     def start(self, robot: str) -> Point:
-        """Where a robot stands at first: on a vertex, or at a fraction of a signed edge."""
+        """The first place of a robot: a vertex, or a fraction of a signed edge."""
         given = self.robots[robot]
         if 'edge' in given:
             return Point(self.along(given['edge'], np.array([given['fraction']]))[0])
@@ -103,7 +104,7 @@ class World:
         return Point(self.vertices[vertex]['X'], self.vertices[vertex]['Y'])
 
     def begun(self, robot: str, number: int, signed: int) -> float:
-        """The fraction of a robot's drive that lies behind it before it begins."""
+        """The fraction of a robot's drive that it has driven before the drive begins."""
         given = self.robots[robot]
         if number or 'edge' not in given:
             return 0.0
@@ -111,14 +112,16 @@ class World:
 
 
 class Held(NamedTuple):
-    """What a robot holds while it is at drive `index`: -1 is its stand before the first."""
+    """The places that a robot may occupy during drive `index`; -1 is its stand before the first
+    drive.
+    """
 
     index: int
     shape: object
 
 
 def faults(world: World, plan: dict) -> List[str]:
-    """Everything that is wrong with a solved plan; an empty list for a good one."""
+    """All faults of a solved plan; an empty list if there is none."""
     found = structure_faults(world, plan)
     if found:
         return found
@@ -130,7 +133,7 @@ def faults(world: World, plan: dict) -> List[str]:
 
 
 def structure_faults(world: World, plan: dict) -> List[str]:
-    """Routes that break, forbidden directions, destinations that are not visited, wrong sums."""
+    """Broken routes, forbidden directions, unvisited destinations, wrong sums."""
     found: List[str] = []
     if set(plan['robots']) != set(world.robots):
         return [f'robots are {sorted(plan["robots"])}']
@@ -142,7 +145,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
             wanted.pop(0)
         for k, drive in enumerate(drives):
             if abs(drive['edge']) not in world.edges:
-                return [f'{name} drives edge {drive["edge"]}, which is not there']
+                return [f'{name} drives edge {drive["edge"]}, which does not exist']
             begin, end = world.ends(drive['edge'])
             if k == 0 and at is None:
                 if abs(drive['edge']) != abs(world.robots[name]['edge']):
@@ -171,7 +174,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
 
 
 def time_faults(world: World, plan: dict) -> List[str]:
-    """Drives that are too fast or overlap, and times against the precedence."""
+    """Drives that are too fast or overlap, and times that break the precedence."""
     found: List[str] = []
     for name, drives in plan['robots'].items():
         now = 0.0
@@ -186,7 +189,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
                 found.append(f'{name} drives {k} in {drive["end"] - drive["start"]} s, '
                              f'not {seconds} s')
             if drive['start'] < now - SLACK:
-                found.append(f'{name} begins drive {k} before it is there')
+                found.append(f'{name} begins drive {k} before it has arrived')
             now = drive['end']
     for a, i, f, b, j in plan['precedence']:
         before, after = plan['robots'][a][i], plan['robots'][b][j]
@@ -199,7 +202,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
 
 
 class Order:
-    """How far every robot must be when another begins a drive, by all that follows."""
+    """For each drive: how far the other robots must be when it begins, by all constraints."""
 
     def __init__(self, plan: dict) -> None:
         self.names = list(plan['robots'])
@@ -217,7 +220,7 @@ class Order:
                 self._work_out((name, j), state)
 
     def _work_out(self, root: Tuple[str, int], state: Dict[Tuple[str, int], int]) -> None:
-        """Depth first without recursion; state 1: under way, 2: done."""
+        """Depth-first search without recursion; state 1 means under way, 2 means done."""
         stack = [root]
         while stack:
             node = stack[-1]
@@ -250,14 +253,14 @@ class Order:
             self.reached[node] = reached
 
     def at_least(self, other: str, name: str, drive: int) -> Tuple[int, float]:
-        """(drive, fraction) that `other` has reached when `name` is at `drive`."""
+        """The (drive, fraction) that `other` has reached at least when `name` is at `drive`."""
         if drive < 0:
             return (-1, 0.0)
         return self.reached[name, drive].get(other, (-1, 0.0))
 
 
 def held_faults(world: World, plan: dict, order: Order) -> List[str]:
-    """Pairs of places that two robots can hold at once although they are too near."""
+    """Pairs of places that two robots may occupy at once although they are too near."""
     found: List[str] = []
     names = order.names
     boxes = {name: np.array([_shape(world, plan, name, k).bounds
@@ -268,7 +271,7 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
             gaps = np.maximum(boxes[a][:, None, :2] - boxes[b][None, :, 2:],
                               boxes[b][None, :, :2] - boxes[a][:, None, 2:]).max(axis=2)
             for i, j in (np.argwhere(gaps <= apart) - 1).tolist():
-                # b is at j, so a has come to `least_a`, and the other way round.
+                # When b is at drive j, a has reached at least `least_a`, and vice versa.
                 least_a, least_b = order.at_least(a, b, j), order.at_least(b, a, i)
                 if least_a[0] > i or least_b[0] > j:
                     continue
@@ -282,7 +285,7 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
 
 
 def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
-    """What a robot may hold at a drive of which at least this fraction lies behind it."""
+    """The part of a drive that a robot may occupy when at least this fraction is behind it."""
     if k < 0:
         return world.start(name)
     edge = plan['robots'][name][k]['edge']
@@ -298,7 +301,7 @@ def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
-    """Robots too near each other if all robots keep their times; looked at every `step` s."""
+    """Robots too near each other if all robots keep their times, checked every `step` s."""
     names = list(plan['robots'])
     if not names:
         return []
@@ -315,7 +318,7 @@ def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
 
 
 def _trajectory(world: World, plan: dict, name: str, times: np.ndarray) -> np.ndarray:
-    """Where a robot is at each time (T,2)."""
+    """The position of a robot at each time (T,2), in m."""
     point = world.start(name)
     places = np.tile((point.x, point.y), (len(times), 1))
     for k, drive in enumerate(plan['robots'][name]):

@@ -1,8 +1,8 @@
 """Drives a plan with random delays and stalls; shares no code with the planner.
 
-Robots keep the precedence and nothing else: each drive takes as long as chance will have it, with
-stops anywhere on it, and begins as soon as the order allows. The place of each robot at any time is
-then looked at in steps.
+Robots obey the precedence and nothing else. Each drive takes a random time, with stops anywhere on
+it, and begins as soon as the precedence allows. Then the place of each robot is checked at regular
+times.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from plan_checker import TOLERANCE, World
 
 
 class Driven(NamedTuple):
-    """One drive as it came to pass: at times `at` (K,) it was at fractions `share` (K,)."""
+    """One drive as it happened: at times `at` (K,) the robot was at fractions `share` (K,)."""
 
     at: np.ndarray
     share: np.ndarray
@@ -25,7 +25,7 @@ class Stuck(Exception):
 
 
 def replay(world: World, plan: dict, random: Random) -> Dict[str, List[Driven]]:
-    """How all robots drive it once; raises Stuck where they do not get to the end."""
+    """Drives the plan once with all robots; raises Stuck if they do not reach the end."""
     needs: Dict[Tuple[str, int], List[Tuple[str, int, float]]] = {}
     for a, i, f, b, j in plan['precedence']:
         needs.setdefault((b, j), []).append((a, i, f))
@@ -61,7 +61,7 @@ def _may_begin(driven, name, needs):
 
 
 def _drive(begin: float, seconds: float, random: Random, begun: float = 0.0) -> Driven:
-    """At a random speed, perhaps with a stop on the way; so much of the edge lies behind it."""
+    """Drives at a random speed, perhaps with a stop, from the fraction that is already driven."""
     seconds *= random.choice((1.0, random.uniform(1.0, 1.5), random.uniform(1.0, 4.0)))
     if random.random() < 0.2:
         stop, stall = random.random(), random.uniform(0.0, 30.0)
@@ -75,7 +75,7 @@ def _drive(begin: float, seconds: float, random: Random, begun: float = 0.0) -> 
 
 def replay_faults(world: World, plan: dict, driven: Dict[str, List[Driven]],
                   step: float = 0.1) -> List[str]:
-    """Robots that came too near each other, looked at every `step` s."""
+    """Robots that came too near each other, checked every `step` s."""
     names = list(plan['robots'])
     last = max((d[-1].at[-1] for d in driven.values() if d), default=0.0)
     times = np.arange(0.0, last + step, step)

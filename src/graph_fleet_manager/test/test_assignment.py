@@ -1,4 +1,4 @@
-"""Missions are shared out among many robots at once."""
+"""Many missions are assigned to many robots at once."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -14,7 +14,7 @@ TRUCK = replace(AGV, name='truck')
 
 
 def test_each_of_many_robots_gets_a_mission_that_its_type_can_serve():
-    """The matching once took minutes where robots could not serve all missions."""
+    """The matching once took minutes if not every robot could serve every mission."""
     vertices = [100 * row + k for row in (0, 1) for k in range(1, 90)]
     graph = ladder(90)
     chance = Random(1)

@@ -1,4 +1,4 @@
-"""Learned edge times: what counts as a drive, and when it replaces the nominal time."""
+"""Learned edge times: what counts as a drive, and when its time replaces the nominal time."""
 from __future__ import annotations
 
 import pytest
@@ -9,7 +9,7 @@ from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.edge_times import ENOUGH, PERIOD, Driven, EdgeTimer, EdgeTimes
 
-NOMINAL = 2.0  # s for every edge
+NOMINAL = 2.0  # s for each edge
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def nominal(kind, edge):
 
 
 def learned(*seconds, table=None):
-    """What is known after these drives of edge 1, and one look at the clock."""
+    """The learned times after these drives of edge 1 and one tick of the clock."""
     times = table or EdgeTimes()
     for edge in (2, 3):
         for _ in range(ENOUGH):
@@ -62,14 +62,14 @@ def test_waiting_at_a_vertex_is_not_driving(record):
 def test_what_was_not_seen_from_end_to_end_does_not_count(record):
     timer = EdgeTimer()
     record.append([1, 2, 3, 4])
-    timer.follow(record, 0.0)  # found driving, as after a restart
+    timer.follow(record, 0.0)  # driving when first seen, as after a restart
     record.complete(1)
     assert timer.follow(record, 1.0) is None
     record.complete(3)
-    assert timer.follow(record, 5.0) is None, 'two edges at once'
+    assert timer.follow(record, 5.0) is None, 'both edges ended in one report'
     timer.stop()
     record.complete(4)
-    assert timer.follow(record, 6.0) is None, 'it was stopped on the way'
+    assert timer.follow(record, 6.0) is None, 'the robot was stopped on the way'
 
 
 def test_a_drive_from_the_middle_of_an_edge_does_not_count(record):

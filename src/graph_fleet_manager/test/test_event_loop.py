@@ -1,4 +1,4 @@
-"""The order in which the fleet manager hears what happens."""
+"""The order in which the fleet manager processes events."""
 from __future__ import annotations
 
 import threading
@@ -16,7 +16,7 @@ from graph_fleet_manager.supervision.outages import Outage
 
 
 class Clock:
-    """Stands still unless it is told otherwise."""
+    """A clock that the test sets."""
 
     def __init__(self):
         self.now = 100.0
@@ -33,12 +33,12 @@ def clock():
 @pytest.fixture
 def loop(clock):
     loop = EventLoop(clock)
-    loop.take()(None, clock.now)  # the first look at the clock
+    loop.take()(None, clock.now)  # the first tick
     return loop
 
 
 def noted(notes, word):
-    """An event that writes itself down."""
+    """An event that writes its own name down."""
     def event(supervisor, now):
         notes.append(word)
         return ()
@@ -62,7 +62,7 @@ def test_the_clock_is_looked_at_in_time_however_many_reports_come(loop, clock):
         loop.put(noted(notes, number))
         clock.now += TICK / 4
         loop.take()(None, clock.now)
-    assert 80 < len(notes) < 95, 'the clock is looked at, although more come than can be taken'
+    assert 80 < len(notes) < 95, 'ticks must be taken although more events come than can be taken'
 
 
 def test_reports_and_commands_that_arrived_before_a_tick_was_due_go_before_it(loop, clock):
@@ -81,7 +81,7 @@ def test_reports_and_commands_that_arrived_before_a_tick_was_due_go_before_it(lo
 
 
 class WatchedLoop:
-    """An event loop in which everything takes some time, and what its thread took."""
+    """An event loop in which everything takes some time, with a record of what its thread took."""
 
     def __init__(self, seed):
         self.random, self.clock = Random(seed), Clock()
@@ -91,7 +91,7 @@ class WatchedLoop:
         self.slowness = self.random.choice((0.1, 1.0, 5.0)) * TICK
 
     def arrives(self, kind):
-        """Something comes in."""
+        """An event or a request arrives."""
         number = len(self.arrived[kind])
         self.arrived[kind].append(self.clock.now)
 
@@ -104,11 +104,11 @@ class WatchedLoop:
             (self.loop.put_urgent if kind == 'stop' else self.loop.put)(event)
 
     def waiting(self, kind):
-        """When everything arrived that was not taken yet."""
+        """The times of arrival of everything that was not taken yet."""
         return self.arrived[kind][len(self.taken[kind]):]
 
     def take(self):
-        """What was taken in one turn of the thread, during which more may arrive."""
+        """Runs one turn of the thread and returns what it took; more may arrive meanwhile."""
         before = {kind: len(taken) for kind, taken in self.taken.items()}
         told = self.loop.take()(None, self.clock.now)
         self.taken['request'] += [action.status.request_id for action in told]
@@ -131,20 +131,21 @@ def test_whatever_comes_and_however_long_it_takes_the_order_is_kept(seed):
         waiting = {kind: watched.waiting(kind) for kind in watched.arrived}
         now, kind = watched.clock.now, watched.take()
         if waiting['stop']:
-            assert kind == 'stop', 'nothing goes before a stop'
+            assert kind == 'stop', 'something was taken before a stop'
         if kind in ('tick', 'request'):
-            assert not [at for at in waiting['event'] if at <= min(due, now)], 'it arrived before'
+            assert not [at for at in waiting['event'] if at <= min(due, now)], (
+                'it arrived before the tick was due')
         if kind == 'request':
             requests += 1
             due = min(due, now) if len(waiting['request']) <= BATCH else due
         if kind == 'tick':
             assert now >= due
-            assert requests or not waiting['request'], 'requests have a turn'
+            assert requests or not waiting['request'], 'requests must get a turn'
             due, requests = now + TICK, 0
     for kind in watched.arrived:
         numbers = watched.taken[kind]
-        assert numbers == list(range(len(numbers))), f'each {kind} is taken once, in order'
-    assert len(watched.taken['tick']) > 10, 'the clock is looked at'
+        assert numbers == list(range(len(numbers))), f'each {kind} must be taken once, in order'
+    assert len(watched.taken['tick']) > 10, 'a tick must be taken'
 
 
 @pytest.fixture
@@ -155,7 +156,7 @@ def fleet():
 
 
 def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
-    """A command that came during the stall changes nothing about that."""
+    """A command that arrived during the stall does not change this."""
     loop = EventLoop(lambda: fleet.now)
     fleet.request(1, 3)
     for late in range(28):
@@ -216,14 +217,14 @@ def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
     stops = []
     loop.put_urgent(noted(stops, 'stop'))
     loop.take()(None, 0.0)
-    assert stops == ['stop'] and late.is_alive(), 'the room is for what is not urgent'
+    assert stops == ['stop'] and late.is_alive(), 'the limit must not apply to urgent events'
     loop.take()
     late.join(10.0)
     assert not late.is_alive()
 
 
 def told_by(actions):
-    """Ids and states of the requests that are told of."""
+    """Ids and states of the requests that the statuses report."""
     return [(action.status.request_id, action.status.state) for action in actions
             if isinstance(action, TellStatus)]
 
@@ -237,7 +238,7 @@ def test_a_request_is_not_kept_where_it_cannot_be(clock):
 
 
 def take_all(loop, fleet, turns):
-    """What follows from so many turns."""
+    """The actions of the given number of turns."""
     return [action for _ in range(turns) for action in loop.take()(fleet.supervisor, fleet.now)]
 
 
@@ -247,7 +248,7 @@ def test_requests_and_commands_before_there_is_a_graph_are_carried_out_once_ther
     loop.put_request(Request(2, (2,)))
     loop.put_command(2, Command.PAUSE)
     loop.put_command(2, Command.CANCEL)
-    loop.put_report(lambda supervisor, now, arrived: pytest.fail('an old report means nothing'))
+    loop.put_report(lambda supervisor, now, arrived: pytest.fail('an old report must not count'))
     for _ in range(3):
         assert loop.take()(None, 0.0) == ()
     loop.begin()
@@ -311,6 +312,6 @@ def test_a_tick_that_is_wanted_earlier_comes_earlier_but_after_what_arrived_befo
     clock.now += TICK / 100
     loop.put(noted(notes, 'after'))
     loop.take()
-    assert notes == ['before'], 'it was time for the tick'
+    assert notes == ['before'], 'the tick was due'
     loop.take()(None, clock.now)
     assert notes == ['before', 'after']

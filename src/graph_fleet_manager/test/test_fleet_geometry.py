@@ -1,4 +1,4 @@
-"""Conflict sets: no two places that are too near each other are missed, and none are made up."""
+"""Conflict sets: every pair of places that are too near is in them, and no other pair."""
 from __future__ import annotations
 
 import math
@@ -38,18 +38,18 @@ def test_a_point_is_in_a_capsule_exactly_between_entry_and_exit(start, end, firs
 
 
 class Measured(NamedTuple):
-    """A random graph with its conflict sets, and what the checker thinks of its shapes."""
+    """A random graph with its conflict sets, and the checker's own shapes."""
 
     graph: Graph
     distance: float
     network: RoadNetwork
     conflicts: Conflicts
     world: World
-    shapes: list  # of the vertices, then of the edges
+    shapes: list  # shapes of the vertices, then of the edges
 
 
 def _measured(seed) -> Measured:
-    """Skips the few drawings that are no graph."""
+    """Measures a random graph; skips the few drawings that are no valid graph."""
     random = Random(seed)
     try:
         graph = random_graph(random, random.randint(3, 10), random.randint(0, 8), 2.0)

@@ -43,8 +43,10 @@ def test_a_robot_goes_on_from_what_was_released_to_it():
 
 @pytest.mark.parametrize('rounds', [0, 2])
 def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
-    """What was released stays so: a robot that could be through long before comes after it all the
-    same."""
+    """A released drive stays released.
+
+    A robot that could have passed long before must still pass after it.
+    """
     crossing = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0), 4: (6.0, 0.0), 5: (8.0, 0.0),
                          6: (6.0, 2.0), 7: (6.0, -2.0)},
                         {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (6, 4), 6: (4, 7)})
@@ -60,7 +62,7 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
-    """All that waits for no robot is released; then all robots are sent elsewhere."""
+    """All drives that wait for no robot are released; then all robots get other destinations."""
     random = Random(seed)
     graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
     planner = _planner(graph, kinds=(AGV, slow))
@@ -104,11 +106,11 @@ def test_several_destinations_with_dwells_are_one_search():
 def test_who_is_not_to_stay_goes_on_to_parking():
     outcome = _plan(_planner(corridor(5), parking=(5,)), Task('a', AGV, 1, destinations=(3,)))
     assert _edges(outcome, 'a') == [1, 2, 3, 4]
-    assert outcome.cost == pytest.approx(4.0, abs=0.01), 'the rest hardly counts'
+    assert outcome.cost == pytest.approx(4.0, abs=0.01), 'the other paths hardly add to the cost'
 
 
 def test_who_got_a_way_when_it_made_room_for_another_is_not_planned_once_more():
-    """a finds no way; b finds one together with a, and both have theirs."""
+    """Robot a finds no path. Then b finds one together with a, and both have a path."""
     calls = []
 
     def search(errand, *others):
@@ -182,7 +184,7 @@ def test_a_large_robot_and_a_small_one_keep_their_own_distances():
 
 
 def test_priorities_decide_who_waits():
-    """Both come to the crossing at the same time."""
+    """Both arrive at the crossing at the same time."""
     graph = graph_of({1: (-4, 0), 2: (0, 0), 3: (4, 0), 4: (0, -4), 5: (0, 4)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 2), 4: (2, 5)})
     for urgent in 'ab':
@@ -223,7 +225,8 @@ def test_the_same_question_gets_the_same_answer():
     assert first == second
     planner = _planner(ladder(5))
     _plan(planner, *tasks[:3], rounds=5)
-    assert _plan(planner, *tasks, rounds=40, seconds=60.0) == first, 'nothing is left from before'
+    assert _plan(planner, *tasks, rounds=40, seconds=60.0) == first, (
+        'nothing is kept from the previous call')
 
 
 def test_improvement_makes_no_plan_worse():
@@ -235,7 +238,7 @@ def test_improvement_makes_no_plan_worse():
 
 
 def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding():
-    """One after the other, the robot that is planned second has to drive 45 m the other way."""
+    """If planned one after the other, the second robot has to drive 45 m in the other direction."""
     row = {k: (3.0 * k, 0.0) for k in range(1, 6)}
     graph = graph_of({**row, 9: (6.0, 3.0), 10: (3.0, -15.0), 11: (15.0, -15.0)},
                      {**{k: (k, k + 1) for k in range(1, 5)}, 9: (2, 9), 10: (1, 10), 11: (10, 11),
@@ -300,7 +303,9 @@ def test_the_search_over_configurations_swaps_robots_in_a_siding():
 
 
 def test_no_order_of_use_is_made_of_drives_that_go_back_in_time():
-    """For all else leads on in time: only so might robots wait for each other in a ring."""
+    """All other constraints lead forward in time. Only such drives could make robots wait in a
+    ring.
+    """
     network = RoadNetwork(corridor(4))
     table = ReservationTable(network, 0.1, [AGV])
     first, second = (network.drive(edge) for edge in network.edge_ids[:2])
@@ -337,7 +342,7 @@ def test_the_laboratory_has_room_for_thirteen_and_not_for_one_more(lab_graph):
 
 
 def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
-    """Every rung leads on to a dead end; robots parked in these are in no other robot's way."""
+    """Each rung leads on to a dead end; robots parked in dead ends block no other robot."""
     graph = graph_of({**{k: (3.0 * k, 0.0) for k in range(1, 6)},
                       **{10 + k: (3.0 * k, 2.0) for k in range(1, 6)}},
                      {**{k: (k, k + 1) for k in range(1, 5)},

@@ -1,4 +1,4 @@
-"""Every plan is judged by a checker that shares no code with the planner."""
+"""A checker that shares no code with the planner judges every plan."""
 from __future__ import annotations
 
 import os
@@ -37,7 +37,7 @@ def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
 
 
 def test_many_drives_under_random_delays_come_near_nobody():
-    """Counted in drives; with LD90_LONG_TESTS=1 a million of them."""
+    """Measured in drives; with LD90_LONG_TESTS=1 a million of them."""
     driven, seed = 0, 0
     while driven < (1_000_000 if LONG else 2_000):
         seed += 1

@@ -1,4 +1,4 @@
-"""Each rule of the planner matters: with it switched off, the checker finds what goes wrong."""
+"""Each rule of the planner is necessary: if it is switched off, the checker finds a fault."""
 from __future__ import annotations
 
 import time
@@ -99,20 +99,21 @@ def _destinations_are_served_in_any_order(patch):
 ], ids=lambda rule: rule.__name__.strip('_'))
 def test_a_rule_that_is_switched_off_is_caught(monkeypatch, switch_off):
     switch_off(monkeypatch)
-    assert any(_caught(seed) for seed in SEEDS), 'no plan was found to be wrong'
+    assert any(_caught(seed) for seed in SEEDS), 'the checker found no wrong plan'
 
 
 def _caught(seed: int) -> bool:
     try:
         case = Case(Random(seed))
         plan = case.plan(rounds=0)
-    except (GraphError, Conflicting):  # nothing to plan on; the planner's own alarm does not count
+    # no input for the planner; an alarm of the planner itself does not count
+    except (GraphError, Conflicting):
         return False
     return plan is not None and faults(case.world, plan) != []
 
 
 def _square():
-    """Four robots on the corners of a square, each of which is to go on to the next."""
+    """Four robots on the corners of a square; each must go to the next corner."""
     corners = {1: (0, 0), 2: (2, 0), 3: (2, 2), 4: (0, 2)}
     graph = graph_of(corners, {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 1)})
     world = World(*as_files(graph, [AGV], {f'r{k}': ('agv', k) for k in corners},
@@ -123,7 +124,7 @@ def _square():
 
 
 def test_robots_that_follow_each_other_in_a_ring_are_caught():
-    """All at once it would be possible in time, but there is no order that keeps it safe."""
+    """Their times would fit if all moved at once, but no order of drives keeps them safe."""
     world, plan = _square()
     assert any('may come within' in fault for fault in faults(world, plan))
     plan['precedence'] = [[f'r{k % 4 + 1}', 0, 1.0, f'r{k}', 0] for k in range(1, 5)]

@@ -1,8 +1,8 @@
-"""The searches find the best there is: beside each other, and beside looking at everything.
+"""The searches find the best solution, compared with each other and with exhaustive search.
 
-On a grid with edges exactly as long as robots must stay apart, all that can be done in time can be
-done in steps of one edge, in which no two robots hold a vertex in common. There exhaustive search
-is easy to write and shares nothing with the planner.
+On a grid whose edges are exactly as long as robots must stay apart, every plan can be made of steps
+of one edge, in which no two robots hold the same vertex. There exhaustive search is easy to write
+and shares no code with the planner.
 """
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Task
 from trajectory_graph import Graph, GraphError
 
-UNIT = RobotType('unit', 0.5, 1.0)  # one edge of 1 m takes 1 s, and holds both its ends for it
+# an edge of 1 m takes 1 s, and blocks both its ends for that time
+UNIT = RobotType('unit', 0.5, 1.0)
 SEARCHES = {'safe_intervals': find_path, 'layers': layered(1.0)}
 
 
@@ -61,7 +62,7 @@ def _neighbours(graph: Graph) -> Dict[int, List[int]]:
 
 
 def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Optional[int]:
-    """The least sum of the times at which all have come to their goals for good."""
+    """The least sum of the times at which all robots have reached their goals for good."""
     neighbours = _neighbours(graph)
     first = tuple(starts), (False,) * len(starts)
     best = {first: 0}
@@ -73,7 +74,7 @@ def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Opti
         at, done = state
         if all(done):
             return cost
-        for k, vertex in enumerate(at):  # a robot at its goal may stay for good
+        for k, vertex in enumerate(at):  # a robot at its goal can stay there for good
             if not done[k] and vertex == goals[k]:
                 _offer(best, heap, cost, (at, (*done[:k], True, *done[k + 1:])))
         options = [[vertex] if finished else neighbours[vertex]
@@ -93,7 +94,9 @@ def _offer(best, heap, cost, state):
 
 def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
                 others: Sequence[Sequence[int]]) -> Optional[int]:
-    """When a robot can be at its goal for good, past others that are at `others[k][t]` at t."""
+    """The time at which a robot can be at its goal for good, past others at `others[k][t]` at time
+    t.
+    """
     neighbours = _neighbours(graph)
 
     def held(t):
@@ -124,19 +127,19 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
     network = RoadNetwork(graph)
     planner = FleetPlanner(network, 0.0, [UNIT], search=SEARCHES[search])
     first = planner.plan(_tasks([other], [other_goal]), (), time.monotonic() + 5.0, 0)
-    if first.unserved:  # behind one-way edges
+    if first.unserved:  # the goal is behind one-way edges
         return
     record = [other]
     for drive in first.drives['r0']:
         record += [record[-1]] * (round(drive.start) - len(record) + 1)
         record.append(graph.end_vertex(drive.edge).id)
-    # The first robot keeps its way, as one that has the higher priority.
+    # The first robot keeps its path, because it has the higher priority.
     tasks = _tasks([other, start], [other_goal, goal])
     tasks[0] = Task('r0', UNIT, other, destinations=(other_goal,), stays=True, priority=1)
     both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
     least = _best_alone(graph, start, goal, 40, [record])
     if least is None or both.unserved or both.drives['r0'] != first.drives['r0']:
-        return  # the other one had to give way; `test_small_fleets...` looks at that
+        return  # the other robot had to give way; `test_small_fleets...` tests that
     ends = both.drives['r1'][-1].end if both.drives['r1'] else 0.0
     assert ends == pytest.approx(least)
 
@@ -153,8 +156,7 @@ def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
 
 
 def test_plans_of_small_fleets_are_near_the_best_there_are():
-    """Of these. No bound is promised: one in some 1,600 such plans is beyond it, seed 3254 first.
-    """
+    """No bound is promised: about one in 1,600 such plans exceeds it, seed 3254 first."""
     for seed in range(200):
         best, outcome = _small_fleet(seed)
         if best is not None:
@@ -162,7 +164,7 @@ def test_plans_of_small_fleets_are_near_the_best_there_are():
 
 
 def _small_fleet(seed):
-    """The least sum of the times at which all are there (None: they cannot be), and the plan."""
+    """The least sum of arrival times (None if there is no solution), and the plan."""
     random = Random(seed)
     graph = _grid(random, 3, 3)
     robots = random.choice((2, 2, 3))
@@ -198,7 +200,7 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples // 5)
 def test_fine_layers_and_safe_intervals_agree(seed):
-    """On any graph: layers make a robot wait for the next one at each vertex, and no longer."""
+    """On any graph: layers make a robot wait for the next layer at each vertex, and no longer."""
     try:
         case = Case(Random(seed))
     except GraphError:
@@ -215,7 +217,7 @@ def test_fine_layers_and_safe_intervals_agree(seed):
                     priority=-1)
         costs.append(planner.plan([task, *others], (), time.monotonic() + 5.0, 0))
     drives = max(len(outcome.drives[first.name]) for outcome in costs)
-    # The robot in its way drives, too, and the path that is found first decides over all others.
+    # The robot in its way also drives, and the path that is found first determines all others.
     alone = not any(outcome.drives[task.name] for outcome in costs for task in others)
     if alone and not any(outcome.unserved for outcome in costs):
         assert costs[0].cost <= costs[1].cost + 1e-6

@@ -1,4 +1,4 @@
-"""The glossary settles the names: each term stands once, and replaced words are gone."""
+"""The glossary defines the names: each term occurs once, and replaced words no longer occur."""
 from __future__ import annotations
 
 import io
@@ -32,13 +32,13 @@ def rows() -> List[Row]:
 
 
 def plain(identifier: str) -> str:
-    """An identifier without case, underscores and a plural's s: MyTracks, _my_track -> mytrack."""
+    """An identifier without case, underscores and plural s: MyTracks, _my_track -> mytrack."""
     word = identifier.lower().replace('_', '')
     return word[:-1] if word.endswith('s') else word
 
 
 def identifiers() -> Dict[str, Set[str]]:
-    """Plain identifiers, names of modules included, with the files that they stand in."""
+    """Plain identifiers, with names of modules, and the files in which they occur."""
     found: Dict[str, Set[str]] = {}
     for path in PACKAGE.rglob('*.py'):
         names = {*path.relative_to(PACKAGE).with_suffix('').parts}

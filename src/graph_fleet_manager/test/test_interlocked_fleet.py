@@ -1,4 +1,4 @@
-"""What the interlocking promises of a whole fleet, shown where it was once broken."""
+"""Promises of the interlocking about a whole fleet, tested where they were once broken."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -25,14 +25,14 @@ def put(agv, edge, arc):
 
 
 def without(graph, *edges):
-    """A graph without these edges, and without vertices that nothing leads to any more."""
+    """A graph without these edges, and without vertices that no edge reaches any more."""
     kept = [edge for edge in graph.edges.values() if edge.id not in edges]
     used = {vertex for edge in kept for vertex in (edge.origin, edge.destination)}
     return Graph([v for v in graph.vertices.values() if v.id in used], kept)
 
 
 def restart(fleet, graph=None, robots=None):
-    """The supervisor begins anew, on another graph or with other robots in the fleet file."""
+    """The supervisor restarts with another graph, or with other robots in the fleet file."""
     if graph is not None:
         fleet.graph = graph
         fleet._planners.clear()
@@ -44,7 +44,7 @@ def restart(fleet, graph=None, robots=None):
 
 
 def test_a_place_where_a_robot_was_driven_while_the_planner_thought_is_given_to_no_other():
-    """Robot a is idle as the plan is asked for, and stands on robot b's path as it comes (A1)."""
+    """Robot a is idle when the planner is asked, but on b's path when the plan comes (A1)."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 8), 'b': (AGV, 1)}, planning=1.0)
     fleet.run(2.0)
     fleet.request(1, 5, robot='b')
@@ -78,7 +78,7 @@ def test_a_robot_that_is_absent_blocks_nothing_until_it_reports_a_later_location
     robot = fleet.supervisor.robots['b']
     late = fleet.agvs['b'].report(fleet.now - 7.0)
     fleet.do(fleet.supervisor.report('b', replace(late, age=7.0), fleet.now))
-    assert robot.knowledge is Knowledge.ABSENT, 'that location is older than the declaration'
+    assert robot.knowledge is Knowledge.ABSENT, 'this location is older than the declaration'
     fleet.restart()
     assert fleet.supervisor.robots['b'].knowledge is Knowledge.ABSENT
     fleet.silent.clear()
@@ -94,7 +94,7 @@ def test_a_robot_that_reports_is_not_declared_absent():
 
 
 def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_edge():
-    """It may stand on the curve of the old edge (A2)."""
+    """The robot may stand on the curve of the old edge (A2)."""
     graph = ladder(5)
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 105)}, settings=FAR)
     fleet.request(1, 5, robot='a')
@@ -106,7 +106,8 @@ def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_e
     lost = fleet.supervisor.robots['a'].client.evidence.lost
     assert any(area.line[0] == (2.0, 0.0) and area.line[-1] == (4.0, 0.0) for area in lost)
     fleet.restart()
-    assert fleet.supervisor.robots['a'].client.evidence.lost == lost, 'a restart forgets nothing'
+    assert fleet.supervisor.robots['a'].client.evidence.lost == lost, (
+        'the restart must not forget it')
 
 
 def test_a_robot_that_left_the_fleet_file_keeps_its_place_until_it_is_declared_absent():
@@ -123,7 +124,7 @@ def test_a_robot_that_left_the_fleet_file_keeps_its_place_until_it_is_declared_a
     fleet.do(fleet.supervisor.declare_absent('b', fleet.now)[1])
     fleet.run_until_done(1)
     fleet.restart()
-    assert not fleet.supervisor.removed, 'the journal has forgotten it, too'
+    assert not fleet.supervisor.removed, 'the journal must also have forgotten it'
 
 
 def test_nothing_is_sent_to_a_robot_that_left_the_fleet_file_not_even_the_stop_it_has_not_heard():
@@ -149,21 +150,21 @@ def test_a_place_is_as_near_as_the_robots_play_says():
 
 
 def test_what_was_not_yet_left_stays_blocked_after_a_restart():
-    """It is stored how far a robot is clear of its edges, not only which are complete (A5)."""
+    """The journal stores how far a robot has left its edges, not only which are complete (A5)."""
     kind = replace(AGV, speed=1.0)
     fleet = SupervisedFleet(corridor(8), {'a': (kind, 1)},
                             settings=RobotSettings(release_ahead=8.0, slack=1.5))
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.supervisor.robots['a'].record.done == 2)
     before = blocked(fleet, 'a')[1]
-    assert 2 in before, 'with so much slack it may still be on its last edge'
+    assert 2 in before, 'with this slack the robot may still be on its last edge'
     fleet.silent['a'] = 1e9
     fleet.restart()
     assert 2 in blocked(fleet, 'a')[1]
 
 
 def test_a_paused_robot_is_passed_where_there_is_room_and_blocks_no_other_for_ever():
-    """It is an obstacle where it will stop, and planned for anew once it stands (A7)."""
+    """It is an obstacle where it will stop, and planned for again once it stands (A7)."""
     for seed in range(8):
         fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 6)}, seed=seed)
         fleet.request(1, 6, robot='a')
@@ -236,11 +237,11 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
     assert not used & {order.route_id for order in fleet.sent}
 
 
-# -- the gate in front of every route -------------------------------------------------------------
+# -- the check before each route is sent ----------------------------------------------------------
 
 
 def test_a_route_that_was_decided_before_a_stop_does_not_pass_after_it():
-    """As where COMMIT hangs on the disk while a person stops the fleet (A3)."""
+    """COMMIT hangs on the disk while a person stops the fleet (A3)."""
     gate = StopGate()
     with gate.passage((1, 2)) as passes:
         assert passes
@@ -248,7 +249,7 @@ def test_a_route_that_was_decided_before_a_stop_does_not_pass_after_it():
     with gate.passage((1, 2)) as passes:
         assert not passes
     with gate.passage(()) as passes:
-        assert passes, 'a stop always does'
+        assert passes, 'a stop must always pass'
 
 
 def test_a_stop_that_comes_after_a_resume_wins():
@@ -272,7 +273,7 @@ def test_a_fleet_that_was_stopped_again_meanwhile_does_not_go_on():
 
 
 def test_a_robot_that_was_stopped_inside_an_edge_leaves_it_though_the_edge_is_closed_since():
-    """Its rest is granted, in either direction (A8)."""
+    """The rest of the edge is granted, in either direction (A8)."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.agvs['a'].edge == 3 and fleet.agvs['a'].arc > 0.5)

@@ -1,4 +1,4 @@
-"""The journal: all or nothing is stored; other layouts, a second user, its file, its growth."""
+"""The journal: whole transactions, old layouts, refusal of a second user, its file, its growth."""
 from __future__ import annotations
 
 import json
@@ -49,7 +49,7 @@ OLD_MEMORY = {'route_id': 5, 'track': [1, -2], 'done': 1, 'bases': [[5, 0]], 'ov
 
 
 class Clock:
-    """Seconds since 1970, as they are set."""
+    """Seconds since 1970, as the test sets them."""
 
     now = 1000.0
 
@@ -103,7 +103,7 @@ def test_files_that_are_no_journals_are_named(tmp_path):
 
 @contextmanager
 def full_disk():
-    """No file of this process gets any longer."""
+    """Makes it impossible for this process to extend any file."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
     try:
@@ -138,7 +138,7 @@ def test_a_file_that_another_program_holds_is_waited_for_only_shortly(tmp_path):
 
 
 def write_0_2(path: str) -> None:
-    """A file as version 0.2 left it, with an open mission and a robot."""
+    """Writes a file as version 0.2 did, with an open mission and a robot."""
     db = sqlite3.connect(path)
     db.executescript(TABLES_0_2)
     text = json.dumps([7, [2, 3], 'agv', 'a', 4, [1.0, -1.0], 9.5])
@@ -169,7 +169,7 @@ def test_a_file_of_version_0_2_is_migrated_and_loses_nothing(path):
     line, = history(path)
     assert (line.request_id, line.accepted) == (7, 500.0)
     journal.close()
-    Journal(path).close()  # a second time there is nothing left to migrate
+    Journal(path).close()  # the second time there is nothing to migrate
 
 
 def test_each_change_keeps_who_requested_it(path):
@@ -264,12 +264,12 @@ def test_missions_are_forgotten_when_they_ended_long_ago_but_never_open_ones(pat
     journal.store([ended(serial) for serial in (2, 3, 4)])
     clock.now += 91 * DAY
     journal.store([ended(serial) for serial in (5, 6)])
-    assert journal.forget(90 * DAY, most=2) == 2, 'a little at a time'
+    assert journal.forget(90 * DAY, most=2) == 2, 'only a little may be deleted at a time'
     assert journal.forget(90 * DAY) == 1
     assert [line.request_id for line in history(path)] == [1, 5, 6]
     clock.now += 91 * DAY
     journal.forget(90 * DAY)
-    assert journal.last_serial() == 6, 'no serial is given twice'
+    assert journal.last_serial() == 6, 'no serial may be given twice'
     assert [line.request_id for line in history(path)] == [1, 6]
 
 
@@ -298,7 +298,8 @@ def test_a_resent_request_is_found_by_its_fields(path):
     assert journal.find(sent).request.identity == sent.identity
     assert journal.find(replace(sent, stamp=2.0)) is None
     assert journal.find(replace(sent, robot='b')) is None
-    assert journal.find(replace(sent, destinations=(3,), priority=9)), 'MODIFY may have changed it'
+    assert journal.find(replace(sent, destinations=(3,), priority=9)), (
+        'the request may differ because of MODIFY')
 
 
 

@@ -1,4 +1,4 @@
-"""What requests become: accepted, refused, a repeat; ids of routes; what reasons tell of robots."""
+"""Results of requests (accepted, refused, repeated), ids of routes, and reasons about robots."""
 from __future__ import annotations
 
 import pytest
@@ -108,7 +108,7 @@ def test_route_ids_are_those_of_a_message_for_ever(tmp_path):
     assert [ids() for _ in range(4)] == [2 ** 30 - 2, 2 ** 30 - 1, 1, 2]
     for _ in range(RESERVED):
         ids()
-    assert ids.reserved > 2 ** 30 - 3 + RESERVED, 'more is to be reserved before it is given'
+    assert ids.reserved > 2 ** 30 - 3 + RESERVED, 'further ids must be reserved before use'
 
 
 @pytest.mark.parametrize('code, outage', [
@@ -126,7 +126,7 @@ def test_ended_missions_are_forgotten_but_for_the_last():
     for id in range(1, REMEMBERED + 12):
         book.set(book.add(Request(id, (2,)), ACCEPTANCE), MissionState.CANCELLED)
         book.stored()
-    book.add(Request(3, (2,)), ACCEPTANCE)  # an id used anew
+    book.add(Request(3, (2,)), ACCEPTANCE)  # an id that is used again
     assert book.find(2) is None and book.find(3).state is MissionState.PENDING
     assert book.find(REMEMBERED + 11).state is MissionState.CANCELLED
     assert len(book._last) == REMEMBERED + 1

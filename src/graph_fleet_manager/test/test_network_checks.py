@@ -1,4 +1,4 @@
-"""What keeps two computers from being joined is named, with what to do."""
+"""Each obstacle to joining two computers is named, with advice."""
 from __future__ import annotations
 
 from typing import Dict, Iterator

@@ -1,4 +1,4 @@
-"""Corridors are reversed as a whole, without rings, before they are begun, and never in vain."""
+"""Order switching: corridors are reversed as a whole and before use, without rings, with a gain."""
 from __future__ import annotations
 
 import os
@@ -32,7 +32,7 @@ MANY = settings(max_examples=settings.default.max_examples // 4,
 
 @dataclass
 class Moment:
-    """A fleet on its way by a plan, some of it late."""
+    """A fleet that drives by a plan; some robots are late."""
 
     network: RoadNetwork
     clearance: float
@@ -43,7 +43,7 @@ class Moment:
 
     @property
     def progress(self) -> Dict[str, Progress]:
-        """By its times, regardless of delays since then."""
+        """The progress by the times of the plan, without the delays since then."""
         found = {}
         for name, planned in self.outcome.drives.items():
             plan = [Drive(self.network.drive(d.edge), d.start, d.end) for d in planned]
@@ -57,7 +57,7 @@ class Moment:
 
     @property
     def courses(self) -> Dict[str, Course]:
-        """What is left to drive, by the plan's seconds."""
+        """The remaining drives, by the plan's seconds."""
         found = {}
         for name, one in self.progress.items():
             done = one.cleared[0]
@@ -67,7 +67,7 @@ class Moment:
             if done == one.released:
                 begins += late
             elif len(left) > 1:
-                pauses[1] = late  # it comes to where its drive ends, and no farther
+                pauses[1] = late  # the robot drives to the end of its drive, and no farther
             found[name] = Course(
                 done, begins, tuple(d.end - d.start for d in left), tuple(pauses),
                 tuple(d.start - self.now for d in left), len(one.plan))
@@ -75,11 +75,11 @@ class Moment:
 
     @property
     def corridors(self) -> List[Corridor]:
-        """Where they meet from now on."""
+        """The corridors in which robots meet from now on."""
         return corridors(self.network, self.clearance, self.progress)
 
     def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
-        """As the checker reads it: what is behind in the old order, the rest in this one."""
+        """The plan in the checker's form: past drives in the old order, the rest in this order."""
         progress = self.progress
         robots = {}
         for name, planned in self.outcome.drives.items():
@@ -90,7 +90,7 @@ class Moment:
             robots[name] = [d._asdict() for d in planned[:done]] + new
         ends = [drives[-1]['end'] if drives else 0.0 for drives in robots.values()]
         begun = [one for one in self.outcome.precedence if one.drive < progress[one.then].released]
-        for name, one in progress.items():  # what all have left behind by now
+        for name, one in progress.items():  # places that all robots have left behind by now
             done, share = one.cleared if one.cleared[1] else (one.cleared[0] - 1, 1.0)
             begun += [Constraint(name, done, share, other, two.released)
                       for other, two in progress.items()
@@ -100,7 +100,7 @@ class Moment:
 
 
 def moment(case: Case, random: Random) -> Moment:
-    """A random one of the fleet's plan; there must be a plan."""
+    """A random moment of the fleet's plan; there must be a plan."""
     plan = case.plan(rounds=0)
     assume(plan is not None)
     drives = {name: tuple([PlannedDrive(**d) for d in robot])
@@ -115,7 +115,7 @@ def moment(case: Case, random: Random) -> Moment:
 
 
 def a_case(seed: int) -> Case:
-    """A random one that makes sense."""
+    """A random case that makes sense."""
     try:
         return Case(Random(seed))
     except GraphError:
@@ -124,7 +124,7 @@ def a_case(seed: int) -> Case:
 
 
 def ends(courses: Dict[str, Course], order: Sequence[Constraint]) -> Dict[str, float]:
-    """When all come to their ends, found by asking again until nothing changes; no ring."""
+    """The end times of all robots, iterated until nothing changes; without a ring."""
     starts = {(name, course.first + k): course.begins if k == 0 else 0.0
               for name, course in courses.items() for k in range(len(course.seconds))}
     for _ in range(len(starts) + 1):
@@ -207,7 +207,7 @@ def test_one_grid_in_ten_is_switched():
 
 
 def has_ring(courses, order):
-    """Do robots wait for each other in a ring?"""
+    """True if robots wait for each other in a ring."""
     try:
         ends(courses, order)
     except AssertionError:
@@ -215,10 +215,10 @@ def has_ring(courses, order):
     return False
 
 
-# -- one story each -------------------------------------------------------------------------------
+# -- single scenarios -----------------------------------------------------------------------------
 
 def crossing() -> Graph:
-    """Two roads of four edges each, 1 to 4 and 11 to 14, that cross at vertex 3."""
+    """Two roads of four edges each, vertices 1 to 4 and 11 to 14, that cross at vertex 3."""
     return graph_of({1: (-4.0, 0.0), 2: (-2.0, 0.0), 3: (0.0, 0.0), 4: (2.0, 0.0), 5: (4.0, 0.0),
                      11: (0.0, -4.0), 12: (0.0, -2.0), 14: (0.0, 2.0), 15: (0.0, 4.0)},
                     {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5),
@@ -226,7 +226,7 @@ def crossing() -> Graph:
 
 
 def planned(graph: Graph, now: float = 0.0, late=None, **trips: Tuple[int, int]) -> Moment:
-    """Robots from one vertex to another one."""
+    """Robots that drive from one vertex to another."""
     network = RoadNetwork(graph)
     tasks = [Task(name, AGV, begin, destinations=(end,), stays=True)
              for name, (begin, end) in trips.items()]
@@ -274,7 +274,7 @@ def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
 
 
 def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
-    """Of fifty robots every second one is late to the place where it goes first by the plan."""
+    """Of fifty robots, every second one is late at a place where it goes first by the plan."""
     courses, found = {}, []
     for k in range(25):
         late, other = f'late{k}', f'other{k}'
@@ -286,5 +286,5 @@ def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
     all_of_them = switch_order(courses, found)
     assert all_of_them.reversed == set(range(25))
     some = switch_order(courses, found, trials=11)
-    assert len(some.reversed) == 10 and 24 in some.reversed  # after a look at what there is
+    assert len(some.reversed) == 10 and 24 in some.reversed  # one trial is the present order
     assert switch_order(courses, found, deadline=time.monotonic() - 1.0) is None

@@ -1,4 +1,4 @@
-"""The command `plan_fleet`: its files, its exit statuses, and what it says of wrong input."""
+"""The command `plan_fleet`: its files, its exit statuses, and its messages about wrong input."""
 from __future__ import annotations
 
 import json
@@ -19,7 +19,7 @@ KEYS = {'solved', 'reason', 'planning_time', 'geometry_time', 'sum_of_costs', 'l
 
 
 class Files:
-    """The three files of a call in a folder, and what came of it."""
+    """The three files of a call in a folder, and the result of the call."""
 
     def __init__(self, folder: Path, graph, robots, missions, types=(AGV,), clearance=0.1):
         self.folder = folder
@@ -162,7 +162,7 @@ def test_a_destination_behind_a_one_way_edge_is_refused(tmp_path, capsys):
 
 
 def test_more_robots_than_can_park_are_refused(tmp_path, capsys):
-    """c is to end between the places of a and b, which have only one left between them."""
+    """c must end between the places of a and b, which have only one place left between them."""
     graph = graph_of({1: (0, 0), 2: (0.5, 0), 3: (1, 0), 4: (3, 0)}, {k: (k, k + 1)
                                                                      for k in (1, 2, 3)})
     files = Files(tmp_path, graph, {'a': ('agv', 1), 'b': ('agv', 3), 'c': ('agv', 4)}, {'c': [2]})

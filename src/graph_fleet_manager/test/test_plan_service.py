@@ -1,4 +1,4 @@
-"""The planner as a service: what it is asked it answers from nothing but the request."""
+"""The planner as a service: its answer depends only on the request."""
 from __future__ import annotations
 
 from random import Random
@@ -18,7 +18,7 @@ TRUCK = RobotType('truck', 0.6, 1.0)
 
 
 def square():
-    """Vertices 1 to 4 round a square of 4 m, edge 1 from 1 to 2, edges 2, 3, 4 the other way."""
+    """Vertices 1 to 4 on a square of 4 m; edge 1 from 1 to 2, edges 2, 3, 4 the other way round."""
     return graph_of({1: (0, 0), 2: (4, 0), 3: (4, 4), 4: (0, 4)},
                     {1: (1, 2), 2: (1, 4), 3: (4, 3), 4: (3, 2)})
 
@@ -45,7 +45,7 @@ def test_learned_times_replace_those_of_the_graph():
                           edge_times={('agv', 1): 20.0})
     assert edges(planner.answer(request), 'r') == [2, 3, 4]
     slow_truck = PlanRequest(request.tasks, edge_times={('truck', 1): 20.0})
-    assert edges(planner.answer(slow_truck), 'r') == [1], 'the times of another type'
+    assert edges(planner.answer(slow_truck), 'r') == [1], 'the times of another type must not count'
 
 
 def test_robots_are_parked_where_the_request_says():
@@ -86,7 +86,7 @@ def test_the_answer_does_not_depend_on_what_was_asked_before():
     for closed in range(1, 5):
         used.answer(PlanRequest(request.tasks[:1], closed=frozenset((closed,))))
     assert used.answer(request) == fresh
-    assert not fresh.unserved, 'they swap places by way of the siding'
+    assert not fresh.unserved, 'they must swap places through the siding'
 
 
 @pytest.mark.parametrize('seed, used', [(0, 5), (7, 7)])

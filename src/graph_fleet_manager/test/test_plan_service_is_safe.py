@@ -1,5 +1,8 @@
-"""Answers to requests in a running fleet, with robots that are out, closed edges and kept plans,
-judged by the checker that shares no code with the planner."""
+"""Answers to requests of a running fleet, judged by an independent checker.
+
+The fleet has robots that are out of service, closed edges and kept plans. The checker shares no
+code with the planner.
+"""
 from __future__ import annotations
 
 import os
@@ -23,7 +26,7 @@ LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 
 class RunningFleet:
-    """A random fleet of which one robot is out where it stands, and some edges are closed."""
+    """A random fleet with one robot out of service where it stands, and some closed edges."""
 
     def __init__(self, random: Random) -> None:
         self.case = Case(random)
@@ -43,7 +46,9 @@ class RunningFleet:
                                                time_limit=0.3, improvement=0.05))
 
     def faults(self, tasks, outcome):
-        """What the checker finds; the robot that is out is one that drives nowhere."""
+        """The checker's findings; the robot that is out of service counts as one that drives
+        nowhere.
+        """
         plan = solved_plan(outcome, 0.0, 0.0)
         plan['robots'][self.out] = []
         missions = {task.name: task.destinations for task in tasks
@@ -55,7 +60,7 @@ class RunningFleet:
 
 
 def running_fleet(seed):
-    """A random fleet, and what chance decides next; an example whose graph is none is left out."""
+    """A random fleet, and random decisions; an example without a valid graph is skipped."""
     random = Random(seed)
     try:
         return random, RunningFleet(random)
@@ -71,7 +76,7 @@ def test_every_answer_is_safe_and_drives_no_closed_edge(seed):
     first = fleet.answer(fleet.tasks)
     assert fleet.faults(fleet.tasks, first) == []
 
-    # one robot gets another destination, all others own the plans of the first answer
+    # One robot gets another destination; all others keep the plans of the first answer.
     changed = random.randrange(len(fleet.tasks)) if fleet.tasks else 0
     vertices = list(fleet.case.graph.vertices)
     tasks = tuple(replace(task, destinations=(random.choice(vertices),) if k == changed
@@ -94,7 +99,7 @@ def test_who_is_blocked_keeps_the_plan_that_it_owns(seed):
     first = fleet.answer(fleet.tasks)
     owners = [task for task in fleet.tasks if task.name not in first.unserved]
     assume(owners)
-    here = fleet.obstacle.vertices  # no robot can come there
+    here = fleet.obstacle.vertices  # no robot can reach this vertex
     tasks = tuple(replace(task, destinations=here if task is owners[0] else task.destinations,
                           kept=first.drives[task.name]) for task in fleet.tasks)
     second = fleet.answer(tasks)

@@ -1,5 +1,8 @@
-"""Robots that stand between two vertices hold the point where they are, not their whole edge, and
-are planned like any others: out of an edge that is closed by now, too, and out of any tangle."""
+"""Robots between two vertices block the point where they are, not their whole edge.
+
+They are planned like all other robots, also out of an edge that is closed meanwhile, and out of any
+tangle of robots.
+"""
 from __future__ import annotations
 
 import os
@@ -52,7 +55,7 @@ def test_a_robot_between_vertices_may_go_on_while_another_comes_to_the_vertex_be
                                          Task('b', AGV, released=(1,), destinations=(2,))],
                                         rounds=0)
     assert outcome.unserved == {}
-    assert outcome.drives['a'][0].start == 0.0, 'what lies behind it is not its business'
+    assert outcome.drives['a'][0].start == 0.0, 'the robot must not block places behind it'
 
 
 @pytest.mark.parametrize('gap, too_near', [(0.4, False), (0.1, True)])
@@ -105,7 +108,7 @@ def test_an_obstacle_blocks_the_rest_of_an_edge_but_not_the_part_behind():
 
 
 def test_robots_between_vertices_find_out_of_a_tangle_like_others():
-    """No slower than the same robots on the vertices behind them; fixed instances."""
+    """Not slower than the same robots on the vertices behind them; fixed instances."""
     solved = {True: 0, False: 0}
     for seed in range(200 if LONG else 30):
         try:

@@ -1,5 +1,8 @@
-"""The time limit of a request is kept: the searches look at the clock, and nothing behind them
-grows faster than the plan. CPU time is measured, with a generous factor, for machines are busy."""
+"""The time limit of a request is respected.
+
+The searches look at the clock, and nothing after them grows faster than the plan. CPU time is
+measured, with a generous factor, because machines can be busy.
+"""
 from __future__ import annotations
 
 import time
@@ -48,7 +51,7 @@ def test_robots_with_hundreds_of_destinations_are_answered_in_time(search, owned
     parking = service.parking_by_name()
     outcome, seconds = timed(service, PlanRequest(tasks, parking=parking, time_limit=0.3))
     assert seconds < 1.0
-    assert outcome.unserved, 'or the test measures nothing'
+    assert outcome.unserved, 'otherwise the test measures nothing'
     assert set(outcome.drives) == {task.name for task in tasks}
     assert all(outcome.unserved.values())
 
@@ -61,7 +64,7 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
     outcome, seconds = timed(service, PlanRequest(tasks, time_limit=60.0))
     assert outcome.unserved == {}
     assert sum(map(len, outcome.drives.values())) > 70000
-    assert seconds < 2.0  # 0.5 s; while it grew with the square of the drives 3 to 5 s
+    assert seconds < 2.0  # 0.5 s; when it grew with the square of the drives, 3 to 5 s
 
 
 def test_robots_that_have_a_path_when_time_is_over_keep_it(monkeypatch):

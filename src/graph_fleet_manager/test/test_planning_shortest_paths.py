@@ -1,4 +1,4 @@
-"""Ways by way of what is left of a graph without its lanes: the same as without any detour."""
+"""Shortest paths with the graph reduced to its crossings: the same as with the whole graph."""
 from __future__ import annotations
 
 from math import inf
@@ -22,7 +22,7 @@ def _expected(vertices, roads, target):
 
 @given(st.integers(0, 2 ** 32 - 1))
 def test_all_ways_to_all_vertices_are_the_shortest(seed):
-    """Trees with links across, some of them one-way or double, and parts without any link."""
+    """Trees with links across, some of them one-way or double, and unconnected parts."""
     random = Random(seed)
     vertices = random.randint(1, 25)
     ends = [(random.randrange(max(k - 3, 0), k), k) for k in range(1, vertices)
@@ -40,12 +40,12 @@ def test_all_ways_to_all_vertices_are_the_shortest(seed):
 
 
 def test_a_lane_of_many_sections_is_one_link():
-    """Two crossings of four lanes, joined by a long one."""
+    """Two crossings of four lanes, joined by a long lane."""
     lane = [(k, k + 1, 2.0) for k in range(100)]
     around = [(a, b, 1.0) for first, hub in ((101, 0), (104, 100))
               for a, b in ((hub, first), (hub, first + 1), (hub, first + 2),
                            (first, first + 1), (first + 1, first + 2), (first + 2, first))]
     both = [road for a, b, s in lane + around for road in ((a, b, s), (b, a, s))]
     paths = ShortestPaths(107, both)
-    assert paths.left <= 8, 'only vertices of the crossings may be left'
+    assert paths.left <= 8, 'only vertices of the crossings may remain'
     assert paths.to([50])[0][:101].tolist() == [2.0 * abs(50 - k) for k in range(101)]

@@ -1,4 +1,4 @@
-"""Which ROS masters a fleet manager joins: the computers of a fleet file's robots."""
+"""The ROS masters that a fleet manager joins: the computers of a fleet file's robots."""
 from __future__ import annotations
 
 from pathlib import Path

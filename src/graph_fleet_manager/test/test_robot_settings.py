@@ -1,4 +1,4 @@
-"""What the fleet file says to the supervisor."""
+"""The settings of the supervisor in the fleet file."""
 from __future__ import annotations
 
 from pathlib import Path

@@ -27,7 +27,7 @@ GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
 
 
 def no(text: str) -> Reason:
-    """Why an order was refused, in words only."""
+    """The reason of a refusal, with a text only."""
     return reason_of(0, text)
 
 
@@ -70,7 +70,7 @@ def test_an_extension_keeps_the_id_and_another_mission_takes_a_new_one(client, i
     client.extend([3], ids)
     assert client.due(0.0)[:2] == (1, (1, 2, 3))
     client.extend([4], ids, renew=True)
-    assert client.due(0.0)[:2] == (2, (2, 3, 4)), 'it begins on the edge being driven'
+    assert client.due(0.0)[:2] == (2, (2, 3, 4)), 'the order must begin on the edge being driven'
 
 
 def test_what_is_passed_is_told_once_whatever_is_reported_twice_or_late(client, ids):
@@ -82,7 +82,7 @@ def test_what_is_passed_is_told_once_whatever_is_reported_twice_or_late(client, 
 
 
 def test_what_a_person_drives_after_a_failed_route_leaves_nothing(client, ids):
-    """It may be driven back again."""
+    """The person may drive the robot back again."""
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.2))
     client.take(report(1, [1, 2], 0, fraction=0.9, state=FAILED, reason='taken over'))
@@ -91,7 +91,7 @@ def test_what_a_person_drives_after_a_failed_route_leaves_nothing(client, ids):
 
 @pytest.mark.parametrize('late', [True, False])
 def test_what_was_reported_before_a_refusal_does_not_tell_what_the_robot_has(client, ids, late):
-    """It had taken up one order more, and refused the next; the reports come later than that."""
+    """It has accepted one order, and refused the next; the reports come after the refusal."""
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2, 3], ids)
@@ -113,7 +113,7 @@ def test_an_edge_is_left_by_the_reported_place_less_what_its_age_allows(client, 
     client.take(report(1, [1, 2], 1, fraction=0.1, age=0.4))
     assert client.record.cleared == (0, pytest.approx(0.8))
     client.take(report(1, [1, 2], 1, fraction=0.0, age=5.0))
-    assert client.record.cleared == (0, pytest.approx(0.8)), 'what is left stays so'
+    assert client.record.cleared == (0, pytest.approx(0.8)), 'a left part of an edge must stay left'
 
 
 def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids):
@@ -137,12 +137,13 @@ def test_all_failed_as_the_first_word_about_an_id_is_a_refusal_and_no_failure(cl
 
 
 def test_a_route_that_stays_failed_after_it_was_refused_is_what_the_robot_has(client, ids):
-    """It failed before any report of it running was heard."""
+    """The route failed before any report of it running arrived."""
     client.extend([1, 2], ids)
     failed = report(1, [1, 2], 0, fraction=0.2, state=FAILED, reason='blocked')
     assert client.take(failed).refused.text == 'blocked'
     again = client.take(failed)
-    assert not again.refused and not again.failed and not client.is_ready, 'the same message'
+    assert not again.refused and not again.failed and not client.is_ready, (
+        'the same message again must not count')
     assert client.take(replace(failed, stamp=100.1)).failed.text == 'blocked'
     assert client.record.held == (1, 2) and client.is_ready
 
@@ -198,7 +199,7 @@ def test_a_route_of_somebody_else_is_noticed(client, ids):
 
 
 def test_what_was_refused_for_a_route_of_somebody_else_stays_held(client, ids):
-    """The robot may be driving on what it was ordered before, under the other's id."""
+    """The robot may be driving its earlier order, under the other giver's id."""
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 1))
     client.extend([3], ids)
@@ -211,13 +212,13 @@ def test_a_robot_that_left_the_end_of_its_route_is_noticed(client, ids):
     client.extend([1], ids)
     assert not client.take(report(1, [1], 1)).left
     away = Report(1, (1,), (DONE,), Pose(2, 0.5), stamp=101.0)
-    assert not client.take(away).left, 'it may be an outlier'
+    assert not client.take(away).left, 'a single location may be an outlier'
     assert client.take(replace(away, stamp=102.0)).left
 
 
 def test_a_robot_on_what_it_was_to_be_told_of_is_not_where_it_stood_once_that_is_taken_back(
         client, ids):
-    """A person pushed it there; the order was granted, but never sent."""
+    """A person pushed it onto edge 2; the order for that edge was granted, but never sent."""
     client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
     client.extend([1, 2], ids)
     client.take(Report(0, (), (), Pose(2, 0.5), stamp=101.0))
@@ -262,10 +263,10 @@ def test_what_was_held_on_another_graph_is_free_once_a_later_stop_is_acknowledge
         client, ids):
     client.lose([Area(((4.0, 2.0), (6.0, 2.0)))])
     client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
-    assert client.allocation.areas, 'an order of before may be under way'
+    assert client.allocation.areas, 'an earlier order may still be on its way'
     client.stop_after_loss(ids)
     client.take(Report(0, (), (), Pose(1, 0.0), stamp=101.0))
-    assert client.allocation.areas, 'the stop may be under way yet'
+    assert client.allocation.areas, 'the stop may still be on its way'
     client.take(Report(client.due(0.0).route_id, (), (), Pose(1, 0.0), stamp=102.0))
     assert not client.allocation.areas
 
@@ -303,7 +304,7 @@ def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed()
     seen = report(9, [1, 2, 3], 1, fraction=0.5)
     heard = client.take(seen)
     assert client.record.ahead == (2, 3) and not heard.foreign
-    assert client.due(0.0) is None, 'no motion is ordered by itself'
+    assert client.due(0.0) is None, 'no motion may be ordered without a request'
 
 
 @pytest.mark.parametrize('pose, place', [
@@ -315,7 +316,8 @@ def test_the_place_that_a_pose_means(pose, place):
 
 
 @pytest.mark.parametrize('fraction, play, touches', [
-    (0.1, 0.25, True),    # 0.14 m from edge 1: which of the two is nearest is chance
+    # 0.14 m from edge 1: which of the two edges is nearest is a matter of chance
+    (0.1, 0.25, True),
     (0.1, 0.0, False), (0.5, 0.25, False)])
 def test_where_edges_part_a_robot_that_strays_may_be_told_on_either(fraction, play, touches):
     fork = graph_of({1: (0.0, 0.0), 2: (5.0, 0.0), 3: (5.0, 1.4)}, {1: (1, 2), 2: (1, 3)})

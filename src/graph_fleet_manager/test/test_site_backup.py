@@ -1,4 +1,4 @@
-"""A site is saved while it runs; restored, its fleet begins as with a lost journal."""
+"""A site is saved while it runs. After a restore, its fleet begins as with a lost journal."""
 from __future__ import annotations
 
 import io

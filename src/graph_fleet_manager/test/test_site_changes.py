@@ -1,4 +1,4 @@
-"""A graph is not pulled away from under robots that drive on it."""
+"""A new graph is refused if it lacks edges on which robots drive."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -14,7 +14,7 @@ ROUTES = {'idle': ReportedRoute(), 'agv_1': ReportedRoute(left=(2, 3), edge=1)}
 
 
 def changed(edges=(), vertices=(), without=()):
-    """The corridor with some elements replaced or left out."""
+    """The corridor with some elements replaced or removed."""
     new_edges = {**OLD.edges, **{edge.id: edge for edge in edges}}
     new_vertices = {**OLD.vertices, **{vertex.id: vertex for vertex in vertices}}
     return Graph([v for v in new_vertices.values() if v.id not in without],

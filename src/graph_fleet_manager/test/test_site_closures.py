@@ -1,4 +1,4 @@
-"""What is closed stays closed, after all crashes, until it is opened."""
+"""A closed edge stays closed, after all crashes, until it is opened."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -68,11 +68,11 @@ def test_two_operators_do_not_overwrite_each_other(file: Path) -> None:
     closures = Closures(file)
     closures.apply(operation(CLOSE, 3, identity='/edge_1 1 5'), SECOND, KNOWN)
     closures.apply(operation(CLOSE, 4, identity='/edge_2 1 5'), SECOND, KNOWN)
-    assert closures.edges == {3, 4}, 'of one moment'
+    assert closures.edges == {3, 4}, 'both messages have the same stamp'
 
 
 def test_a_message_that_comes_again_is_carried_out_once(file: Path) -> None:
-    """As a latched one does when its connection or graph_server comes back."""
+    """A latched message comes again when its connection or graph_server is restored."""
     closures = Closures(file)
     first = operation(CLOSE, 3, identity='/editor 1 5000')
     closures.apply(first, SECOND, KNOWN)
@@ -82,7 +82,7 @@ def test_a_message_that_comes_again_is_carried_out_once(file: Path) -> None:
             again.apply(first, 3 * SECOND, KNOWN)
         assert again.edges == frozenset()
     closures.apply(operation(CLOSE, 3, identity='/editor 2 5000'), 4 * SECOND, KNOWN)
-    assert closures.edges == {3}, 'the next message of a sender counts, regardless of its stamp'
+    assert closures.edges == {3}, 'the next message of a sender must count, regardless of its stamp'
 
 
 def test_an_operation_without_an_identity_always_counts(file: Path) -> None:

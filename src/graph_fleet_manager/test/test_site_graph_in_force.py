@@ -1,4 +1,4 @@
-"""A graph in force stays in force under robots that drive on it, restarts included."""
+"""A graph in force stays in force while robots drive on it, also after restarts."""
 from __future__ import annotations
 
 import pytest
@@ -8,7 +8,7 @@ from graph_fleet_manager.site.changes import ReportedRoute
 from graph_fleet_manager.site.graph_in_force import GraphInForce, Loaded
 from trajectory_graph import save_graph
 
-LONG, SHORT = corridor(4), corridor(3)  # the short one lacks edge 3
+LONG, SHORT = corridor(4), corridor(3)  # the short graph lacks edge 3
 
 
 @pytest.fixture
@@ -87,7 +87,8 @@ class TestAfterARestart:
         running(copy, file)
         save_graph(SHORT, file)
         again = GraphInForce(copy)
-        again.routes['agv_1'] = ReportedRoute((), 3)  # it may have been carried there meanwhile
+        # the robot may have been carried there meanwhile
+        again.routes['agv_1'] = ReportedRoute((), 3)
         assert again.load(file) == Loaded(True, '')
         assert again.graph.edges == SHORT.edges
 

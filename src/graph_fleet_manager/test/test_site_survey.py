@@ -1,4 +1,4 @@
-"""What a graph allows, found and told in words."""
+"""The survey of a graph: its capacity and its weak points, in numbers and in text."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -28,7 +28,7 @@ LD90 = RobotType('omron_ld90', 0.43, 1.35, 0.25, False, frozenset({16}))
 
 
 def ring(*spurs, radius=6.0, one_way=()):
-    """Vertices 1 to 4 round a square, edges 1 to 4; vertex 10 + k and edge 10 + k at each spur."""
+    """Vertices 1 to 4 on a square, edges 1 to 4; vertex 10 + k and edge 10 + k at each spur."""
     places = {1: (0.0, 0.0), 2: (radius, 0.0), 3: (radius, radius), 4: (0.0, radius)}
     ends = {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 1)}
     for k in spurs:
@@ -66,7 +66,8 @@ class TestParking:
         found = survey(RoadNetwork(ring(1, 2, 3)), Fleet((AGV, giant), (), 0.1))
         small, large = found.capacities
         assert large.robots < small.robots
-        assert len(found.parking) == large.robots, 'places for all are those of the largest'
+        assert len(found.parking) == large.robots, (
+            'places for all types must be those of the largest type')
 
     def test_the_laboratory_holds_twelve_robots_and_one_at_the_dock(self):
         graph = load_graph(LAB)
@@ -109,7 +110,8 @@ class TestEdges:
                          {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (5, 6)})
         first, second = long_edges(RoadNetwork(graph), AGV, 0.9)
         assert (first.id, first.length, second.id) == (3, pytest.approx(20.0), 1)
-        # of 30 ordered pairs 3 x 3 are joined over edge 3 in each direction, 1 x 5 over edge 1
+        # Of 30 ordered pairs, 3 x 3 in each direction are joined over edge 3, and 1 x 5 over edge
+        # 1.
         assert (first.share, second.share) == (pytest.approx(18 / 30), pytest.approx(10 / 30))
 
     def test_that_run_near_each_other_without_meeting_are_told(self):

@@ -23,7 +23,7 @@ from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER
 
 
 def with_dock(graph, dock):
-    """The same graph, where robots charge at one vertex."""
+    """The same graph with a charging dock at one vertex."""
     return Graph([replace(v, dock=v.id == dock) for v in graph.vertices.values()],
                  graph.edges.values())
 
@@ -161,7 +161,7 @@ def test_a_lone_robot_is_released_so_far_ahead_that_it_never_brakes():
     begun = fleet.now
     while fleet.agvs['a'].is_driving:
         ahead = fleet.supervisor.robots['a'].record.distance_ahead()
-        assert ahead <= 4.0 + 2.0, 'no more than the first edge that ends beyond release_ahead'
+        assert ahead <= 4.0 + 2.0, 'nothing beyond the first edge that ends beyond release_ahead'
         fleet.step()
     assert fleet.supervisor.robots['a'].position.vertex == 12
     assert fleet.now - begun == pytest.approx(22.0, abs=0.3)
@@ -196,7 +196,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.agvs['a'].fail(EMERGENCY_STOP)  # said before it refuses orders for it
+    fleet.agvs['a'].fail(EMERGENCY_STOP)  # reported before it refuses orders because of it
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].outage is Outage.STOPPED
     fleet.run_until_done(1)
@@ -246,7 +246,7 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
 
 
 def _stopped_between(least: float, most: float) -> SupervisedFleet:
-    """Robot `a` is driving to the end of a corridor when all are stopped, so far along an edge."""
+    """Robot `a` drives to the end of a corridor; the fleet is stopped that far along an edge."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: least < fleet.agvs['a'].arc < most)
@@ -262,7 +262,7 @@ def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge(
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     while not agv.edges:
         fleet.step()
-    assert agv.edges[0] == before, 'not the vertex: it is not there yet'
+    assert agv.edges[0] == before, 'not the vertex, because the robot has not arrived'
     fleet.run_until_done(1)
 
 
@@ -309,7 +309,7 @@ def test_a_silent_robot_keeps_its_places_and_others_go_round_it():
     fleet.request(2, 2, robot='b')
     fleet.run(30.0)
     assert fleet.supervisor.robots['a'].outage is Outage.SILENT
-    assert fleet.state(2) is MissionState.ACTIVE, 'a may be anywhere on its edge'
+    assert fleet.state(2) is MissionState.ACTIVE, 'robot a may be anywhere on its edge'
     fleet.silent.clear()
     fleet.run_until_done(1)
 

@@ -1,7 +1,9 @@
-"""A fleet keeps what docs/explanation/fleet.md promises, under all events.
+"""A fleet keeps the promises of docs/explanation/fleet.md, under all events.
 
-Nothing collides, no robot holds what another may still drive, a person's word is the last one,
-nothing accepted is lost or driven twice, and everything ends when the trouble does.
+- No robots collide, and no robot holds a place that another may still drive.
+- A person's command is the last word.
+- No accepted mission is lost or driven twice.
+- All missions end when the trouble ends.
 """
 from __future__ import annotations
 
@@ -40,7 +42,7 @@ MOMENTS = st.sampled_from(('now', 'now', 'order', 'plan'))
 
 @st.composite
 def fleets(draw: st.DrawFn) -> SupervisedFleet:
-    """Messages are lost and repeated from the beginning, and the planner takes its time."""
+    """Messages are lost and repeated from the beginning, and the planner takes some time."""
     kinds = [replace(kind, docks=frozenset(DOCKS))
              for kind in (AGV, AGV, draw(st.sampled_from((AGV, SLOW))))]
     return SupervisedFleet(
@@ -54,7 +56,7 @@ def fleets(draw: st.DrawFn) -> SupervisedFleet:
 
 @st.composite
 def lives(draw: st.DrawFn) -> List[Event]:
-    """Missions for a start, and then a few kinds of trouble amid what people do."""
+    """First missions, then a few kinds of trouble among acts of people."""
     def some(acts: Dict[str, Act], most: int) -> List[str]:
         return draw(st.lists(st.sampled_from(sorted(acts)), min_size=1, max_size=most,
                              unique=True))
@@ -96,10 +98,11 @@ def test_what_a_robot_held_on_another_graph_blocks_nobody_for_ever() -> None:
 
 
 def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
-    """What is released stays released.
+    """Checks that released edges stay released.
 
-    A route id is one robot's; under it a route only gets longer, or shorter where a mission was
-    cancelled or paused; only what was sent just before is sent as a repeat.
+    - A route id belongs to one robot.
+    - Under one id, a route only becomes longer, or shorter if a mission was cancelled or paused.
+    - Only the previous order is sent again as a repeat.
     """
     owner: Dict[int, str] = {}
     last: Dict[str, SendRoute] = {}
@@ -117,7 +120,7 @@ def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
 
 
 def swap(crash_at: int) -> SupervisedFleet:
-    """Two robots swap their places in a corridor while the supervisor dies at one commit."""
+    """Two robots swap places in a corridor while the supervisor dies at one commit."""
     fleet = SupervisedFleet(corridor(5, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 5)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.crash_at = crash_at
@@ -138,4 +141,4 @@ def test_the_supervisor_may_die_at_every_single_commit() -> None:
         for name, agv in fleet.agvs.items():
             assert agv.visited[-1] == whole.agvs[name].visited[-1], f'death at commit {commit}'
             assert agv.travelled == pytest.approx(whole.agvs[name].travelled), (
-                f'death at commit {commit}: {name} drove other ways')
+                f'death at commit {commit}: {name} drove another route')

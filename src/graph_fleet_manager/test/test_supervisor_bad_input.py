@@ -1,4 +1,4 @@
-"""What makes no sense, comes twice, late or from a stranger: ignored or refused in one sentence."""
+"""Wrong, repeated, late or foreign messages are ignored, or refused with one sentence."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -16,7 +16,7 @@ from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode, Route
 
 @pytest.fixture
 def fleet():
-    """One robot on its way from 1 to 6, with a mission that is open."""
+    """One robot on its way from 1 to 6, with an open mission."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
@@ -25,14 +25,14 @@ def fleet():
 
 
 def hear(fleet, report):
-    """The supervisor hears a report out of the blue; returns the orders that follow."""
+    """The supervisor receives an unexpected report; returns the orders that follow."""
     sent = len(fleet.sent)
     fleet.do(fleet.supervisor.report('a', report, fleet.now))
     return fleet.sent[sent:]
 
 
 def ends_well(fleet):
-    """Does the mission end as if nothing had been?"""
+    """True if the mission ends as if nothing had happened."""
     fleet.run_until_done(1)
     return fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].travelled == pytest.approx(
         10.0)
@@ -77,7 +77,7 @@ def test_one_location_elsewhere_ends_no_mission_but_blocks_that_place_until_two_
     hear(fleet, other)
     assert robot.outage is None and 2 in blocked(fleet, 'a')[1]
     fleet.step()
-    assert 2 in blocked(fleet, 'a')[1], 'one later location is no proof'
+    assert 2 in blocked(fleet, 'a')[1], 'one later location must not be enough'
     fleet.step()
     assert blocked(fleet, 'a') == ((robot.position.vertex,), ())
 

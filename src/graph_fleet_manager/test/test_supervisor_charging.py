@@ -1,4 +1,4 @@
-"""Which robot charges, where and until when, under all events."""
+"""Which robot charges, where and how long, under all events."""
 from __future__ import annotations
 
 import math
@@ -16,7 +16,7 @@ from trajectory_graph import Graph
 
 
 def with_docks(graph, *docks):
-    """The same graph, where robots charge at some vertices."""
+    """The same graph with charging docks at some vertices."""
     return Graph([replace(v, dock=v.id in docks) for v in graph.vertices.values()],
                  graph.edges.values())
 
@@ -29,13 +29,13 @@ def yard(robots, docks=(6,), **more):
 
 
 def charge(fleet, **charges):
-    """Batteries tell their state of charge."""
+    """Sets the charge that the batteries report."""
     for name, charge in charges.items():
         fleet.do(fleet.supervisor.battery(name, charge, fleet.now))
 
 
 def view_of(fleet, name):
-    """What is told of a robot."""
+    """The published state of a robot."""
     return next(v for v in robot_views(fleet.supervisor, fleet.now) if v.name == name)
 
 
@@ -80,11 +80,11 @@ def test_a_battery_that_falls_silent_does_not_block_the_dock_for_ever():
     charge(fleet, a=0.1)
     fleet.run(20.0)
     charge(fleet, a=0.4)
-    for _ in range(12):  # the battery of b goes on telling
+    for _ in range(12):  # the battery of b keeps reporting
         charge(fleet, b=0.2)
         fleet.run(10.0)
     assert fleet.agvs['b'].visited[-1] == 6 and view_of(fleet, 'b').state is RobotState.CHARGING
-    assert math.isnan(view_of(fleet, 'a').battery), 'an old charge is told as new'
+    assert math.isnan(view_of(fleet, 'a').battery), 'an old charge must not be reported as new'
 
 
 def test_a_battery_that_falls_silent_is_named_as_what_its_robot_waits_for():
@@ -111,7 +111,7 @@ def test_a_mission_says_that_nothing_is_heard_of_the_battery_that_it_waits_for()
 
 
 def test_with_what_its_battery_told_last_a_robot_may_work():
-    fleet = charging_at_6()  # half full, and so it is still at least
+    fleet = charging_at_6()  # the last known charge is one half, and the robot charges
     fleet.run(MUTE + 5.0)
     fleet.request(1, 1)
     fleet.run_until_done(1)
@@ -181,11 +181,11 @@ def test_a_robot_that_finds_no_dock_says_why():
 
 def test_for_a_mission_that_needs_more_than_is_left_a_robot_charges_first():
     fleet = yard({'a': 4}, settings=RobotSettings(release_ahead=0.0, endurance=20.0))
-    charge(fleet, a=0.4)  # good for 6 m
+    charge(fleet, a=0.4)  # enough for 6 m
     fleet.request(1, 2, 4, 2)
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.PENDING and fleet.agvs['a'].visited[-1] == 6
-    charge(fleet, a=0.95)  # good for 17 m, of which it needs 16
+    charge(fleet, a=0.95)  # enough for 17 m, of which it needs 16 m
     fleet.run_until_done(1)
 
 
@@ -200,7 +200,7 @@ def test_near_a_dock_is_not_docked():
     assert 3.7 < fleet.agvs['a'].arc < 3.99
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run_until_done(1)
-    assert fleet.agvs['a'].arc == pytest.approx(4.0), 'it was told that it has arrived'
+    assert fleet.agvs['a'].arc == pytest.approx(4.0), 'the robot must have got the end of its route'
 
 
 def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():

@@ -1,5 +1,4 @@
-"""Robots that drop out, stand elsewhere than was thought, or come back: which robots move then, and
-how."""
+"""Robots fail, stand at an unexpected place, or come back: which robots then move, and how."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -71,7 +70,7 @@ def test_who_was_driven_elsewhere_while_it_had_nothing_to_do_needs_a_person(befo
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     fleet.request(2, 4, robot='b')
     fleet.run(20.0)
-    assert fleet.agvs['b'].travelled == 0.0, 'a stands in its way'
+    assert fleet.agvs['b'].travelled == 0.0, 'robot a stands in its way'
 
 
 def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
@@ -84,7 +83,7 @@ def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
 
 
 def test_nobody_is_sent_to_where_a_robot_was_carried():
-    """From 2 on the upper side is shorter, until `b` is put down on that."""
+    """From 2 on, the upper side is shorter, until a person puts `b` down there."""
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
                       7: (16, -6), 8: (24, 0), 9: (30, 0)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),
@@ -97,7 +96,7 @@ def test_nobody_is_sent_to_where_a_robot_was_carried():
     fleet.run(1.0)
     carry(fleet.agvs['b'], 3, 2.0)
     fleet.run_until_done(1)
-    assert fleet.agvs['a'].visited[-3:] == [6, 7, 5], 'it must go round'
+    assert fleet.agvs['a'].visited[-3:] == [6, 7, 5], 'the robot must take the other path'
 
 
 def test_nobody_is_sent_to_where_a_robot_comes_back_into_service_without_a_planner():
@@ -182,7 +181,7 @@ def test_a_lost_link_comes_back_whatever_the_robots_clock_says(before, after):
     wrong[0] = after
     fleet.run(15.0)
     if after > CLOCK_ERROR:
-        assert fleet.supervisor.robots['a'].outage is Outage.CLOCK, 'its locations tell no age'
+        assert fleet.supervisor.robots['a'].outage is Outage.CLOCK, 'its locations have no stamp'
     else:
         assert agv.is_driving or agv.visited[-1] == 8
         old = any('clock' in note for note in fleet.notes)
@@ -237,7 +236,7 @@ def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_w
 
 @pytest.mark.parametrize('how', ['it reports', 'it refuses'])
 def test_what_an_emergency_stop_kept_a_robot_from_driving_stays_its_own(how):
-    """All that it was given, or was just to be given, is tried again as a whole."""
+    """All edges that it was given, or was about to get, are tried again as a whole."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.request(1, 8)
@@ -278,7 +277,7 @@ def test_a_lost_link_is_not_back_while_the_locations_are_old():
 
 @pytest.mark.parametrize('deafness', [0.0, 2.0])
 def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_route_again(deafness):
-    """To make room its old route would be extended, be it just before it is switched off."""
+    """To make room, its old route would be extended, perhaps just before it is switched off."""
     fleet = SupervisedFleet(corridor(8, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 8)},
                             parking=(1, 8, 100))
     fleet.request(1, 2, 1, robot='a')
@@ -292,7 +291,7 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
     fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].record.ahead))
     agv.forget()
     fleet.run(10.0)
-    if deafness:  # it is unknown what it has driven of it
+    if deafness:  # it is unknown how much of the route it has driven
         assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
         assert agv.travelled == before
         fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
@@ -301,7 +300,7 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
 
 
 def test_who_is_silent_is_ordered_nothing_but_to_stop():
-    """It may be switched off meanwhile, and an order that was meant for before reach it then."""
+    """It may be switched off, and then an order for the time before could reach it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     fleet.silent['a'] = 1e9
@@ -319,7 +318,7 @@ def test_who_is_silent_is_ordered_nothing_but_to_stop():
 
 
 def trembling(fleet, name, metres):
-    """A robot whose location is never twice the same, as on a real floor."""
+    """Makes a robot report a location that is never the same twice, as on a real floor."""
     agv, report = fleet.agvs[name], fleet.agvs[name].report
 
     def tremble(stamp):
@@ -350,7 +349,7 @@ def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
 
 @pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
 def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
-    """Near another edge it may be told on that one; pushed along its own it is elsewhere."""
+    """Near another edge it may be reported there; pushed along its own edge it is elsewhere."""
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (3, 5)})
     fleet = SupervisedFleet(graph, {'a': (AGV, 1)})
@@ -390,7 +389,7 @@ def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(co
 @pytest.mark.parametrize('are_locations_fresh', [False, True])
 def test_a_standing_robot_whose_link_is_down_needs_no_person_and_goes_on_once_it_is_back(
         are_locations_fresh):
-    """Its computer refuses every order. Where only the commands' link is down, locations come."""
+    """Its computer refuses each order. If only the command link is down, locations still come."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     fleet.lose_link('a', commands_only=are_locations_fresh)

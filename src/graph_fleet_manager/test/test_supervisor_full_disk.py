@@ -1,4 +1,4 @@
-"""The disk cannot be written for a while: stops go out, nothing else does, nothing is lost."""
+"""The disk cannot be written for a while: only stops are sent, and nothing is lost."""
 from __future__ import annotations
 
 import tempfile
@@ -17,7 +17,7 @@ AHEAD = RobotSettings(release_ahead=8.0)
 
 
 def driving(to: int = 8, **others: int) -> SupervisedFleet:
-    """A fleet of which `a` is on its way from 1 on, as mission 1."""
+    """A fleet in which `a` drives from 1 on, as mission 1."""
     robots = {'a': (AGV, 1), **{name: (AGV, vertex) for name, vertex in others.items()}}
     fleet = SupervisedFleet(corridor(8), robots, settings=AHEAD)
     fleet.request(1, to, robot='a')
@@ -61,7 +61,7 @@ def test_after_the_stop_the_mission_goes_on_once_the_disk_has_room_and_people_sa
     assert len(problems) == 1 and 'go on only after this is stored' in problems[0]
     stood = travelled(fleet)
     fleet.run(10.0)
-    assert travelled(fleet) == stood, 'it goes on though its order is on no disk'
+    assert travelled(fleet) == stood, 'the robot drives on although its order is not stored'
     fleet.disk_fails(False)
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].visited[-1] == 8
@@ -84,8 +84,8 @@ def test_a_mission_is_cancelled_or_paused_although_that_cannot_be_stored(command
     fleet.disk_fails()
     fleet.do(fleet.supervisor.command(1, command, fleet.now))
     fleet.run(20.0)
-    assert fleet.agvs['a'].visited == [1, 2], 'it stops at the end of its edge'
-    assert fleet.told(1)[-1] is MissionState.ACTIVE, 'nothing is told that is on no disk'
+    assert fleet.agvs['a'].visited == [1, 2], 'the robot must stop at the end of its edge'
+    assert fleet.told(1)[-1] is MissionState.ACTIVE, 'nothing may be published that is not stored'
     assert f'{command.name} is carried out, but forgotten' in fleet.statuses[-1].reason
     fleet.disk_fails(False)
     fleet.run(5.0)
@@ -98,7 +98,7 @@ def test_who_cancels_what_no_robot_was_told_of_moves_no_robot():
     fleet.run(1.0)
     fleet.request(1, 8)
     fleet.run_until(lambda: bool(fleet._answers))
-    fleet.disk_fails()  # before the plan is there, so that its first edges stay unsent
+    fleet.disk_fails()  # before the plan comes, so that its first edges are not sent
     fleet.run(5.0)
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.run(5.0)
@@ -113,7 +113,7 @@ def test_what_would_let_a_robot_drive_on_is_not_done_and_that_is_said(command):
     fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
     fleet.run(5.0)
     fleet.disk_fails()
-    fleet.close(7)  # something to be stored: the fault shows
+    fleet.close(7)  # something must be stored, so the fault shows
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.do(fleet.supervisor.command(1, command, fleet.now))
     assert f'{command.name} is not done: the journal' in fleet.statuses[-1].reason
@@ -250,7 +250,7 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
     fleet.disk_fails()
     fleet.run(10.0)
     robot = fleet.supervisor.robots['a']
-    assert robot.client.is_new_motion, 'it was granted something, which is on no disk'
+    assert robot.client.is_new_motion, 'an edge was granted although the grant is not stored'
     view, = robot_views(fleet.supervisor, fleet.now)
     assert robot.outage is None and view.waits_for.startswith('the disk: the journal')
     fleet.disk_fails(False)
@@ -277,7 +277,7 @@ def test_a_robot_that_does_not_answer_is_deaf_5_s_after_its_order_was_sent():
 @pytest.mark.parametrize('fault, reason', [('full', 'database or disk is full'),
                                            ('gone', 'No such file or directory')])
 def test_a_disk_that_fails_and_comes_back(on_small_disk, monkeypatch, fault, reason):
-    """A real one, with the real words of SQLite and Linux."""
+    """A real disk, with the real messages of SQLite and Linux."""
     def act(disk):
         monkeypatch.setattr(tempfile, 'tempdir', str(disk.folder))
         fleet = driving(to=6, b=8)
@@ -288,9 +288,9 @@ def test_a_disk_that_fails_and_comes_back(on_small_disk, monkeypatch, fault, rea
             refusal = fleet.statuses[-1]
             assert refusal.state is MissionState.REFUSED
             assert 'cannot be written' in refusal.reason and reason in refusal.reason
-            assert reason in fleet.supervisor.trouble, '/diagnostics names it'
+            assert reason in fleet.supervisor.trouble, '/diagnostics must name the fault'
             fleet.run(10.0)
-            assert not any(order.edges for order in fleet.sent), 'nothing new is granted'
+            assert not any(order.edges for order in fleet.sent), 'nothing new may be granted'
             fleet.do(fleet.supervisor.stop_fleet(fleet.now))
             assert ('a', ()) in {(order.robot, order.edges) for order in fleet.sent}
             fleet.run(2.0)

@@ -1,4 +1,4 @@
-"""A stop, a cancel, a takeover: that is the last word, also when messages are late or lost."""
+"""A stop, a cancel or a takeover is the last word, even if messages are late or lost."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -34,12 +34,12 @@ def robot(fleet, name='a'):
     return fleet.supervisor.robots[name]
 
 
-# -- robots that are believed to stand still -------------------------------------------------------
+# -- robots that seem to stand ---------------------------------------------------------------------
 
 
 @pytest.mark.parametrize('how', ['lost link', 'stop all', 'fleet out'])
 def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
-    """Its computer reports, but hears nothing of the robot, which drives on as it was told."""
+    """Its computer reports, but has no link to the robot, which drives on along its route."""
     fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)}, settings=FAR)
     fleet.request(1, 6, robot='a')
     fleet.run(2.0)
@@ -69,7 +69,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
 
 
 def test_who_still_has_a_route_to_drive_is_not_brought_in_where_it_waits():
-    """It refused more, and waits on its way for a robot that stands before it."""
+    """It has refused more edges, and waits on its route for a robot that stands before it."""
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1)}, settings=FAR)
     fleet.request(1, 12, robot='a')
     fleet.run(3.0)
@@ -91,7 +91,7 @@ def test_who_still_has_a_route_to_drive_is_not_brought_in_where_it_waits():
 
 @pytest.mark.parametrize('ahead', [0.0, 1.0, 3.0, 8.0])
 def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mission(ahead):
-    """The plan in force leads there as well, but over the place that was cancelled."""
+    """The plan in force also leads there, but through the place that was cancelled."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, parking=(1,),
                             settings=RobotSettings(release_ahead=ahead))
     fleet.rounds = 5
@@ -104,7 +104,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mi
 
 
 def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
-    """It shows the route that the cancel asks for, but more is under way to the robot."""
+    """It shows the route that the cancel asks for, but a longer one is on its way to the robot."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)
@@ -113,7 +113,7 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
     assert len(orders[-1].edges) == 2 and robot(fleet).record.done == 0
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.do(fleet.supervisor.report('a', fleet.agvs['a'].report(fleet.now), fleet.now))
-    assert len(robot(fleet).record.held) == 2, 'it has not heard the cancel'
+    assert len(robot(fleet).record.held) == 2, 'the robot has not received the cancel'
 
 
 @pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
@@ -187,14 +187,14 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     agv.fail(TAKEN_OVER)
     fleet.run(0.1)
     assert robot(fleet).outage is Outage.TAKEN_OVER
-    agv.order(order.route_id, order.edges)  # it came late
+    agv.order(order.route_id, order.edges)  # the order came late
     before = agv.travelled
     fleet.run(20.0)
     assert agv.travelled - before < 0.5
 
 
 def test_nothing_is_tried_again_after_an_emergency_stop_before_it_is_known_what_the_robot_has():
-    """It refused the last trial for another reason, and has not reported since."""
+    """It refused the last attempt for another reason, and has not reported since."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run_until(lambda: fleet.agvs['a'].phase is Phase.COMPLETE)
@@ -207,7 +207,8 @@ def test_nothing_is_tried_again_after_an_emergency_stop_before_it_is_known_what_
                            Reason(ReasonCode.OTHER, 'it does not want to'))
     fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now, fleet.now))
     while fleet.now < fleet.silent['a'] - 0.2:
-        assert client.order is None, 'what the next report tells that it has not may be given away'
+        assert client.order is None, (
+            'edges that the next report lacks could be given to another robot')
         fleet.step()
 
 
@@ -219,14 +220,14 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
     fleet.agvs['a'].fail(LOST_LINK)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
-    assert fleet.agvs['a'].edges == (), 'it was told to stop'
+    assert fleet.agvs['a'].edges == (), 'the stop must have reached the robot'
 
 
 # -- where robots truly are -----------------------------------------------------------------------
 
 
 def taken_over_as_it_was_let_go_on():
-    """It refuses more edges, as its route has failed: it stands in the midst of one."""
+    """It refuses more edges, because its route has failed: it stands in the middle of an edge."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 6, robot='a')
@@ -238,7 +239,7 @@ def taken_over_as_it_was_let_go_on():
 
 
 def test_where_a_person_drives_who_refused_more_is_known():
-    """Its reports still tell of the route that has failed."""
+    """Its reports still contain the route that has failed."""
     fleet = taken_over_as_it_was_let_go_on()
     fleet.agvs['a'].edge, fleet.agvs['a'].arc = 4, 1.0
     fleet.run(0.5)
@@ -268,7 +269,7 @@ def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():
 
 
 def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
-    """It is switched on in the midst of the way, while that is planned."""
+    """Robot b is switched on in the middle of the path while that path is planned."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)}, settings=FAR)
     fleet.silent['b'] = 1e9
     fleet.run(6.0)
@@ -281,7 +282,7 @@ def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
 
 @pytest.mark.parametrize('told', ['all', 'no longer', 'not of the last edges'])
 def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(told):
-    """Be it heard, silent, or with an order still under way to it."""
+    """Its reports arrive, or do not arrive, or an order is still on its way to it."""
     fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.request(1, 7, robot='a')

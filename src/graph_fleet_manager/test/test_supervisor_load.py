@@ -1,4 +1,4 @@
-"""Thousands of missions wait, and what cannot wait is not slower for that."""
+"""Thousands of missions wait, and urgent events are not slower because of them."""
 from __future__ import annotations
 
 from collections import Counter
@@ -32,7 +32,7 @@ def fleet():
 
 @pytest.fixture
 def looked_at(monkeypatch):
-    """How often each mission was looked at."""
+    """How often the supervisor looked at each mission."""
     counter = Counter()
     original = assignment._why_nobody
 
@@ -59,13 +59,14 @@ def test_thousands_of_requests_take_one_commit_for_each_batch(fleet):
 def test_no_tick_report_or_command_looks_at_all_missions(fleet, looked_at, monkeypatch):
     fleet.do(fleet.supervisor.requests([Request(id + 1, (3,)) for id in range(MANY)], fleet.now))
     with monkeypatch.context() as patched:
-        patched.setattr(MissionBook, 'open', property(lambda book: pytest.fail('it looks at all')))
+        patched.setattr(MissionBook, 'open', property(lambda book: pytest.fail('looked at all')))
         for _ in range(30):
             before = sum(looked_at.values())
             fleet.step()
-            most = 3 * (len(fleet.agvs) + AT_ONCE)  # a tick, and two answers of the planner
+            most = 3 * (len(fleet.agvs) + AT_ONCE)  # one tick, and two answers of the planner
             assert sum(looked_at.values()) - before <= most
-    assert fleet.state(1) is fleet.state(2) is MissionState.ACTIVE, 'the oldest ones are served'
+    assert fleet.state(1) is fleet.state(2) is MissionState.ACTIVE, (
+        'the oldest missions must be served')
 
 
 def test_every_mission_is_told_what_it_waits_for_in_its_turn(fleet):
@@ -99,7 +100,7 @@ def test_missions_that_no_robot_can_serve_do_not_keep_the_others_from_a_robot():
 
 
 def test_the_missions_of_each_robot_wait_for_it_alone(fleet):
-    """Those for a robot that is out of service do not keep the other robot waiting."""
+    """Missions for a robot that is out of service do not delay the other robot."""
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.do(fleet.supervisor.requests(
         [*(Request(id + 1, (3,), robot='a', priority=5) for id in range(10 * AT_ONCE)),
@@ -137,8 +138,8 @@ def test_what_reports_change_shares_a_commit_with_what_follows_within_40_ms():
         assert supervisor.report('a', agv.report(fleet.now), fleet.now) == []
     complete_edge()
     complete_edge()
-    assert fleet.journal.commits == before, 'a report waits for the tick'
-    assert supervisor.look_at <= fleet.now, 'the last commit is old: the tick is wanted at once'
+    assert fleet.journal.commits == before, 'a report must wait for the tick'
+    assert supervisor.look_at <= fleet.now, 'the last commit is old, so the tick must come at once'
     fleet.do(supervisor.tick(fleet.now))
     assert fleet.journal.commits == before + 1 and supervisor.look_at is None
     complete_edge()
@@ -174,13 +175,13 @@ def test_robots_get_edges_while_the_planner_works_for_others():
     executor, record = fleet.supervisor.plan_executor, fleet.supervisor.robots['a'].record
     granted = record.end
     fleet.run_until(lambda: record.end > granted, 5.0)
-    assert executor.is_planning, 'it had to wait for the planner'
+    assert executor.is_planning, 'the report had to wait for the planner'
     fleet.run_until_done(1, 2)
-    assert len(fleet.plans) <= 3, 'what was granted meanwhile made plans useless'
+    assert len(fleet.plans) <= 3, 'grants made meanwhile made plans useless'
 
 
 def test_an_answer_by_which_another_robot_goes_first_is_not_used():
-    """Robot a was granted meanwhile what b is to leave first by the new plan."""
+    """Meanwhile robot a got a grant for a place that b leaves first by the new plan."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, planning=0.0)
     fleet.request(1, 4, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)

@@ -1,4 +1,4 @@
-"""The fleet manager is started anew: with another graph, another fleet, or amid what it did."""
+"""The fleet manager restarts: with another graph, another fleet, or in the middle of its work."""
 from __future__ import annotations
 
 import pytest
@@ -20,7 +20,7 @@ def cut_short(graph, length):
 
 
 def restart_on(fleet, graph):
-    """The fleet manager ends and begins anew with another graph."""
+    """The fleet manager ends and restarts with another graph."""
     fleet.graph = graph
     fleet._planners.clear()
     fleet._parking = tuple(graph.vertices)
@@ -139,7 +139,7 @@ def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     orders, fleet._to_robots = fleet._to_robots, []
     fleet.restart()
-    fleet._to_robots = orders if crash else []  # the order reached the robot, or it did not
+    fleet._to_robots = orders if crash else []  # the order may or may not have reached the robot
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.CANCELLED
     assert fleet.agvs['a'].travelled < 6.1
@@ -166,7 +166,7 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
 
 @pytest.mark.parametrize('starts_anew', [True, False])
 def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice(starts_anew):
-    """It was latched, and a node that takes missions joins again."""
+    """It was latched, and a node that takes missions subscribes again."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     for stamp, vertex in ((100.0, 3), (200.0, 1)):
         fleet.request(7, vertex, stamp=stamp)
@@ -206,7 +206,7 @@ def test_after_a_restart_only_what_needs_a_person_is_still_wrong_with_an_unseen_
 
 
 def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_graph():
-    """What robots still have to drive is on every graph, and stays theirs before they report."""
+    """The remaining drives of robots are on the new graph, and stay theirs before they report."""
     fleet = SupervisedFleet(ladder(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
@@ -222,7 +222,7 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
 
 
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
-    """As a person stopped it past a fleet manager that hung, and then was ended."""
+    """A person stopped it beside a fleet manager that hung and was then ended."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)
     fleet.agvs['a'].off_graph = True

@@ -1,4 +1,4 @@
-"""The supervisor lets robots go before a late one, where it is told to."""
+"""The supervisor lets robots go before a late one, if switching is enabled."""
 from __future__ import annotations
 
 from random import Random
@@ -30,7 +30,7 @@ def ended(fleet: SupervisedFleet) -> List[int]:
 
 
 def both_cross(switches: bool) -> SupervisedFleet:
-    """Robot a comes first to the crossing by the plan, but stands still for a minute before it."""
+    """By the plan, robot a reaches the crossing first, but it stands for a minute before it."""
     fleet = SupervisedFleet(crossing(), {'a': (AGV, 1), 'b': (AGV, 11)}, switches=switches)
     fleet.request(1, 7, robot='a')
     fleet.request(2, 17, robot='b')
@@ -70,7 +70,7 @@ def test_how_long_a_robot_will_stand_is_learned_from_how_long_robots_stood():
     robot, standstills = fleet.supervisor.robots['a'], Standstills()
 
     def stands(seconds: float) -> float:
-        """What is expected after so long, before it drives on."""
+        """The expected further standstill, in s, after a standstill of the given seconds."""
         robot.liveness._moved = fleet.now + 100.0 - seconds
         robot.liveness.seen = fleet.now + 100.0
         return standstills.further(robot, fleet.now + 100.0)
@@ -79,10 +79,10 @@ def test_how_long_a_robot_will_stand_is_learned_from_how_long_robots_stood():
     assert standstills.further(robot, fleet.now) == 0.0
     fleet.request(1, 7)
     fleet.run(0.3)
-    assert standstills.further(robot, fleet.now) == 0.0  # it has just been let go
-    assert stands(1.0) == 0.0 and stands(4.0) == 4.0  # nothing is known: as long again
+    assert standstills.further(robot, fleet.now) == 0.0  # an edge has just been released to it
+    assert stands(1.0) == 0.0 and stands(4.0) == 4.0  # no experience yet: the same time again
     for _ in range(6):
         stands(20.0)
         stands(0.0)
     assert stands(5.0) == pytest.approx(15.0)
-    assert stands(30.0) == 30.0  # longer than any before
+    assert stands(30.0) == 30.0  # longer than any standstill before

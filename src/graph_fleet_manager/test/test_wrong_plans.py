@@ -1,4 +1,4 @@
-"""After every answer of the planner, robots drive on as soon as it answers rightly again."""
+"""After any wrong answer of the planner, robots drive on as soon as it answers correctly again."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -112,7 +112,7 @@ def test_a_plan_that_begins_elsewhere_is_refused(task):
 
 
 def test_an_answer_that_is_spoilt_twice_never_ends_the_supervisor():
-    """Each spoilt answer is refused or used; no way to spoil one raises."""
+    """Each spoilt answer is refused or used; no way to spoil one raises an exception."""
     for seed in range(40):
         fleet = MisledFleet(ladder(4), {'a': (AGV, 1), 'b': (AGV, 4)}, parking=(1, 4), seed=seed)
         chance = Random(seed)

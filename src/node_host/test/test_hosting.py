@@ -1,4 +1,4 @@
-"""The host and `hosted` as processes. Both have this process as parent, as they have roslaunch."""
+"""The host and `hosted` as processes; this process is the parent of both, as roslaunch would be."""
 from __future__ import annotations
 
 import os
@@ -35,7 +35,7 @@ class Launch:
             str(SOURCES / name / 'src') for name in ('node_host', 'node_lifecycle'))}
 
     def host(self, *modules, before=''):
-        """Starts a host; `before` is done in it first."""
+        """Starts a host; `before` runs in it first."""
         code = f"{before}\nfrom node_program import run_main; run_main('node_host.program')"
         return self._popen([sys.executable, '-c', code, *modules])
 
@@ -119,7 +119,7 @@ def test_a_fork_holds_nothing_of_the_host_open_and_has_one_thread(launch):
                          " len(os.listdir('/proc/self/task')))")
     status, output, _ = result(program)
     assert status == 0
-    assert output == '[0, 1, 2, 3] 1\n'  # 3 tells that the program has started
+    assert output == '[0, 1, 2, 3] 1\n'  # 3 says that the program has started
 
 
 def test_a_crash_ends_one_program_with_its_traceback_and_no_other(launch):
@@ -169,7 +169,7 @@ def test_a_host_that_is_killed_takes_its_programs_along_and_a_new_one_starts_the
     host.kill()
     assert result(program)[0] == 1
     until(lambda: not is_there(pid))
-    again = launch.run('print("again")')  # which waits for its host
+    again = launch.run('print("again")')  # this program waits for its host
     launch.host()
     assert result(again)[:2] == (0, 'again\n')
 

@@ -1,4 +1,4 @@
-"""What a fork makes lies on pages of its own."""
+"""Objects made by a fork are on memory pages of its own."""
 from __future__ import annotations
 
 import subprocess
@@ -23,8 +23,7 @@ print(sum(id(one) >> 12 in pages for one in made))
 
 
 def on_shared_pages(size: int, *options: str) -> int:
-    """How many of 150 new objects lie on pages with older ones, between which there are 200 holes.
-    """
+    """Of 150 new objects, the number on pages with older objects, between which are 200 holes."""
     return int(subprocess.run([sys.executable, '-c', PROGRAM, str(size), *options], check=True,
                               env={'PYTHONPATH': str(SOURCES)}, stdout=subprocess.PIPE,
                               text=True).stdout)
@@ -32,5 +31,5 @@ def on_shared_pages(size: int, *options: str) -> int:
 
 @pytest.mark.parametrize('size', [48, 64, 96, 256, 512])
 def test_new_objects_do_not_lie_between_older_ones(size: int) -> None:
-    assert on_shared_pages(size) > 100, 'without a cure they do'
+    assert on_shared_pages(size) > 100, 'without fill_holes they must'
     assert on_shared_pages(size, 'filled') < 50

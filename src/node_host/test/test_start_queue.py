@@ -1,4 +1,4 @@
-"""Which programs start when, without processes."""
+"""The order and the times at which programs start, without processes."""
 from __future__ import annotations
 
 from node_host.start_queue import START_WITHIN, StartQueue, delay_after
@@ -43,7 +43,7 @@ def test_a_program_that_is_not_wanted_any_more_does_not_start():
 
 
 def run_once(queue, identity, begin, end, failed=True):
-    """Asks for a program, lets it run and end; returns when it started."""
+    """Requests a program, lets it run and end; returns the time of its start."""
     begin += queue.ask(identity, identity, begin)
     assert queue.next(begin) == identity
     queue.started(identity)

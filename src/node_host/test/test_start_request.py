@@ -1,4 +1,4 @@
-"""What `hosted` sends."""
+"""The request that `hosted` sends."""
 from __future__ import annotations
 
 import pytest

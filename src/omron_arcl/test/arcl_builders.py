@@ -1,6 +1,6 @@
-"""What the tests of ARCL share: transcripts of sessions, and a robot that says what it is told.
+"""Common parts of the tests of ARCL: transcripts of sessions, and a robot that the test controls.
 
-The transcripts are those of a real LD-90 (and of the manual, where no real one is known).
+The transcripts come from a real LD-90, or from the manual if there is no real one.
 """
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def feed_byte_by_byte(session: Session, data: bytes) -> List[Event]:
 
 
 def feed_with_trailing_data(session: Session, data: bytes) -> List[Event]:
-    """The data, and behind it in the same piece the beginning of a line that never ends."""
+    """Feeds the data, followed in the same piece by the beginning of a line that never ends."""
     return session.receive(data + b'Arrived at 1')
 
 
@@ -102,13 +102,13 @@ def texts(events: List[Event]) -> List[str]:
 
 
 def closing(events: List[Event]) -> Closed:
-    """The end that `events` must have."""
+    """The last event, which must be the end of the session."""
     assert events and isinstance(events[-1], Closed), f'not closed: {events}'
     return events[-1]
 
 
 class Conversation:
-    """A dispatcher with a clock of its own, and the robot's part said by hand."""
+    """A dispatcher with its own clock; the test plays the robot line by line."""
 
     def __init__(self) -> None:
         self.dispatcher = Dispatcher()
@@ -116,7 +116,7 @@ class Conversation:
         self.sent: List[str] = []
 
     def give(self, text: str, **options: Any) -> Execution:
-        """Gives a command and sends what may be sent."""
+        """Gives a command, and sends what may be sent."""
         execution = self.dispatcher.start(parse_command(text), **options)
         self.send()
         return execution
@@ -130,7 +130,7 @@ class Conversation:
             self.sent.append(line.decode())
 
     def cancel(self, execution: Execution) -> None:
-        """Cancels a command; what is to be sent for it is sent later."""
+        """Cancels a command; lines that this requires are sent later."""
         self.dispatcher.cancel(execution, self.now)
 
     def robot(self, *said: str) -> None:
@@ -142,7 +142,7 @@ class Conversation:
             self.tell()
 
     def pass_time(self, seconds: float) -> None:
-        """Nothing happens for so long."""
+        """Lets the time pass without any line."""
         self.now += seconds
         self.dispatcher.on_time(self.now)
         self.send()
@@ -155,13 +155,13 @@ class Conversation:
 
 
 def outcome(execution: Execution) -> Outcome:
-    """How a command ended, which it must have."""
+    """The outcome of a command, which must have ended."""
     assert execution.result is not None, f'"{execution.command.text}" is still under way'
     return execution.result.outcome
 
 
 class ScriptedRobot:
-    """A TCP server that logs clients in, notes what they say, and says what a test tells it."""
+    """A TCP server that logs clients in, notes their lines, and sends the lines of the test."""
 
     def __init__(self, password: bytes = PASSWORD, login: bool = True) -> None:
         self._password = password
@@ -173,7 +173,7 @@ class ScriptedRobot:
         self.answers = {b'echo off': (b'Echo turned off.',)}
         self.unknown: Set[bytes] = set()
         self.mute = False
-        self.hangs_up_on = b''  # the line at which it ends the connection
+        self.hangs_up_on = b''  # the line at which it closes the connection
         self._sending = threading.Lock()
         self._closing = False
         self._threads = [threading.Thread(target=self._accept, daemon=True)]
@@ -200,18 +200,20 @@ class ScriptedRobot:
             connection.sendall(data)
 
     def drop(self, reset: bool = False) -> None:
-        """Ends all connections, with RST if asked."""
-        for connection in list(self.connections):  # not those that come meanwhile
+        """Closes all connections, with RST if asked."""
+        for connection in list(self.connections):  # not the connections that are made meanwhile
             try:
-                if reset:  # closed with a linger of zero; to end the reading is not seen outside
+                # closed with a linger of zero; a shutdown of the reading side only would not be
+                # visible outside
+                if reset:
                     linger = struct.pack('ii', 1, 0)
                     connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
                 connection.shutdown(socket.SHUT_RD if reset else socket.SHUT_RDWR)
             except OSError:
-                continue  # it has ended already
+                continue  # the connection has ended already
 
     def forget_closed(self) -> None:
-        """Frees what is kept of connections and threads that have ended."""
+        """Releases the data of connections and threads that have ended."""
         self.connections[:] = [c for c in self.connections if c.fileno() >= 0]
         self._threads[1:] = [t for t in self._threads[1:] if t.is_alive()]
 
@@ -256,7 +258,7 @@ class ScriptedRobot:
 
 
 def wait_for(condition: Callable[[], Any], what: str, timeout: float = 20.0) -> Any:
-    """Polls until `condition` holds."""
+    """Polls until `condition` is true."""
     deadline = time.monotonic() + timeout
     while time.monotonic() < deadline:
         value = condition()
@@ -267,7 +269,7 @@ def wait_for(condition: Callable[[], Any], what: str, timeout: float = 20.0) -> 
 
 
 class Noted:
-    """A callback that keeps what it was told."""
+    """A callback that records its arguments."""
 
     def __init__(self) -> None:
         self.all: List[Any] = []

@@ -1,4 +1,4 @@
-"""What a status text says that the robot does."""
+"""The robot's activity, read from a status text."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Each line of the robot ends the right command, in the right way: transcripts and examples."""
+"""Each line of the robot ends the right command with the right outcome: transcripts, examples."""
 from __future__ import annotations
 
 from typing import Sequence
@@ -15,7 +15,7 @@ def talk() -> Conversation:
 
 
 def check_that_the_last_line_ends(talk: Conversation, command: str, lines: Sequence[str]) -> None:
-    """The robot answers a command with these lines: the last one, and none before, ends it."""
+    """Checks that the last of these lines ends the command, and that no earlier one does."""
     execution = talk.give(command)
     talk.robot(*lines[:-1])
     assert execution.result is None
@@ -68,7 +68,7 @@ def test_lines_of_the_outgoing_link_end_nothing(talk):
     assert goto.begun
 
 
-# --- how driving ends -----------------------------------------------------------------------------
+# --- ends of drives -------------------------------------------------------------------------------
 
 @pytest.mark.parametrize(('text', 'lines'), [
     ('goto x', ('Going to X', 'Arrived at X')),
@@ -245,7 +245,7 @@ def test_a_command_that_lacks_arguments_is_rejected_by_its_syntax(talk, text):
     assert other.result is None
 
 
-# --- in other words -------------------------------------------------------------------------------
+# --- other spellings ------------------------------------------------------------------------------
 
 @pytest.mark.parametrize(('given', 'echoed'), [
     ('gotoPoint 100 200 0', 'gotoPoint 100.0 200.0 0.0'), ('say "$g is full"', 'say "12 is full"'),

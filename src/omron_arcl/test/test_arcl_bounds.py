@@ -1,6 +1,7 @@
-"""All that a robot may say, in any order and pieces, with cancels, stops, broken links between:
-a command given ends within its bound, has one outcome, no motion is sent twice, a stop goes first.
-300 histories by default, 10,000 with LD90_LONG_TESTS=1.
+"""A robot may send anything, in any order and in any pieces, with cancels, stops, broken links.
+
+A command that was given ends within its time limit and has one outcome. No motion is sent twice,
+and a stop is sent first. 300 histories by default, 10,000 with LD90_LONG_TESTS=1.
 """
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from omron_arcl.session import Received, Session
 EXAMPLES = 10_000 if os.environ.get('LD90_LONG_TESTS') == '1' else 3 * settings.default.max_examples
 NAMES = sorted(COMMANDS)
 DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
-# A command may wait for others of its name, each of which may take so long (s).
+# A command may wait for others of the same name, each of which may take this time (s).
 LONGEST_WAIT = 61.0
 
 STATUS = 'Status: {} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
@@ -37,7 +38,7 @@ SAID = [line.encode() for line in (
     'CommandError: goto 1', "CommandErrorDescription: No goal '1'", 'CommandError: stop',
     'Unknown command stop', 'SetUpError: no', "No goal '1'", 'Goal: 1', 'End of goals',
     *(f'{head} 1' for head, _ in _TABLE))] + [b'caf\xe9', b'\xff\xfe\x00', b'']
-# What a robot may go on saying for ever without confirming any command.
+# Lines that a robot may send for ever without confirming any command.
 NOISE = [line.encode() for line in (
     'Stopping', 'Stopped', 'Interrupted: Going to -5 -6', 'hello', 'Goal: 1', 'Temperature: 36',
     'EStop relieved but motors still disabled', 'Motors enabled', 'Charge requested',
@@ -47,7 +48,7 @@ NOISE = [line.encode() for line in (
 
 
 class History:
-    """A robot and its commands, by a script of bytes; two bytes a step."""
+    """A robot and its commands, driven by a script of bytes; two bytes per step."""
 
     def __init__(self) -> None:
         self.now = 100.0
@@ -89,7 +90,7 @@ class History:
         self.given.append(self._dispatcher.start(parse_command(text), on_end=on_end))
 
     def say(self, line: bytes, cut: int = 0) -> None:
-        """The robot says a line, of which a part may come with the next one only."""
+        """The robot sends a line; a part of it may arrive only with the next line."""
         self._pending += lines(line)
         size = len(self._pending) - cut % 7
         piece, self._pending = self._pending[:size], self._pending[size:]
@@ -99,7 +100,7 @@ class History:
         self.tell()
 
     def lose(self) -> None:
-        """The link breaks: what is under way is over, and with the next link nothing comes back."""
+        """The link breaks: data on its way is lost, and does not arrive with the next link."""
         self._dispatcher.on_lost('lost')
         self._session, self._pending = Session(None), b''
         self.tell()
@@ -120,7 +121,7 @@ class History:
                 break
             first = first or line
             self._sent[line] += 1
-        assert not stop_waits or first == b'stop', f'{first!r} went before the stop'
+        assert not stop_waits or first == b'stop', f'{first!r} was sent before the stop'
 
     def tell(self) -> None:
         for callback in self._dispatcher.pop_callbacks():
@@ -130,7 +131,7 @@ class History:
         once = Counter(execution.command.line for execution in self.given if execution.sent)
         stops, sent = self._sent.pop(b'stop', 0), dict(self._sent)
         assert stops <= once.pop(b'stop', 0) + self._cancels, f'{stops} stops were sent'
-        assert sent == once, 'what was sent is not each command once'
+        assert sent == once, 'not every command was sent exactly once'
 
 
 @settings(max_examples=EXAMPLES, database=None, suppress_health_check=list(HealthCheck))

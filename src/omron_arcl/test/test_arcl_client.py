@@ -1,4 +1,4 @@
-"""The client against a robot that misbehaves: it never hangs, and says what happened."""
+"""The client against a robot that misbehaves: it never hangs, and reports what happened."""
 from __future__ import annotations
 
 import inspect
@@ -260,7 +260,7 @@ def test_cancelling_a_drive_sends_stop(robot):
 
 def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot, monkeypatch):
     monkeypatch.setitem(SETTLE, Course.TO_A_PLACE, 1.0)
-    robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status is always Stopped
+    robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status always says Stopped
     with connected_client(robot) as client:
         goto = client.execute('goto 12')
         robot.wait_heard(b'goto 12')
@@ -325,7 +325,7 @@ def test_a_stop_gets_through_a_flood_of_twenty_megabytes(robot):
 
 def test_a_line_that_drips_in_byte_by_byte_is_one_line(robot):
     noted = Noted()
-    robot.answers.clear()  # nothing else is to be said meanwhile
+    robot.answers.clear()  # no other line may be sent meanwhile
     with connected_client(robot, on_line=noted):
         for byte in b'Arrived at 12\r\n':
             robot.connections[-1].sendall(bytes([byte]))
@@ -341,7 +341,7 @@ def test_closing_takes_less_than_a_second_wherever_the_client_is(robot):
         wait_for(lambda: silent.connections, 'a connection')
         wait_for(lambda: 'refused' in clients[2].link.reason, 'a refused connection')
         for client in clients:
-            client.close()  # waits a second at most
+            client.close()  # waits at most a second
             assert not client._thread.is_alive()
 
 
@@ -371,4 +371,4 @@ def _flood(robot: ScriptedRobot, data: bytes, times: int = 400) -> None:
         for _ in range(times):
             robot.send(robot.connections[0], data)
     except OSError:
-        return  # the client has had enough
+        return  # the client drops the robot

@@ -1,4 +1,4 @@
-"""Command lines: what is one, how names are written in it, and how it is shown to people."""
+"""Command lines: valid lines, names in them, and their display for people."""
 from __future__ import annotations
 
 import pytest

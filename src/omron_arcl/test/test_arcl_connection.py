@@ -1,4 +1,4 @@
-"""Connecting, address by address; and whether a peer is alive, and what it says is new."""
+"""Connecting, address by address; and checks if a peer is alive and sends anything new."""
 from __future__ import annotations
 
 import errno
@@ -46,7 +46,7 @@ def test_the_next_address_is_tried_where_one_cannot_be_reached(monkeypatch):
 
 
 def test_an_address_that_fails_at_once_is_not_connected(monkeypatch):
-    """As where there is no way to a network: `connect_ex` says so, and nothing ever follows."""
+    """For example without a route to a network: `connect_ex` reports it, and no event follows."""
     class Unreachable(socket.socket):
         def connect_ex(self, address: object) -> int:
             return errno.ENETUNREACH
@@ -76,7 +76,7 @@ def test_a_host_may_have_several_addresses():
 def pair() -> Iterator[Tuple[Peer, socket.socket]]:
     ours, robot = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
     peer = Peer.__new__(Peer)
-    bare = Connection.__new__(Connection)  # a socket pair knows none of TCP's options
+    bare = Connection.__new__(Connection)  # a socket pair has none of TCP's options
     bare.socket, bare.unsent = ours, b''
     ours.setblocking(False)
     Peer.__init__(peer, bare, Session(None), timeout=2.0)

@@ -252,7 +252,7 @@ def test_after_a_failed_drive_stop_and_goto_work_as_ever(talk):
 
 
 def test_two_stops_for_one_failed_drive_end_with_one_stopped(talk):
-    """A robot that still brakes when the second stop comes says only once that it stands."""
+    """A robot that still brakes when the second stop arrives sends only one `Stopped`."""
     talk.give('goto A')
     talk.robot(*FAILURE)
     stops = [talk.give('stop'), talk.give('stop')]
@@ -274,7 +274,7 @@ def test_a_stopped_does_not_end_the_stop_of_a_later_drive(talk):
 
 
 def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
-    """The robot then never says that it stands."""
+    """After that the robot never sends `Stopped`."""
     talk.give('goto A')
     talk.robot(*FAILURE)
     stop, later = talk.give('stop'), talk.give('goto B')
@@ -285,7 +285,7 @@ def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
     assert outcome(later) is Outcome.SUCCEEDED
 
 
-# Another client drives before the robot, stopped by us, has come to stand: it never says `Stopped`.
+# Another client drives before the robot, which we stopped, stands: it never sends `Stopped`.
 OVERTAKEN = ('Interrupted: Going to A', 'Stopping', 'Going to B')
 
 
@@ -296,11 +296,11 @@ def test_a_stop_that_another_clients_drive_overtakes_ends_at_once_and_not_as_a_s
     talk.robot(*OVERTAKEN)
     assert outcome(goto) is Outcome.INTERRUPTED
     assert goto.result.words == 'Interrupted: Going to A'
-    assert outcome(stop) is Outcome.INTERRUPTED, 'the robot drives, so it is not stopped'
+    assert outcome(stop) is Outcome.INTERRUPTED, 'the robot drives, so the stop has failed'
     assert stop.result.words == 'taken over: Going to B'
     assert stop.result.lines == OVERTAKEN[:2]
     talk.robot('Arrived at B')
-    assert talk.sent == ['goto A', 'stop'], 'nothing is sent again'
+    assert talk.sent == ['goto A', 'stop'], 'nothing may be sent again'
 
 
 def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop(talk):
@@ -314,7 +314,7 @@ def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop
 
 
 def test_a_stopped_docking_takes_no_other_drive_for_its_own(talk):
-    """The robot may say where it goes while it docks, but not once it was stopped."""
+    """The robot may name its goal while it docks, but not after it was stopped."""
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])
     talk.cancel(dock)
@@ -337,7 +337,7 @@ def test_every_stop_that_the_robot_obeyed_is_overtaken(talk):
 
 
 def test_a_stop_that_the_robot_may_not_have_read_yet_waits_for_what_it_does(talk):
-    """The other's drive interrupted ours; our stop will interrupt the other's."""
+    """The other client's drive interrupted ours; our stop will interrupt the other's."""
     talk.give('goto A')
     talk.robot('Going to A')
     stop = talk.give('stop')
@@ -374,7 +374,7 @@ def test_a_charger_that_changes_its_mind_overtakes_no_stop(talk):
     talk.send()
     talk.robot('Interrupted: Docking', 'Stopping', DOCK[2])
     assert outcome(dock) is Outcome.CANCELLED
-    assert talk.dispatcher._commands.sent, 'the stop still waits for the robot to stand'
+    assert talk.dispatcher._commands.sent, 'the stop must still wait until the robot stands'
 
 
 def test_cancelling_a_drive_does_not_drop_the_one_that_waits_to_replace_it(talk):
@@ -496,7 +496,7 @@ def test_an_older_drive_that_times_out_stops_no_newer_one(talk):
 
 
 def test_a_cancelled_drive_is_stopped_when_the_newer_one_does_not_replace_it(talk):
-    """The robot may have missed the newer one, and the older must not go on for a minute."""
+    """The robot may have missed the newer one, and the older one must not go on for a minute."""
     older = talk.give('goto 12')
     talk.robot('Going to 12')
     talk.give('goto 13')

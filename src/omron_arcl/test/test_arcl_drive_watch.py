@@ -1,4 +1,4 @@
-"""A drive ends when the robot says that it is over: in whichever words, or only in its status."""
+"""A drive ends when the robot says so, with any words or only in its status."""
 from __future__ import annotations
 
 import pytest
@@ -21,7 +21,7 @@ def begun(talk: Conversation, text: str = 'goto 12', *said: str) -> Execution:
 
 
 def shows(talk: Conversation, status: str, seconds: float = 60.0) -> None:
-    """The robot's status is this for so long, as heartbeats of 1.5 s tell."""
+    """The robot's status stays the same for this time; heartbeats come every 1.5 s."""
     for _ in range(int(seconds / 1.5)):
         talk.pass_time(1.4)
         talk.robot(f'Status: {status} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
@@ -48,7 +48,7 @@ def test_a_stop_without_a_word_of_the_drive_ends_it_within_ten_seconds(
     goto = begun(talk, text, acknowledged)
     talk.robot(*said)
     talk.pass_time(3.0)
-    assert goto.result is None, 'it may be for an instant only'
+    assert goto.result is None, 'the status may last only an instant'
     talk.pass_time(7.0)
     assert outcome(goto) is Outcome.INTERRUPTED
 
@@ -139,7 +139,7 @@ def test_a_status_right_after_the_command_may_be_the_one_before(talk):
     assert goto.result is None
 
 
-# --- drives of which the robot has not said that it obeys -----------------------------------------
+# --- drives that the robot has not acknowledged ---------------------------------------------------
 
 def test_a_robot_that_shows_the_goal_has_begun_though_it_did_not_say_so(talk):
     goto = talk.give('goto 12')
@@ -180,7 +180,7 @@ def test_the_way_to_the_dock_may_be_long(talk):
 def test_a_robot_that_gave_up_docking_ends_it_within_a_minute(talk):
     dock = begun(talk, 'dock', *DOCK[:2])
     shows(talk, 'Stopped', 27.0)
-    assert dock.result is None, 'it may try again'
+    assert dock.result is None, 'the robot may try again'
     shows(talk, 'Stopped', 9.0)
     assert outcome(dock) is Outcome.INTERRUPTED
 
@@ -226,7 +226,7 @@ def test_a_stop_is_obeyed_once_the_robot_stands_though_it_did_not_say_so(talk, s
     stop = talk.give('stop')
     shows(talk, status, 6.0)
     assert outcome(stop) is Outcome.SUCCEEDED
-    assert goto.result is not None, 'the drive is over with it'
+    assert goto.result is not None, 'the drive must end with the stop'
 
 
 def test_a_stop_that_the_robot_ignores_times_out(talk):
@@ -266,7 +266,7 @@ TO_DOCK = 'Going to dock at Dock 1'
 
 def setting_out(talk: Conversation, before: str = DOCKED, text: str = 'goto 12',
                 sign: str = UNDOCKING) -> Execution:
-    """A drive that the robot shows to carry out, but has not acknowledged."""
+    """A drive that the robot visibly carries out, but has not acknowledged."""
     talk.robot(f'Status: {before} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
     execution = talk.give(text)
     talk.robot(sign)

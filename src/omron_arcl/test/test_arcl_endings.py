@@ -1,4 +1,4 @@
-"""Refusals and failures end the command that they are about, in whichever words they are said."""
+"""Refusals and failures end the command that they belong to, in any spelling."""
 from __future__ import annotations
 
 import pytest

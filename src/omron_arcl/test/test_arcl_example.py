@@ -1,4 +1,4 @@
-"""The example that drives without ROS, run as its first lines say."""
+"""The example that drives without ROS, run as its first lines describe."""
 from __future__ import annotations
 
 import os

@@ -1,4 +1,4 @@
-"""Lines come out whole, however their bytes are cut."""
+"""Lines are complete, however their bytes are split."""
 from __future__ import annotations
 
 import pytest

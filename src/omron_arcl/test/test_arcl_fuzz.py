@@ -1,6 +1,6 @@
 """For any input: no exception, no unbounded memory, and no good line lost beside a bad one.
 
-5,000 examples by default, 200,000 with LD90_LONG_TESTS=1, shared out among the properties.
+5,000 examples by default, 200,000 with LD90_LONG_TESTS=1, divided among the properties.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from omron_arcl.framing import LineBuffer, decode
 from omron_arcl.parser import _TABLE
 from omron_arcl.session import Closed, Session, State
 
-EXAMPLES = 50 * settings.default.max_examples  # in a batch, all of it in memory
+EXAMPLES = 50 * settings.default.max_examples  # examples in a batch, all of it in memory
 BATCHES = 40 if os.environ.get('LD90_LONG_TESTS') == '1' else 1
 
 
@@ -41,7 +41,7 @@ def batch(request) -> int:
 
 
 def share(percent: int):
-    """A property that gets so many per cent of all examples."""
+    """Decorates a property so that it gets this percentage of all examples."""
     def decorate(test):
         few = settings(max_examples=EXAMPLES * percent // 100, database=None,
                        suppress_health_check=list(HealthCheck))
@@ -49,8 +49,8 @@ def share(percent: int):
     return decorate
 
 
-# hypothesis draws bytes of a fixed number at once, and lists of lines twenty times slower. So an
-# example is one draw, read as lines: what kind, which beginning, how long, and the rest itself.
+# hypothesis draws a fixed number of bytes at once, but lists of lines twenty times slower. So an
+# example is one draw, which is read as lines: kind, beginning, length, and the rest.
 MOST_LINES, MOST_BYTES = 12, 40
 BLOB = st.binary(min_size=1 + MOST_LINES * (3 + MOST_BYTES),
                  max_size=1 + MOST_LINES * (3 + MOST_BYTES))
@@ -64,7 +64,7 @@ ALPHABETS = tuple(bytes(alphabet[i % len(alphabet)] for i in range(256)) for alp
 
 
 def lines_of(blob: bytes, good: Sequence[bytes] = GOOD) -> List[bytes]:
-    """Good lines, lines that begin as the robot's do and go on as they please, and any bytes."""
+    """Good lines, lines that begin like the robot's and continue at random, and any bytes."""
     said, at = [], 1
     for _ in range(blob[0] % (MOST_LINES + 1)):
         kind, which, length = blob[at:at + 3]
@@ -77,7 +77,7 @@ def lines_of(blob: bytes, good: Sequence[bytes] = GOOD) -> List[bytes]:
 
 
 def cut(data: bytes, sizes: Sequence[int]) -> List[bytes]:
-    """`data` in pieces of these sizes, the rest as the last one."""
+    """`data` in pieces of these sizes; the rest is the last piece."""
     pieces, start = [], 0
     for size in sizes:
         pieces.append(data[start:start + size])
@@ -155,7 +155,7 @@ ABOUT_COMMANDS = (
 
 
 class History:
-    """Commands given and cancelled, lines, waits and losses of the link, as some bytes say."""
+    """Commands given and cancelled, lines, waits and losses of the link, read from some bytes."""
 
     def __init__(self, script: bytes) -> None:
         self.talk, self.given, self.ends = Conversation(), [], []
@@ -228,7 +228,7 @@ def test_a_command_is_one_line_or_refused(text):
 @share(1)
 @given(BLOB, SIZES)
 def test_a_listener_keeps_the_good_lines(blob, sizes):
-    """Over a real connection, for the bytes that the kernel cuts."""
+    """Over a real connection, because the kernel also splits the bytes."""
     said = lines_of(blob)
     received = []
     with Listener('127.0.0.1', 0, '127.0.0.1',
@@ -238,7 +238,7 @@ def test_a_listener_keeps_the_good_lines(blob, sizes):
             robot.sendall(piece)
         robot.shutdown(socket.SHUT_WR)
         while robot.recv(100):
-            pass  # until the listener has read all and closed
+            pass  # until the listener has read everything and closed
     assert [line for line in received if line in GOOD] == [line for line in said if line in GOOD]
     assert received[-1] == b'Stopped'
 

@@ -1,4 +1,4 @@
-"""Which commands the controller lets through, and the reasons it gives for the others."""
+"""The commands that the controller lets through, and the reasons for refusing others."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""A thousand connections leave nothing behind: no thread, no descriptor, no memory."""
+"""A thousand connections leave no thread, no descriptor and no memory behind."""
 from __future__ import annotations
 
 import gc
@@ -12,8 +12,8 @@ from arcl_builders import PASSWORD, STATUS, Noted, ScriptedRobot, lines, wait_fo
 from omron_arcl import Backoff, Client, Listener, Outcome
 
 RECONNECTS = 1000
-WARM = 100  # of them, until memory counts
-KEPT = 200_000  # bytes that may stay: caches of the interpreter
+WARM = 100  # number of connections before memory is measured
+KEPT = 200_000  # bytes that may remain: caches of the interpreter
 
 
 def resources() -> tuple:

@@ -1,4 +1,4 @@
-"""How long to wait before the next try to connect."""
+"""The waiting time before the next attempt to connect."""
 from __future__ import annotations
 
 from omron_arcl import Backoff

@@ -1,4 +1,4 @@
-"""The listener takes the robot's connection, no other one, and survives what comes over it."""
+"""The listener accepts only the robot's connection, and survives everything that comes over it."""
 from __future__ import annotations
 
 import errno
@@ -111,7 +111,7 @@ def test_a_line_beyond_all_measure_drops_the_connection(links):
             for _ in range(400):
                 robot.sendall(b'x' * 65536)
         except OSError:
-            pass  # dropped, as it should be
+            pass  # dropped, as it must be
         links.wait(lambda link: 'more than' in link.reason, 'the reason')
 
 
@@ -175,7 +175,7 @@ def test_closing_frees_the_port():
 
 
 class NameServer:
-    """A name server that answers when it is told to, and has one address for every name."""
+    """A name server that answers when the test says so, with one address for every name."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.address = '127.0.0.1'

@@ -1,4 +1,4 @@
-"""Every line of the robot becomes the reply that it is, and nothing makes the parser fail."""
+"""Every line of the robot becomes the right reply, and no line makes the parser fail."""
 from __future__ import annotations
 
 import dataclasses
@@ -181,7 +181,7 @@ CASES = [
      Fault('Fault_Application', 'f', '', '', False, False, True, cleared=True)),
     ('Saying "hello"', Done('Saying "hello"')),
     ('ApplicationFaultSet set f', Done('ApplicationFaultSet set f')),
-    # what the newer manual, I617-E-02, shows: data store (p. 110-119, 244)
+    # examples of the newer manual, I617-E-02: data store (p. 110-119, 244)
     ('GetDataStoreGroupValues: RobotsAvail 3', DataStoreValue('RobotsAvail', '3')),
     ('GetDataStoreFieldValues: ParkingTime 773.984', DataStoreValue('ParkingTime', '773.984')),
     ('tripReset: TripAggDockedTime 0.000', DataStoreValue('TripAggDockedTime', '0.000')),
@@ -214,7 +214,8 @@ CASES = [
     ('PayloadSlotCount: "21" 4 ""', Item('PayloadSlotCount', '"21" 4 ""')),
     ('PayloadUpdate: "31" 4 "Empty" None None',
      Notice('PayloadUpdate', '"31" 4 "Empty" None None')),
-    # what a fleet manager says of its robots: never this robot's own (p. 184-187, 190-237)
+    # messages of a vendor's fleet manager about its robots: never this robot's own (p. 184-187,
+    # 190-237)
     ('RobotFaultQuery: "robot1" Fault_Critical_Application fault1 "s" "l" false true true false '
      'false ""', Item('RobotFaultQuery', '"robot1" Fault_Critical_Application fault1 "s" "l" '
                                          'false true true false false ""')),

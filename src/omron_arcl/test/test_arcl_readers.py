@@ -1,4 +1,4 @@
-"""Every number is checked where it is read, and names come without the quotes around them."""
+"""Every number is checked when it is read, and names are returned without their quotes."""
 from __future__ import annotations
 
 import struct

@@ -67,7 +67,7 @@ def test_the_log_never_takes_more_than_twice_its_size(tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == ['log', 'log.old']
     kept = (tmp_path / 'log.old').read_text() + (tmp_path / 'log').read_text()
     numbers = [int(line.rsplit(' ', 1)[1]) for line in kept.splitlines()]
-    assert numbers == list(range(numbers[0], 200)), 'the last lines are all there'
+    assert numbers == list(range(numbers[0], 200)), 'the last lines must all be there'
 
 
 def test_where_no_other_file_can_be_begun_the_log_ends_with_a_reason(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Client and listener against the simulated LD-90, with faults brought upon it."""
+"""Client and listener against the simulated LD-90, with injected faults."""
 from __future__ import annotations
 
 import math
@@ -129,7 +129,7 @@ def test_a_drive_that_fails_ends_with_the_robots_words(robot):
 
 
 def test_stops_and_drives_behind_a_failed_drive_are_carried_out_every_time(robot):
-    """The drive fails while the robot still moves, so that stops and drives come as it brakes."""
+    """The drive fails while the robot still moves, so stops and drives arrive while it brakes."""
     robot.inject('fail 8')
     begun = Noted()
     with client_of(robot, heartbeat=0.1, on_line=lambda line: begun(line.text)) as client:
@@ -184,7 +184,7 @@ def test_a_stop_that_another_client_overtakes_ends_at_once_with_what_happened(ro
                 robot.inject('other goto 20')
 
         result = client.execute('stop', on_line=overtake).wait(10.0)
-        assert result, 'the stop still waits for a robot that drives for another client'
+        assert result, 'the stop must still wait for a robot that drives for another client'
         assert result.outcome is Outcome.INTERRUPTED
         assert result.words == 'taken over: Going to 20'
         assert goto.result.words == 'Interrupted: Going to 8'

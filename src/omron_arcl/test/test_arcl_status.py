@@ -1,4 +1,4 @@
-"""A status is put together from its lines, in any order and number."""
+"""A status is assembled from its lines, in any order and number."""
 from __future__ import annotations
 
 import itertools
@@ -51,7 +51,7 @@ def test_in_any_order_of_fields_each_location_comes_out_once(order):
                 for cycle in range(6) for reply in order]
     whole = [status for status in statuses if status]
     assert [status.location.x for status in whole if status.location] == list(range(6))
-    # In an odd order the first may come out in two parts; from then on the fields are known.
+    # In an unusual order the first status may come in two parts; after that the fields are known.
     assert all(replace(status, location=WHOLE.location) == WHOLE for status in whole[2:])
 
 
@@ -74,7 +74,7 @@ def test_an_older_robot_without_some_fields_is_understood():
     stopped = OneLineStatus('Stopped', battery_voltage=BatteryVoltage(26.1),
                             location=Location(1, 2, 3))
     assert [status for status in statuses if status] == [stopped] * 3
-    assert statuses[3] == stopped, 'the first comes out with the first line of the second'
+    assert statuses[3] == stopped, 'the first status must end at the first line of the second'
 
 
 def test_a_status_on_one_line_is_whole_by_itself():

@@ -1,4 +1,4 @@
-"""Transports can be closed at any time, and a mistake of ours ends no thread."""
+"""Transports can be closed at any time, and an error in a callback ends no thread."""
 from __future__ import annotations
 
 import os

@@ -1,5 +1,8 @@
-"""The driver of the robot: no drive passes a stop or drive that its giver does not know of, and a
-stop is owed until the robot has obeyed it."""
+"""The motion authority: which giver moves the robot.
+
+No drive passes a stop or drive that its giver does not know of. A stop is owed until the robot has
+obeyed it.
+"""
 from __future__ import annotations
 
 from itertools import count
@@ -30,7 +33,7 @@ UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 
 
 class Bench(Conversation):
-    """Programs that give commands, and a robot whose part is said by hand."""
+    """Programs that give commands; the test plays the robot line by line."""
 
     def __init__(self, stored: Optional[Memory] = None) -> None:
         super().__init__()
@@ -104,7 +107,8 @@ class TestEpochs:
         bench.pass_time(2 * AT_ONCE)
         known = bench.epoch
         does(bench)
-        if cause is Cause.OTHER_CLIENT and bench.epoch == known:  # a status alone must hold on
+        # if there is only a status, it must last for some time
+        if cause is Cause.OTHER_CLIENT and bench.epoch == known:
             bench.status('Teleop driving', 5.0)
             bench.pass_time(5.0)
         assert (bench.memory.cause, bench.memory.previous_epoch) == (cause, known)
@@ -126,7 +130,7 @@ class TestEpochs:
             bench.drive(Giver(ROUTE.name, 'another process'), known_epoch=known)
 
     def test_a_persons_own_stop_is_not_passed_by_software_that_knew_only_of_the_drive(self, bench):
-        """B13: whether a stop was its giver's own affair decided, and that was luck."""
+        """B13: the result once depended on chance: was the stop its giver's own or not?"""
         bench.drive(PERSON, 'goto 3')
         known = bench.epoch
         bench.stop(PERSON)
@@ -161,7 +165,7 @@ class TestEpochs:
     def test_a_start_begins_one_and_names_the_one_before(self):
         bench = Bench(Memory(55, giver=ROUTE, cause=Cause.STOP))
         assert (bench.memory.cause, bench.memory.previous_epoch) == (Cause.RESTART, 55)
-        assert bench.kept[0] == bench.memory, 'kept before anything is sent'
+        assert bench.kept[0] == bench.memory, 'the memory must be stored before anything is sent'
 
     def test_what_changes_is_kept_before_it_is_sent(self, bench):
         del bench.kept[:]
@@ -195,7 +199,7 @@ class TestEpochs:
 
 class TestWhatIsNotSentYet:
     def test_a_drive_is_checked_again_when_it_could_go(self, bench):
-        """A line of the robot may come between."""
+        """A line of the robot may arrive in between."""
         drive = bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE,
                                        known_epoch=bench.epoch)
         bench.robot('Stopping')
@@ -211,7 +215,7 @@ class TestWhatIsNotSentYet:
         assert bench.sent == ['stop']
 
     def test_what_was_not_sent_when_the_link_broke_is_told_by_a_code(self, bench):
-        """B16: programs read that from the words."""
+        """B16: programs had to read this from the words."""
         sent = bench.drive(ROUTE)
         unsent = bench.dispatcher.start(parse_command('goto 14'), giver=ROUTE)
         bench.lose()
@@ -343,7 +347,7 @@ class TestOwedStop:
 
     @pytest.mark.parametrize('shown', ['Going to 12', 'Stopped', 'Going to point', 'Patrolling a'])
     def test_without_a_link_it_is_sent_as_soon_as_the_robot_can_be_reached(self, bench, shown):
-        """B5: also where the robot's motion has no name."""
+        """B5: also if the robot's motion has no name."""
         bench.drive(ROUTE)
         bench.robot('Going to 12')
         bench.lose()
@@ -413,7 +417,7 @@ class TestOwedStop:
         bench.stop(ROUTE)
         bench.drive(PERSON, 'goto 3')
         bench.lose()
-        assert bench.memory.stop_owed, 'the stop may be lost as well'
+        assert bench.memory.stop_owed, 'the stop may also be lost'
         bench.connect()
         bench.status('Going to 3')
         bench.pass_time(2 * LOOK)
@@ -463,7 +467,7 @@ class TestOwedStop:
         bench.authority.take_word(PERSON, bench.now)
         bench.robot('Stopping')
         bench.robot('Stopped')
-        assert bench.memory.stop_owed, 'the robot has that drive still before it'
+        assert bench.memory.stop_owed, 'the robot has not received that drive yet'
         bench.pass_time(0.1)
         assert bench.sent == ['goto 12', 'stop', 'goto 13', 'stop']
         bench.robot('Going to 13')
@@ -483,13 +487,13 @@ class TestOwedStop:
             self, bench):
         bench.drive(PERSON, 'goto 4')
         bench.authority.take_word(PERSON, bench.now)
-        bench.robot('Going to 3')  # said before `goto 4` came to the robot
+        bench.robot('Going to 3')  # sent before `goto 4` reached the robot
         assert bench.memory.cause is Cause.OTHER_CLIENT
-        assert bench.sent == ['goto 4', 'stop'], 'the robot would go on to 4'
+        assert bench.sent == ['goto 4', 'stop'], 'otherwise the robot would drive on to 4'
 
     def test_a_drive_on_its_way_is_stopped_that_an_emergency_stop_seems_to_have_ended(self, bench):
         bench.drive(PERSON, 'goto 4')
-        bench.robot('EStop pressed')  # said before `goto 4` came to the robot
+        bench.robot('EStop pressed')  # sent before `goto 4` reached the robot
         bench.authority.take_word(PERSON, bench.now)
         bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'Going to 4')
         assert bench.sent == ['goto 4', 'stop']
@@ -516,7 +520,7 @@ class TestOwedStop:
 
 class TestState:
     def test_it_is_what_the_robot_does(self, bench):
-        assert bench.state is MotionState.UNKNOWN, 'nothing was heard'
+        assert bench.state is MotionState.UNKNOWN, 'no line has come from the robot'
         for shown, state in (('Stopped', MotionState.STANDING),
                              ('Teleop driving', MotionState.MANUAL),
                              ('Going to 9', MotionState.DRIVING),

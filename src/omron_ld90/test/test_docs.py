@@ -1,4 +1,4 @@
-"""What the documents name is there: files that they link to, and modules."""
+"""Files and modules that the documents name must exist; further rules for pages and text."""
 from __future__ import annotations
 
 import re
@@ -12,21 +12,21 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 DOCUMENTS = sorted([*ROOT.glob('*.md'), *(ROOT / 'docs').rglob('*.md'),
                     *(ROOT / 'src').glob('*/README.md')])
-# A page stands in the folder of its kind; those about the project as a whole stand above them.
+# A page is in the folder of its kind; pages about the whole project are above these folders.
 KINDS = ('tutorials', 'how-to', 'reference', 'explanation')
 OF_THE_PROJECT = ('index.md', 'glossary.md', 'performance.md', 'upgrading.md')
-# These tell of old names, too.
+# These pages also mention old names.
 OF_HISTORY = ('upgrading.md', 'CHANGELOG.md')
 _LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
 _MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|trajectory_graph)'
                      r'(?:\.[a-z]\w*)+)`')
 
-# A sentence names its subject. These words name none, unless a noun for people stands before `who`.
+# A sentence names its subject. These words name none, except `who` after a noun for people.
 _OPEN_SUBJECT = re.compile(r'\b(?:who(?:ever|m)?|some(?:body|one)|any(?:body|one)|nobody|'
                            r'every(?:body|one)|whatever)\b', re.IGNORECASE)
 _PEOPLE_WHO = re.compile(r'\b(?:person|people|persons|users?|readers?|engineers?) who\b',
                          re.IGNORECASE)
-# The standard's own words, a question of a robot, and a name that no robot has.
+# Words of the standard, a question of a robot, and a name that no robot has.
 _QUOTED = ('for whatever reason', 'prompt Who are you?', "'nobody'")
 PROSE = sorted([*DOCUMENTS, *(path for pattern in ('src/*/src/**/*.py', 'src/*/launch/*.launch',
                                                    'src/*/msg/*.msg', 'src/*/srv/*.srv',
@@ -81,7 +81,7 @@ def test_every_module_that_is_named_is_there(document: Path):
 
 
 def is_module(name: str) -> bool:
-    """Whether it is a module or package of ours, or something in one."""
+    """True if this is a module or package of ours, or a name in one."""
     words: List[str] = name.split('.')
     folder = ROOT / 'src' / words[0] / 'src' / Path(*words)
     return folder.is_dir() or folder.with_suffix('.py').is_file() or (

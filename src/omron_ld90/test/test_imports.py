@@ -1,6 +1,6 @@
-"""Every module can be imported, whichever Python version runs this, and imports run in no circle.
+"""Each module can be imported under this Python version, and there are no circular imports.
 
-Where ROS is not installed, a module that needs it is compiled only.
+If ROS is not installed, a module that needs it is only compiled.
 """
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ MODULES = {module_of(file, package): file
 
 
 def imported(file: Path) -> Set[str]:
-    """Modules of the workspace that a module names in its imports, those for types included."""
+    """Modules of the workspace that a module imports, also only for type annotations."""
     names: Set[str] = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import):
@@ -71,7 +71,7 @@ IMPORTS = {module: imported(file) for module, file in MODULES.items()}
 
 
 def in_circles(imports: Dict[str, Set[str]]) -> Set[str]:
-    """The modules of circles, and what lies between two circles."""
+    """The modules of import circles, and modules between two circles."""
     left = set(imports)
     while True:
         used = {name for module in left for name in imports[module]}

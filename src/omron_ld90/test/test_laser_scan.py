@@ -1,4 +1,4 @@
-"""Ranges by angle out of hits in the map."""
+"""Ranges by angle, computed from hits in the map."""
 from __future__ import annotations
 
 import math
@@ -18,7 +18,7 @@ def beam(degrees: float) -> int:
 
 
 def hit(degrees: float, distance: float) -> tuple:
-    """What the laser hits so far away at this angle from straight ahead."""
+    """A hit at the given distance and angle from straight ahead."""
     angle = HERE.yaw + math.radians(degrees)
     return HERE.x + distance * math.cos(angle), HERE.y + distance * math.sin(angle)
 

@@ -1,4 +1,4 @@
-"""Upper layers import lower ones only, as docs/explanation/architecture.md says."""
+"""Upper layers import only lower ones, as docs/explanation/architecture.md says."""
 from __future__ import annotations
 
 import ast
@@ -12,7 +12,7 @@ OURS = ('omron_arcl', 'omron_map', 'trajectory_graph', 'omron_ld90', 'omron_ld90
 ROS = {'rospy', 'actionlib', 'tf2_ros', 'rosgraph', 'diagnostic_updater', 'genpy', 'roslib'}
 SOCKETS = {'socket', 'socketserver', 'selectors', 'asyncio'}
 
-# layer -> of our packages and layers, what it may import beside itself
+# layer -> the packages and layers of ours that it may import besides itself
 ALLOWED = {
     'omron_arcl': set(),
     'omron_map': set(),
@@ -28,7 +28,7 @@ ALLOWED = {
                                  'omron_ld90_sim.devices', 'omron_ld90_sim.behaviour'},
 }
 WITH_LAYERS = ('omron_ld90', 'omron_ld90_sim')
-TRANSPORTS = {'connection.py', 'transport.py', 'client.py', 'listener.py'}  # of omron_arcl
+TRANSPORTS = {'connection.py', 'transport.py', 'client.py', 'listener.py'}  # modules of omron_arcl
 
 
 def files_of(layer: str) -> Iterator[Path]:
@@ -48,7 +48,7 @@ def imported_by(file: Path) -> Set[str]:
 
 
 def layer_of(module: str) -> str:
-    """`omron_ld90.bridge` of `omron_ld90.bridge.motions.Motion`, `omron_map` of its modules."""
+    """`omron_ld90.bridge` for `omron_ld90.bridge.motions.Motion`, `omron_map` for its modules."""
     package, _, rest = module.partition('.')
     layer = f'{package}.{rest.split(".")[0]}'
     has_layers = package in WITH_LAYERS and (

@@ -1,4 +1,4 @@
-"""Speed and turn rate out of successive locations, and how far they are to be trusted."""
+"""Speed and turn rate from successive locations, and their uncertainty."""
 from __future__ import annotations
 
 import math

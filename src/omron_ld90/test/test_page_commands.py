@@ -1,4 +1,4 @@
-"""Each command of README and the tutorials is run by a test, or a comment says why it is not."""
+"""A test runs each command of README and the tutorials, or a comment says why not."""
 from __future__ import annotations
 
 import re

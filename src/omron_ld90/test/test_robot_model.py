@@ -1,4 +1,4 @@
-"""One robot: its figures, its URDF and the simulated one have the same measures."""
+"""The constants of the LD-90, its URDF and the simulated robot have the same measures."""
 from __future__ import annotations
 
 import math

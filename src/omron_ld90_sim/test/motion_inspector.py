@@ -1,4 +1,4 @@
-"""What holds of every step of a driving robot: its limits, and that it touches nothing."""
+"""Checks every step of a driving robot: its limits, and that it does not collide."""
 from __future__ import annotations
 
 from typing import Tuple
@@ -12,10 +12,10 @@ from omron_ld90_sim.motion.track import Turn
 
 
 class Inspector:
-    """Notes every step of a base; `check` holds them all against obstacles and limits."""
+    """Records every step of a base; `check` compares them with obstacles and limits."""
 
     def __init__(self, obstacles: Obstacles, base: Base) -> None:
-        # no border of an area is ever touched, so it is enough that the start is outside
+        # the body never crosses the border of an area, so it is enough that the start is outside
         assert not obstacles.forbidden(base.pose)
         self.obstacles, self.base = obstacles, base
         self._rows = [self._row(False)]
@@ -27,11 +27,11 @@ class Inspector:
 
     @property
     def steps(self) -> int:
-        """How many steps there were."""
+        """The number of recorded steps."""
         return len(self._rows) - 1
 
     def step(self, dt: float = STEP) -> None:
-        """Does a step and notes it."""
+        """Makes a step and records it."""
         turning = isinstance(self.base.manoeuvre, Turn)
         self._step(dt)
         self._rows.append(self._row(turning))
@@ -40,7 +40,7 @@ class Inspector:
         """Steps the base to its end and checks all steps."""
         while not self.base.still:
             self.base.step()
-            assert self.steps * STEP < seconds, 'the robot does not arrive'
+            assert self.steps * STEP < seconds, 'the robot did not arrive'
         self.check()
 
     def check(self, hardest_braking: float = LD90_LIMITS.deceleration) -> None:
@@ -60,10 +60,10 @@ class Inspector:
         self._hold(np.abs(moved - (speed[:-1] + speed[1:]) / 2) < 8.0, 'jumped')
         self._hold(clear >= LD90_BODY.half_width, 'too near while driving')
         self._hold(~turning | (clear >= LD90_BODY.half_diagonal), 'too near while turning')
-        # farther away than half its diagonal the body can touch nothing
+        # beyond half its diagonal the body cannot touch anything
         for number in np.flatnonzero(clear <= LD90_BODY.half_diagonal):
             pose = Pose(*rows[number + 1, :3])
-            assert self.obstacles.distance(pose) > 0.0, f'touched at {pose}'
+            assert self.obstacles.distance(pose) > 0.0, f'collision at {pose}'
 
     def _hold(self, held: np.ndarray, fault: str) -> None:
         broken = np.flatnonzero(~held)

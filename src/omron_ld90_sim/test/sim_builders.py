@@ -1,4 +1,4 @@
-"""What the simulator's tests share: rooms to drive in, robots without sockets, true obstacles."""
+"""Common parts of the simulator's tests: rooms, robots without sockets, true obstacles."""
 from __future__ import annotations
 
 import math
@@ -21,7 +21,8 @@ from omron_map import MapDocument, MapObject, RotatedRectangle
 
 ROOT = Path(__file__).resolve().parents[3]
 LAB = ROOT / 'maps' / 'lab.map'
-REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
+# if LD90_REAL_MAPS names no folder
+REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')
 MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']
 
 ROOM = """2D-Map
@@ -79,12 +80,12 @@ def lonely_floor(*walls: Tuple[float, float, float, float]) -> Floor:
 
 @lru_cache(maxsize=4)
 def floor_of(document: MapDocument) -> Floor:
-    """The floor of a map, which no event changes."""
+    """The floor of a map that no event changes."""
     return Floor.from_map(document)
 
 
 class Rig:
-    """A robot and its ARCL server without sockets, on a clock of their own unless one is given."""
+    """A robot and its ARCL server without sockets, on a clock of their own or on a given one."""
 
     def __init__(self, document: Optional[MapDocument] = None,
                  start: Optional[Tuple[float, float, float]] = (-3000.0, 0.0, 0.0),
@@ -124,11 +125,11 @@ def _outline() -> np.ndarray:
 
 
 OUTLINE = _outline()        # points all around the body at the origin
-FAR = 300.0                 # mm between two bodies, from which on nearly will do
+FAR = 300.0  # mm between two bodies, beyond which an approximate value is enough
 
 
 def gap(a: Pose, b: Pose) -> float:
-    """Between the bodies of two robots (mm); 0 when they touch, less than it is when far away."""
+    """The gap between two robots' bodies (mm): 0 if they touch, a lower bound if it is large."""
     apart = a.distance_to(b.x, b.y) - 2.0 * LD90_BODY.half_diagonal
     if apart > FAR:
         return apart
@@ -142,7 +143,7 @@ def gap(a: Pose, b: Pose) -> float:
 
 
 def outside(pose: Pose, points: np.ndarray) -> np.ndarray:
-    """From the body at `pose` to each point (N, 2), in mm; 0 inside."""
+    """The distance from the body at `pose` to each point (N, 2), in mm; 0 inside."""
     angle = math.radians(pose.theta)
     delta = points - [pose.x, pose.y]
     ahead = np.abs(delta[:, 0] * math.cos(angle) + delta[:, 1] * math.sin(angle))
@@ -152,7 +153,7 @@ def outside(pose: Pose, points: np.ndarray) -> np.ndarray:
 
 
 class Client:
-    """One session, driven by hand."""
+    """One session, controlled by the test."""
 
     def __init__(self, rig: Rig, session: Session) -> None:
         self._rig, self.session = rig, session
@@ -163,20 +164,20 @@ class Client:
             self.session.receive(command.encode() + b'\n')
 
     def lines(self) -> List[str]:
-        """What has come since the last look."""
+        """The lines that have arrived since the last call."""
         text = self.session.output.decode()
         self.session.output.clear()
-        assert not text or text.endswith('\r\n'), f'half a line: {text!r}'
+        assert not text or text.endswith('\r\n'), f'an incomplete line: {text!r}'
         return text.split('\r\n')[:-1]
 
     def ask(self, *commands: str) -> List[str]:
-        """Sends commands and returns what came at once."""
+        """Sends commands; returns the lines that came at once."""
         self.lines()
         self.send(*commands)
         return self.lines()
 
     def until(self, beginning: str, times: int = 1, seconds: float = 200.0) -> List[str]:
-        """What comes up to the line that begins with `beginning`, within simulated seconds."""
+        """The lines up to the one that begins with `beginning`, within some simulated seconds."""
         seen = self.lines()
         end = self._rig.clock.now + seconds
         while sum(line.startswith(beginning) for line in seen) < times:
@@ -188,7 +189,7 @@ class Client:
 
 
 class Obstacles:
-    """The true obstacles of a map, not rasterised, to check a driven line against."""
+    """The true obstacles of a map, not rasterised, for checks of a driven path."""
 
     def __init__(self, document: MapDocument) -> None:
         pieces = [np.asarray(document.points, float).reshape(-1, 2)]
@@ -207,17 +208,19 @@ class Obstacles:
         self.areas: List[RotatedRectangle] = [o.rectangle for o in document.forbidden_areas]
 
     def forbidden(self, pose: Pose) -> bool:
-        """Whether the turning centre is inside a forbidden area."""
+        """True if the turning centre is inside a forbidden area."""
         centre = np.array([[pose.x, pose.y]])
         return any(area.contains(centre)[0] for area in self.areas)
 
     def distance(self, pose: Pose) -> float:
-        """From the body's outline to the nearest wall, point or border of an area (mm)."""
+        """The distance from the body's outline to the nearest wall, point or border of an area
+        (mm).
+        """
         near = self._tree.query_ball_point((pose.x, pose.y), 700.0)
         return float(outside(pose, self._points[near]).min()) if near else 270.0
 
     def clearances(self, places: np.ndarray) -> np.ndarray:
-        """From each place (N, 2) of the turning centre to the nearest obstacle (mm)."""
+        """The distance (mm) from each place (N, 2) of the turning centre to the next obstacle."""
         return self._tree.query(places)[0]
 
 

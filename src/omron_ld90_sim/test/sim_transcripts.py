@@ -1,4 +1,4 @@
-"""Comparing what came over a session with what was to come."""
+"""Compares the lines of a session with the expected lines."""
 from __future__ import annotations
 
 import re
@@ -6,14 +6,14 @@ from typing import List, Sequence
 
 
 def agree(wanted: str, line: str) -> bool:
-    """Whether a line is as wanted: equal, or matching where `/.../` is given."""
+    """True if a line is as expected: equal, or a match if `/.../` is given."""
     if wanted.startswith('/'):
         return re.fullmatch(wanted[1:-1], line) is not None
     return wanted == line
 
 
 def check(wanted: Sequence[str], lines: List[str]) -> None:
-    """Asserts that every line is as wanted, and that there are no others."""
+    """Asserts that every line is as expected, and that there are no others."""
     for number, (expected, line) in enumerate(zip(wanted, lines)):
         assert agree(expected, line), f'line {number}: expected {expected!r}, got {line!r}'
     assert len(lines) == len(wanted), f'expected {wanted}, got {lines}'

@@ -10,7 +10,7 @@ import pytest
 from omron_ld90_sim import clock
 
 HOME = Path(clock.__file__).parent
-LAYERS = ['motion', 'devices', 'behaviour', 'interface']     # each may import what is left of it
+LAYERS = ['motion', 'devices', 'behaviour', 'interface']  # each may import those on its left
 OUTSIDE = {'omron_arcl', 'omron_ld90', 'rospy', 'trajectory_graph'}
 
 

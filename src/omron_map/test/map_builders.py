@@ -1,11 +1,11 @@
-"""Small maps for the tests, written for them; every number can be checked by hand."""
+"""Small maps, written for the tests; each number can be checked by hand."""
 from __future__ import annotations
 
 from typing import Iterable, Sequence, Tuple
 
 from omron_map import MapDocument
 
-#: The smallest map with everything in it that other fixtures are made from.
+#: The smallest map with all parts; other fixtures are made from it.
 CELL = b"""2D-Map
 MinPos: -20 0
 MaxPos: 60 40
@@ -89,7 +89,7 @@ Low_DATA
 def map_bytes(points: Iterable[Tuple[int, int]] = (), lines: Sequence[Sequence[int]] = (),
               objects: str = '', groups: str = '', resolution: int = 50,
               category: str = '2D-Map') -> bytes:
-    """A map as the vendor's tools write it, its header agreeing with its rows."""
+    """A map as the vendor's tools write it, with a header that agrees with its rows."""
     points = sorted(set(points))
     lines = sorted(tuple(line) for line in lines)
     text = [category]

@@ -1,4 +1,4 @@
-"""Files that must be refused, and odd ones that must load and save back unchanged."""
+"""Files that must be refused, and unusual files that must load and save unchanged."""
 from __future__ import annotations
 
 from typing import Dict, NamedTuple, Optional
@@ -7,7 +7,7 @@ from map_builders import CELL, TWO_SCANS
 
 
 class Bad(NamedTuple):
-    """A file to refuse; the error must give this line and field, and hold these words."""
+    """A file to refuse; the error must give this line and field, and contain these words."""
 
     data: bytes
     line: Optional[int]
@@ -83,7 +83,7 @@ BAD: Dict[str, Bad] = {
 
 
 class Odd(NamedTuple):
-    """A file to load and save back; a warning must hold these words (None: no warning)."""
+    """A file to load and save; a warning must contain these words (None: no warning)."""
 
     data: bytes
     warning: Optional[str] = None

@@ -1,4 +1,4 @@
-"""What `ld_map` says and writes, and its exit status."""
+"""The output of `ld_map`, its files, and its exit status."""
 from __future__ import annotations
 
 import os
@@ -143,13 +143,13 @@ class TestDraw:
                 ('goals, green', (green > 110) & (red < 60) & (blue < 100)),
                 ('forbidden lines, orange', (red > 220) & (abs(green - 140) < 20) & (blue < 60)),
                 ('sectors, violet', (abs(red - 125) < 25) & (green < 110) & (blue > 160))):
-            assert seen.sum() > 20, f'nothing seen of {what}'
+            assert seen.sum() > 20, f'the picture has no {what}'
 
     def test_a_square_stands_where_its_goal_is(self, write, tmp_path):
         out = str(tmp_path / 'a.png')
         main(['draw', write(room_bytes()), out, '--size', '500'])
         image = self.pixels(out)
-        # The picture spans 5 m, 0.5 m around the room: 100 px a metre; "Shelf A" is at (0, 0).
+        # The picture spans 5 m, 0.5 m around the room: 100 px per metre; "Shelf A" is at (0, 0).
         assert image.shape[:2] == (301, 500) or image.shape[:2] == (300, 500)
         assert image[150, 150].tolist() == [22, 150, 70]
 
@@ -159,11 +159,12 @@ class TestDraw:
         goal = f'Cairn: Goal{heading} {x} 0 0.000000 "" ICON "{name}"\n'
         main(['draw', write(room_bytes(objects=goal)), out, '--size', '1000'])
         image = self.pixels(out)
-        column, row = round((x + 1500) / 5), 300  # 200 px a metre from (-1.5, 1.5) m
+        column, row = round((x + 1500) / 5), 300  # 200 px per metre from (-1.5, 1.5) m
         square = image[row - 24:row + 24, column - 28:column + 24]
         red, green, blue = square[..., 0], square[..., 1], square[..., 2]
         assert ((green > 110) & (red < 60) & (blue < 100)).mean() > (0.5 if heading else 0.85)
-        assert not ((red < 30) & (green > 70) & (green < 110)).any(), 'the name is on the square'
+        assert not ((red < 30) & (green > 70) & (green < 110)).any(), (
+            'the name must be on the square')
 
     def test_names_in_any_script_are_no_obstacle(self, write, tmp_path, monkeypatch):
         monkeypatch.setattr('omron_map.canvas.FONTS', ())

@@ -1,4 +1,4 @@
-"""What differs between two maps is found by name, or by equality where there is none."""
+"""Differences between two maps are found by name, or by equality if there is no name."""
 from __future__ import annotations
 
 from map_builders import map_bytes, room
@@ -37,7 +37,7 @@ def test_unnamed_areas_are_paired_only_when_they_are_equal():
     twice = room()
     twice.add(MapObject.forbidden_area(RotatedRectangle.from_extent(unnamed.extent,
                                                                     unnamed.theta)))
-    assert len(compare(room(), twice).added) == 1, 'an equal one more is one added'
+    assert len(compare(room(), twice).added) == 1, 'a second equal area must count as added'
 
 
 def test_rows_are_counted_each_way():

@@ -1,4 +1,4 @@
-"""A map is read strictly, understood, and written back byte for byte."""
+"""A map is read strictly, interpreted, and written back byte for byte."""
 from __future__ import annotations
 
 import hashlib

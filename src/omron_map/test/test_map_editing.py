@@ -1,4 +1,4 @@
-"""Edits touch the lines they must and no other; objects go where the vendor's tools put them."""
+"""Edits change only the necessary lines; objects are placed where the vendor's tools place them."""
 from __future__ import annotations
 
 import math
@@ -135,7 +135,7 @@ class TestMoving:
         document = room()
         document.move(document.find('Dock'), 9000, 0)
         assert document.objects[-1].name == 'Dock'
-        assert document.find('Dock').theta == 90.0, 'the heading is kept'
+        assert document.find('Dock').theta == 90.0, 'the heading must be kept'
 
     def test_a_goal_without_heading_has_none_afterwards_either(self):
         document = room()

@@ -1,4 +1,4 @@
-"""What the kinds of objects mean, and how a new object is written."""
+"""The meaning of the kinds of objects, and the text of a new object."""
 from __future__ import annotations
 
 import math

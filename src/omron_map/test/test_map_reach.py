@@ -1,4 +1,4 @@
-"""A RobotHome from which no goal can be reached is told of; others are not."""
+"""A RobotHome from which no goal can be reached is reported; others are not."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Names of European sites: shown right in whichever encoding, and kept byte for byte."""
+"""Names of European sites are displayed correctly in each encoding, and kept byte for byte."""
 from __future__ import annotations
 
 import pytest

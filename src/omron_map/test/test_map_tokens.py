@@ -1,4 +1,4 @@
-"""Words of a metadata line: quotes end only before white space, and nothing escapes them."""
+"""Words of a metadata line: a quote ends only before white space, and there are no escapes."""
 from __future__ import annotations
 
 import pytest

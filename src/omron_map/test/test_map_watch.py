@@ -1,4 +1,4 @@
-"""Changes of a map file are noticed once it has settled; a map being made is waited for."""
+"""A changed map file is noticed when it no longer changes; a map not made yet is waited for."""
 from __future__ import annotations
 
 import os
@@ -22,19 +22,19 @@ def write(path: str, data: bytes) -> None:
 
 
 def set_age(path: str, seconds: float) -> None:
-    """Makes `path` seem written `seconds` after the epoch."""
+    """Sets the modification time of `path` to `seconds` after the epoch."""
     os.utime(path, (seconds, seconds))
 
 
 class Watched:
-    """A watched file and the time that passes between two looks at it."""
+    """A watched file, and the time between two looks at it."""
 
     def __init__(self, path: str) -> None:
         self.now = 0.0
         self.watcher = MapWatcher(path, settled=2.0, clock=lambda: self.now)
 
     def after(self, *seconds: float) -> list:
-        """What the watcher says, looked at after these seconds each."""
+        """The watcher's results at looks after these seconds each."""
         told = []
         for pause in seconds:
             self.now += pause

@@ -1,4 +1,4 @@
-"""The grid of a map, cell by cell, and its way through image files."""
+"""The grid of a map, cell by cell, and its conversion to image files and back."""
 from __future__ import annotations
 
 import os
@@ -114,7 +114,7 @@ def _distance(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
 
 
 class TestAreas:
-    ENDS = {(0, 0), (10, 5)}  # the cells of the two points that span the grid
+    ENDS = {(0, 0), (10, 5)}  # the cells of the two points that determine the size of the grid
 
     def grid(self, line: str) -> OccupancyGrid:
         spanned = document([(0, 0), (1000, 500)], objects=line + '\n')

@@ -1,6 +1,7 @@
-"""Two real robots' maps, where they are: nothing is lost, everything is found.
+"""Two real robots' maps, if they exist: nothing is lost, everything is found.
 
-The maps belong to others and hold a robot's configuration, so they are no part of the repository.
+The maps belong to others and contain a robot's configuration, so they are no part of the
+repository.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is no regular file of a map's size is refused at once, and nothing of it comes out."""
+"""A path that is no regular file, or too large, is refused at once, without its content."""
 from __future__ import annotations
 
 import os
@@ -15,7 +15,7 @@ SECRET = 'hunter2-of-the-robot'
 
 
 def refusal(path: str) -> str:
-    """Why `path` is not loaded; the test fails where that takes longer than 10 s."""
+    """The reason why `path` is not loaded; the test fails if that takes longer than 10 s."""
     errors = []
 
     def load() -> None:
@@ -96,4 +96,4 @@ def test_only_the_beginning_is_read_of_what_is_no_map(tmp_path):
     refusal(str(path))
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert most < 2_000_000, f'{most} bytes were held'
+    assert most < 2_000_000, f'{most} bytes of memory were used'

@@ -1,4 +1,4 @@
-"""New points and lines change their rows and what the header says about them, nothing else."""
+"""New points and lines change their rows and the header's values about them, nothing else."""
 from __future__ import annotations
 
 import numpy as np

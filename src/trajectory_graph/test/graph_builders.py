@@ -1,4 +1,4 @@
-"""Small graphs that the tests share."""
+"""Small graphs for several tests."""
 from __future__ import annotations
 
 from typing import Dict, Tuple

@@ -1,4 +1,4 @@
-"""Random edits of a draft, for tests: names of operations with numbers that choose what they do."""
+"""Random edits of a draft, for tests: names of operations with numbers that select the details."""
 from __future__ import annotations
 
 from hypothesis import strategies as st
@@ -42,7 +42,7 @@ EDIT_LISTS = st.lists(st.tuples(st.sampled_from(sorted(EDITS)), st.integers(0, 9
 
 
 def edited(draft: Draft, edit: tuple) -> Draft:
-    """The draft after one random edit; the same draft where that is refused."""
+    """The draft after one random edit; the same draft if the edit is refused."""
     name, first, second, x, y = edit
     vertex, other = _pick(draft.vertices, first), _pick(draft.vertices, second)
     try:

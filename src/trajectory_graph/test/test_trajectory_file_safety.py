@@ -1,4 +1,4 @@
-"""A graph file that another program named: only regular files, and nothing of another is told."""
+"""A graph file that another program named: only regular files are read, and no content is shown."""
 from __future__ import annotations
 
 import os
@@ -12,7 +12,7 @@ SECRET = 'hunter2'
 
 
 def refusal(path: str) -> str:
-    """Why `path` is not loaded; the test fails where that takes longer than 10 s."""
+    """The reason why `path` is not loaded; the test fails if that takes longer than 10 s."""
     errors = []
 
     def load() -> None:

@@ -1,4 +1,4 @@
-"""The graph: look-ups in both driving directions, and what makes a graph invalid."""
+"""The graph: look-ups in both driving directions, and errors that make a graph invalid."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Routes: continuity, and the contract's rule from edges to vertices."""
+"""Routes: continuity, and the interface's rule that turns edges into vertices."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Editing a file changes what was edited and leaves every other byte alone."""
+"""Editing a file changes the edited parts and no other byte."""
 from __future__ import annotations
 
 import pytest

@@ -17,7 +17,7 @@ GOOD = f'Edges:\n{EDGE}{VERTICES}'
 
 @pytest.fixture
 def refused(tmp_path):
-    """Loads a text as a graph file and returns the sentence it is refused with."""
+    """A function that loads a text as a graph file and returns the message of the refusal."""
     def load(text):
         file = tmp_path / 'graph.yaml'
         file.write_bytes(text if isinstance(text, bytes) else text.encode())

@@ -1,4 +1,4 @@
-"""Figure 8 of the standard, all of it: every answer to every question, and what comes of it."""
+"""Figure 8 of the standard, complete: each answer to each question, and the result."""
 from __future__ import annotations
 
 import itertools
@@ -20,7 +20,7 @@ def order(order_id, update, start):
 
 
 def expected(is_new, busy, near, update, start, cancelled):
-    """The figure of 2.1.0, read off question by question."""
+    """The result in the figure of 2.1.0, read question by question."""
     if is_new:
         if busy:
             return 'orderError'
@@ -37,7 +37,10 @@ def expected(is_new, busy, near, update, start, cancelled):
 
 
 def expected_in_3(is_new, busy, near, update, start, cancelled):
-    """The figure of 3.0.0: it asks for orderUpdateId 0, and for a cancellation before a copy."""
+    """The result in the figure of 3.0.0.
+
+    It asks for orderUpdateId 0, and for a cancellation before a copy.
+    """
     if is_new and not busy and update != 0:
         return 'INVALID_ORDER'
     if not is_new and update == 5 and cancelled:
@@ -76,7 +79,7 @@ def test_an_instant_action_under_way(held, order_id, update, wanted):
     assert isinstance(verdict, Rejection) or verdict is wanted
     references = verdict.error.references if isinstance(verdict, Rejection) else ()
     assert 'actionId' not in [reference.key for reference in references], (
-        'vda-5050-lib would take it for an error of that action, and wait for the order for ever')
+        'vda-5050-lib would treat it as an error of that action, and wait for the order for ever')
 
 
 def test_a_vehicle_without_any_order_takes_a_new_one():

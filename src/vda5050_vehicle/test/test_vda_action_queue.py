@@ -1,4 +1,4 @@
-"""Which actions run beside each other, and for which the vehicle stands (figure 17)."""
+"""Which actions run at the same time, and for which the vehicle stands (figure 17)."""
 from __future__ import annotations
 
 import pytest
@@ -39,7 +39,7 @@ N, S, H = 'NONE', 'SOFT', 'HARD'
     ([N, S, H, H, N], [['0NONE', '1SOFT'], ['2HARD'], ['3HARD'], ['4NONE']])])
 def test_what_runs_at_once(kinds, rounds):
     queue = queue_of(kinds)
-    assert not startable(queue), 'nothing runs before its node is reached'
+    assert not startable(queue), 'no action may run before its node is reached'
     queue = queue.with_element_triggered(2)
     for together in rounds:
         assert startable(queue) == together

@@ -1,4 +1,4 @@
-"""The bench: a right vehicle passes, each defect is found by its rule, none ends the run."""
+"""The bench: a correct vehicle passes, each defect is found by its rule, no defect ends the run."""
 from __future__ import annotations
 
 from typing import Dict, List
@@ -20,13 +20,13 @@ BLINK = SlowAction('blink')
 
 
 def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
-    """Of a toy vehicle with defects."""
+    """The verdicts on a toy vehicle with defects."""
     vehicle = ToyVehicle(*defects, version=version)
     return list(tried(Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK), version))
 
 
 def found(verdicts: List[Verdict], *outcomes: Outcome) -> Dict[str, str]:
-    """Sentences with one of these outcomes, and what was seen."""
+    """The sentences with one of these outcomes, and the observations."""
     return {verdict.rule.sentence: verdict.text for verdict in verdicts
             if verdict.outcome in outcomes}
 

@@ -1,4 +1,4 @@
-"""The bench counts a vehicle's messages, and knows what a broker that dies takes along."""
+"""The bench counts a vehicle's messages, and knows what is lost when a broker dies."""
 from __future__ import annotations
 
 from typing import Sequence

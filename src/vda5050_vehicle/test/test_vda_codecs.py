@@ -31,12 +31,12 @@ from vda5050_vehicle.protocol.values import (
     Visualization,
 )
 
-# scripts/test.sh has those of 2.1.0 from PyPI; VDA5050_SCHEMAS names a folder with others.
+# scripts/test.sh gets the schemas of 2.1.0 from PyPI; VDA5050_SCHEMAS names a folder with others.
 SCHEMAS = (ROOT / 'build' / 'vda5050_schemas', Path(os.environ.get('VDA5050_SCHEMAS', '/nowhere')))
 
 
 def validator(version: str, topic: str) -> Optional[Draft7Validator]:
-    """Of a topic's messages; None where the version has no schema for it."""
+    """The validator of a topic's messages; None if the version has no schema for it."""
     folder = next((place / version for place in SCHEMAS if (place / version).is_dir()), None)
     if folder is None:
         pytest.skip(f'the JSON schemas of {version} are neither in {SCHEMAS[0]} (scripts/test.sh '

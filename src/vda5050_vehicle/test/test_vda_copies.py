@@ -1,4 +1,4 @@
-"""Messages that come twice: what they asked for is done once, however late the copy is."""
+"""Messages that arrive twice have an effect only once, however late the copy is."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""What goes wrong on the way: the order stays, the error is told, and only a master drives on."""
+"""Faults during an order: the order stays, the error is reported, and only a master drives on."""
 from __future__ import annotations
 
 import pytest
@@ -13,7 +13,7 @@ HALL = way(8, 10, 12, 14, 32)
 
 
 def no(text: str) -> Reason:
-    """Why an order was refused, in words only."""
+    """A reason of a refusal, with a text only."""
     return reason_of(0, text)
 
 
@@ -36,10 +36,10 @@ def test_a_failed_route_holds_the_vehicle_and_keeps_its_order(reason):
     assert (error['errorType'], error['errorLevel']) == ('driveError', 'FATAL')
     assert error['errorDescription'] == reason
     assert lab.nodes == ['12', '14', '32']
-    assert not lab.state['paused'], 'no pause was given'
+    assert not lab.state['paused'], 'there was no pause'
     routes = len(lab.robot.routes)
     lab.wait(60.0)
-    assert len(lab.robot.routes) == routes, 'a motion was repeated by itself'
+    assert len(lab.robot.routes) == routes, 'a motion was repeated without a master'
 
 
 def test_stop_pause_drives_on_from_the_edge_it_is_on():
@@ -84,7 +84,7 @@ def test_an_emergency_stop_is_told_and_stop_pause_waits_for_its_release():
     assert lab.status(lab.act('stopPause')) == 'FAILED'
     lab.see(e_stop=EStop.NONE)
     lab.wait(5.0)
-    assert len(lab.robot.routes) == routes, 'the release of the stop is no order to drive'
+    assert len(lab.robot.routes) == routes, 'the release of the stop must not start a drive'
     assert lab.status(lab.act('stopPause')) == 'FINISHED'
     assert lab.robot.route == (2, 3)
 
@@ -103,8 +103,10 @@ def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
 
 
 def test_no_state_is_sent_before_the_robot_was_heard_or_is_lost():
-    """Masters fail a mission on any FATAL, and every start would have one; a state without one
-    would tell them that the vehicle takes orders."""
+    """With a FATAL error in the state, masters fail a mission, and each start would have one.
+
+    Without an error, the state would say that the vehicle takes orders.
+    """
     lab = Lab(at=None)
     lab.do(lab.vehicle.connected(lab.now))
     lab.see()
@@ -136,7 +138,7 @@ def test_a_robot_is_lost_once_it_was_silent_for_its_time(heard_at, now, words):
 @pytest.mark.parametrize('changes', [
     {'e_stop': EStop.MANUAL}, {'lost': 'silent', 'pose': None}, {'localized': False}])
 def test_an_error_of_the_robot_is_told_as_none_of_an_order(changes):
-    """vda-5050-lib takes an error without references for a rejection of its last order."""
+    """vda-5050-lib treats an error without references as a rejection of its last order."""
     lab = Lab()
     lab.see(**changes)
     assert lab.state['errors'][0]['errorReferences'] == [
@@ -159,7 +161,7 @@ def test_a_route_that_nobody_answers_is_repeated_unchanged_and_then_given_up():
     assert len(set(driven)) == 1
     assert len(driven) >= 5
     assert lab.errors == ['driveError']
-    assert lab.robot.routes[-1].edges == (), 'should it be taken up late, it is stopped'
+    assert lab.robot.routes[-1].edges == (), 'a stop must follow, in case the route arrives late'
 
 
 def test_a_refused_route_holds_the_vehicle():
@@ -173,7 +175,7 @@ def test_a_refused_route_holds_the_vehicle():
 
 
 def lab_that_refused_an_extension():
-    """A robot that has driven its route is not at its end any more, where the route grows."""
+    """When its route grows, a robot that has driven the route may have left the end of it."""
     lab = Lab()
     lab.order(HALL.order('o', base=2))
     lab.drive(1)

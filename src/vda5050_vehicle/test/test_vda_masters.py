@@ -1,4 +1,4 @@
-"""Messages in the form of the masters of docs/how-to/vda5050_masters.md, with its settings."""
+"""Messages in the form of the masters of docs/how-to/vda5050_masters.md, with their settings."""
 from __future__ import annotations
 
 import json
@@ -17,7 +17,7 @@ ALL = len(VERTICES)
 
 @dataclass(frozen=True)
 class Master:
-    """What a master writes into every message, and what the vehicle is told to ignore."""
+    """The keys that a master writes into each message, and those that the vehicle must ignore."""
 
     header: Dict[str, Any]
     version: str
@@ -44,7 +44,7 @@ MASTERS = {
 
 def elements(names: Sequence[str], first: int, released: int, node: Dict[str, Any],
              edge: Dict[str, Any]) -> Dict[str, Any]:
-    """From vertex number `first` on; `node` and `edge` are what all nodes and edges have."""
+    """Elements from vertex number `first` on; `node` and `edge` are keys of all nodes and edges."""
     places = [lab().vertex(vertex).position for vertex in VERTICES]
     return {
         'nodes': [{'nodeId': names[i], 'sequenceId': 2 * i, 'released': i < released, 'actions': [],
@@ -57,8 +57,10 @@ def elements(names: Sequence[str], first: int, released: int, node: Dict[str, An
 
 
 def test_opentcs_drives_step_by_step_and_charges_at_the_end():
-    """Points of its own names; each order message has one step more in its base, all with maxSpeed;
-    charging is SOFT."""
+    """openTCS uses its own names of points and SOFT charging.
+
+    Each order message has one step more in its base, all with maxSpeed.
+    """
     master = MASTERS['openTCS']
     vehicle = master.vehicle()
     names = [f'Point-{vertex:04}' for vertex in VERTICES]
@@ -78,11 +80,11 @@ def test_opentcs_drives_step_by_step_and_charges_at_the_end():
     assert vehicle.started == ['charge']
     vehicle.end_action('charge')
     assert (vehicle.nodes, vehicle.status('charge')) == ([], 'FINISHED')
-    assert 'maps' not in vehicle.state, 'its schema of 2.0 allows no other keys'
+    assert 'maps' not in vehicle.state, 'the schema of 2.0 allows no other keys'
 
 
 def test_isaac_sends_routes_from_where_the_robot_is_and_leaves_the_header_empty():
-    """Nodes of its own names, each with a heading and a deviation; the first has no map."""
+    """It uses its own names of nodes, each with a heading and a deviation; the first has no map."""
     master = MASTERS['Isaac Mission Dispatch']
     vehicle = master.vehicle()
     names = [f'mission-n0-s{2 * number}' for number in range(ALL)]
@@ -132,7 +134,7 @@ def test_an_order_of_a_library_with_the_vertices_as_nodes(name):
 
 
 def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
-    """Topic, both ids, and no actionId; the version is that which it was started with."""
+    """The references are topic, both ids, and no actionId; the version is that of its start."""
     master = MASTERS['vda-5050-lib']
     vehicle = master.vehicle()
     vehicle.receive_order(master.message(1, {'orderId': 'o', 'orderUpdateId': 3, **elements(

@@ -1,4 +1,4 @@
-"""The connection to a real mosquitto on loopback: last will, passwords, TLS, nothing replayed."""
+"""The connection to a real mosquitto on loopback: last will, passwords, TLS, no replay."""
 from __future__ import annotations
 
 import getpass
@@ -32,7 +32,7 @@ class Mosquitto:
         self.port = free_port()
         folder.chmod(0o755)
         self._file = folder / 'mosquitto.conf'
-        # As root it would go on as another user, which cannot read the test's folder.
+        # If started as root, it would change to another user, which cannot read the test's folder.
         text = (lines or configuration(0)).replace('listener 0', 'listener PORT')
         self._file.write_text(f'user {getpass.getuser()}\n'
                               + text.replace('PORT', str(self.port)))
@@ -67,7 +67,7 @@ def start_broker(tmp_path):
 
 
 class Ends:
-    """A link, and what it and a listener hear."""
+    """A link, and the events of the link and of a listener."""
 
     def __init__(self, broker: Broker) -> None:
         self.changes: queue.Queue = queue.Queue()
@@ -141,7 +141,7 @@ def test_a_retained_order_is_told_apart(start_broker):
     ends = Ends(Broker('127.0.0.1', broker.port))
     ends.changed()
     assert ends.received.get(timeout=20.0) == ('order', b'old', True)
-    client.publish(f'{PREFIX}/order', b'', 1, True)  # the broker is to forget it
+    client.publish(f'{PREFIX}/order', b'', 1, True)  # the broker must forget it
     client.publish(f'{PREFIX}/order', b'new', 0)
     assert ends.received.get(timeout=20.0) == ('order', b'new', False)
     client.loop_stop()

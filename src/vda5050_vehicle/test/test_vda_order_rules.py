@@ -1,4 +1,4 @@
-"""What the JSON schemas let pass, and an order must not have."""
+"""Errors of an order that the JSON schemas allow."""
 from __future__ import annotations
 
 import json

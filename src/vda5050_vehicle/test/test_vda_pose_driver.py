@@ -50,10 +50,10 @@ def test_nodes_on_the_way_are_passed_without_a_stop(lab):
     assert (lab.goals[-1].x, lab.goals[-1].y) == PLACES[2]
     lab.driver.on_goal_ended(lab.goals[0].number, False, 'preempted', lab.now)
     lab.wait(0.1)
-    assert lab.errors == [], 'the goal was replaced by our own'
+    assert lab.errors == [], 'our own goal has replaced it'
     lab.at(PLACES[2][0], PLACES[2][1])
     lab.at(PLACES[3][0], PLACES[3][1])
-    assert lab.nodes == ['14'], 'the last node is passed when move_base has arrived'
+    assert lab.nodes == ['14'], 'the last node must be passed when move_base has arrived'
     lab.end_goal()
     assert lab.nodes == []
 

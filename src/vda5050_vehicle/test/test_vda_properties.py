@@ -1,13 +1,13 @@
-"""Random masters, random robots, random losses: what must always hold.
+"""Random masters, random robots, random losses: properties that must always hold.
 
-The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, messages out of
-order and messages lost, its robot drives, fails, is stopped, and the adapter is killed. Every state
-that it sends is looked at by the strict checker (`Lab.do`), and in the end:
+The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, reordered messages
+and lost messages. Its robot drives, fails, is stopped, and the adapter is killed. The strict
+checker checks each state that it sends (`Lab.do`). At the end:
 
-* nothing that was not released was ever in a route;
-* a rejected order changes nothing but the errors, and neither does a copy of one that was taken;
-* every action is started once at most, and at its node where the vehicle must stand for it;
-* what has ended stays as it ended, and what was under way when the adapter was killed has ended.
+* no edge that was not released was ever in a route;
+* a rejected order changes nothing except the errors, and neither does a copy of an accepted one;
+* every action is started once at most, and at its node if the vehicle must stand for it;
+* an ended action keeps its result, and an action that ran when the adapter was killed has ended.
 """
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class RandomMaster(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
         self.released = set()      # (order id, sequence id of the edge, signed edge)
-        self.sent = []             # orders that were taken, and their messages
+        self.sent = []  # accepted orders, and their messages
         self.started = Counter()
-        self.ended = {}            # entries, by the id of the action
+        self.ended = {}  # entries, by the id of the action
         self.actions = 0
 
     @initialize()
@@ -46,7 +46,7 @@ class RandomMaster(RuleBasedStateMachine):
     # --- the master -------------------------------------------------------------------------------
 
     def act_on(self, track, data):
-        """Actions on some of the nodes and edges."""
+        """Puts actions on some of the nodes and edges."""
         found = {}
         nodes = [stop.node_id for stop in track.stops]
         for name in [*nodes, *(edge for edge in track.edges if edge not in nodes)]:
@@ -56,7 +56,7 @@ class RandomMaster(RuleBasedStateMachine):
         return found
 
     def send(self, order):
-        """Sends an order, and looks at what becomes of it."""
+        """Sends an order, and checks the result."""
         before = self.lab.order_record
         message = self.lab.order(order)
         taken = (self.lab.state['orderId'], self.lab.state['orderUpdateId']) == (
@@ -70,11 +70,11 @@ class RandomMaster(RuleBasedStateMachine):
             self.nothing_has_changed(before)
 
     def nothing_has_changed(self, before):
-        """The vehicle knows what it knew, but for what its robot may have told meanwhile."""
+        """Checks that the vehicle's knowledge has not changed, except by reports of its robot."""
         assert self.lab.order_record == before
 
     def here(self):
-        """The node at which the master believes the vehicle, or it will be."""
+        """The node at which the vehicle is, or will be, in the master's view."""
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     @rule(data=st.data(), number=st.integers(0, 3), update=st.sampled_from([0, 5]))
@@ -129,7 +129,7 @@ class RandomMaster(RuleBasedStateMachine):
         if kind in ('startPause', 'cancelOrder'):
             self.wait(1.5)
         if kind == 'cancelOrder' and self.lab.status(action_id) == 'FINISHED':
-            assert self.lab.nodes == [], 'a cancelled order is still there'
+            assert self.lab.nodes == [], 'a cancelled order still exists'
 
     @rule(blocking=BLOCKING)
     def instant_say(self, blocking):
@@ -142,7 +142,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule(data=st.data())
     def a_master_that_sets_things_right(self, data):
-        """And sends an order that can be driven."""
+        """The master cancels, and then sends an order that can be driven."""
         self.emergency_stop(False)
         self.lose(False)
         self.instant('stopPause')
@@ -191,7 +191,8 @@ class RandomMaster(RuleBasedStateMachine):
         self.lab.see(velocity=DRIVING if self.lab.robot.drives else STANDING)
         self.lab.wait(seconds)
         if seconds > 1.0 and self.lab.robot.answers and self.lab.vehicle.state.held:
-            assert not self.lab.robot.drives, 'it drives though it is paused or has failed'
+            assert not self.lab.robot.drives, (
+                'the vehicle drives although it is paused or has failed')
 
     @rule(pressed=st.booleans())
     def emergency_stop(self, pressed):
@@ -204,7 +205,7 @@ class RandomMaster(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.started)
     @rule(data=st.data(), succeeded=st.booleans())
     def an_action_ends(self, data, succeeded):
-        """One that was started, perhaps long ago: an end may be told late, or twice."""
+        """Ends a started action, perhaps of long ago: an end may be reported late, or twice."""
         self.lab.end_action(data.draw(st.sampled_from(self.lab.started)), succeeded)
 
     @rule()
@@ -213,7 +214,7 @@ class RandomMaster(RuleBasedStateMachine):
             self.started.update(self.lab.started)
             self.lab = self.lab.restarted()
 
-    # --- what must hold ---------------------------------------------------------------------------
+    # --- invariants -------------------------------------------------------------------------------
 
     @invariant()
     def nothing_unreleased_is_driven(self):
@@ -257,7 +258,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def what_waits_is_an_action_of_what_is_left(self):
-        """Of a horizon that was replaced nothing is left."""
+        """No action of a replaced horizon may be left."""
         if not hasattr(self, 'lab'):
             return
         order = self.lab.vehicle.state.order
@@ -269,7 +270,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def what_runs_was_started(self):
-        """By this adapter, not by one that was killed."""
+        """Started by this adapter, not by one that was killed."""
         if hasattr(self, 'lab'):
             for entry in self.lab.vehicle.state.actions:
                 if entry.is_active and entry.action.action_type == 'say':

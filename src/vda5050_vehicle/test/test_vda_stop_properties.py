@@ -1,13 +1,14 @@
-"""Random stops: a robot that refuses, hides its velocity, loses its link, brakes late, obeys
-people, and an adapter that is killed at any step. Some robots tell whether they stand, and in which
-epoch they move (the optional signals of vehicle.yaml); those of an epoch refuse a drive that does
-not know of it. Always:
+"""Random stops, with a robot that misbehaves and an adapter that is killed at any step.
+
+The robot refuses, hides its velocity, loses its link, brakes late, and obeys people. Some robots
+report if they stand, and in which epoch they move (the optional signals of vehicle.yaml). Robots
+with epochs refuse a drive that does not know the present epoch. These properties always hold:
 
 * no route is sent after cancelOrder without another order;
 * cancelOrder and startPause are FINISHED only while the robot stands;
 * after a person's stop no route is begun before the master's stopPause or another order;
-* a pause holds: nothing begins to drive before stopPause;
-* a robot that tells epochs drives no route that was sent before a person's last act.
+* during a pause no drive begins before stopPause;
+* a robot that reports epochs drives no route that was sent before a person's last act.
 """
 from __future__ import annotations
 
@@ -22,28 +23,28 @@ from trajectory_graph.route_protocol import Reason, ReasonCode
 from vda5050_vehicle.drivers.robot_view import Pose
 
 VERTICES = sorted(lab().vertices)
-BRAKING = 1.2  # s from a stop that was taken to a robot that stands
+BRAKING = 1.2  # s from an accepted stop until the robot stands
 REFUSALS = st.sampled_from([
     None, None, ReasonCode.WRONG_CHANGE, ReasonCode.STARTS_ELSEWHERE, ReasonCode.TAKEN_OVER,
     ReasonCode.OTHER])
 
 
 class Killed(Exception):
-    """The adapter ends here."""
+    """The adapter is killed here."""
 
 
 class UnrulyRobot(RobotSide):
-    """Answers as the bridge does, and not always."""
+    """Answers as the bridge does, but not always."""
 
     def __init__(self):
         super().__init__()
         self.refuses = None
         self.refusals = []
         self.braking = 0.0  # s until it stands
-        self.by_hand = False  # a person drives it
-        self.sent = []      # all commands, heard or not
-        self.epoch = 1      # of its motion
-        self.is_ours = True  # only the adapter has moved it in this epoch
+        self.by_hand = False  # True: a person drives it
+        self.sent = []  # all commands, received or not
+        self.epoch = 1  # epoch of its motion
+        self.is_ours = True  # True: only the adapter has moved it in this epoch
 
     def overruled(self):
         """A person drives or stops it."""
@@ -60,7 +61,7 @@ class UnrulyRobot(RobotSide):
             return
         code = self.refuses
         if command.edges and command.route_id == self.route_id and self.reason:
-            code = ReasonCode.WRONG_CHANGE  # a failed route has an end
+            code = ReasonCode.WRONG_CHANGE  # a failed route cannot be extended
         if command.edges and command.known_epoch not in (0, self.epoch):
             code = ReasonCode.OVERRULED
         if command.edges and code is not None:
@@ -76,12 +77,12 @@ class UnrulyRobot(RobotSide):
 
     @property
     def moves(self):
-        """Whether it moves in truth."""
+        """True if it really moves."""
         return self.drives or self.braking > 0.0 or self.by_hand
 
 
 class UnrulyLab(Lab):
-    """The laboratory with this robot; it can be killed between two effects."""
+    """The laboratory with this robot; the adapter can be killed between two effects."""
 
     hides = tells_standing = tells_epoch = False
     effects_left = None
@@ -91,7 +92,7 @@ class UnrulyLab(Lab):
         self.robot = UnrulyRobot()
 
     def look(self):
-        """The robot is seen, as far as it can be."""
+        """The vehicle receives the robot's state, as far as the robot reports it."""
         moves = self.robot.moves
         velocity = DRIVING if moves else STANDING
         if self.robot.answers:
@@ -108,7 +109,7 @@ class UnrulyLab(Lab):
             super().do([effect])
 
     def step(self, refusal_first):
-        """A tenth of a second."""
+        """Runs for a tenth of a second."""
         self.now += 0.1
         self.robot.braking = max(self.robot.braking - 0.1, 0.0)
         if self.robot.answers:
@@ -133,11 +134,11 @@ class RandomStops(RuleBasedStateMachine):
         self.lab.tells_standing, self.lab.tells_epoch = tells_standing, tells_epoch
         self.lab.look()
         self.names = 0
-        self.cancelled_at = None  # number of commands sent when the cancel was taken
+        self.cancelled_at = None  # number of commands sent when the cancel was accepted
         self.paused_at = None
         self.overruled_at = None
-        self.moved_at = None      # the same, of a person's act while the robot waited
-        self.known = {}           # status of each stop
+        self.moved_at = None  # the same number at a person's act while the robot waited
+        self.known = {}  # status of each stop
         self.stops = []
         self.order(data, base, False)
         self.wait(1, False)
@@ -150,7 +151,7 @@ class RandomStops(RuleBasedStateMachine):
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     def attempt(self, call):
-        """Does it; the adapter may be killed meanwhile, and comes back from its journal."""
+        """Carries out an act; the adapter may be killed, and restarts from its journal."""
         try:
             call()
         except Killed:
@@ -245,7 +246,7 @@ class RandomStops(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
     def a_person_stops_it(self, drives_on):
-        """And perhaps drives it elsewhere."""
+        """A person stops it, and perhaps drives it elsewhere."""
         robot = self.lab.robot
         robot.reason, robot.by_hand = 'taken over', drives_on
         robot.braking = BRAKING
@@ -256,7 +257,7 @@ class RandomStops(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
     def a_person_stops_it_while_the_base_grows(self, drives_on):
-        """The refusal of the longer route may be heard before the failure of the shorter one."""
+        """The refusal of the longer route may arrive before the failure of the shorter one."""
         self.a_person_stops_it(drives_on)
         self.update()
         self.wait(1, True)
@@ -265,7 +266,7 @@ class RandomStops(RuleBasedStateMachine):
                   and not self.lab.vehicle.state.busy)
     @rule(data=st.data())
     def a_person_moves_it_between_two_drives(self, data):
-        """Beside an action of a node; the action ends after that."""
+        """During an action of a node; the action ends after that."""
         self.lab.robot.refuses = None
         self.order(data, 4, True)
         self.wait(5, False)
@@ -302,10 +303,10 @@ class RandomStops(RuleBasedStateMachine):
     def it_is_killed(self):
         self.restart()
 
-    # --- what must hold ---------------------------------------------------------------------------
+    # --- invariants -------------------------------------------------------------------------------
 
     def begun_since(self, number):
-        """Ids of routes that were sent since then, and not before."""
+        """The ids of routes that were sent since then, and not before."""
         sent = self.lab.robot.sent
         before = {command.route_id for command in sent[:number]}
         return [command for command in sent[number:]

@@ -1,5 +1,7 @@
-"""A cancel or a pause always reaches the robot, is FINISHED only where the robot is known to stand,
-and nothing is driven after another giver's stop."""
+"""A cancel or a pause always reaches the robot.
+
+It is FINISHED only if the robot is known to stand. Nothing is driven after another giver's stop.
+"""
 from __future__ import annotations
 
 import time
@@ -36,7 +38,7 @@ def refuse_extension(lab, reason):
     lab.robot.answers = True
 
 
-# --- B3: what is not known is not standing --------------------------------------------------------
+# --- B3: unknown motion does not count as standing ------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 def test_a_robot_that_hides_its_velocity_is_not_known_to_stand(kind):
@@ -54,7 +56,7 @@ def test_a_robot_that_hides_its_velocity_is_not_known_to_stand(kind):
 def test_a_velocity_from_before_the_stop_tells_nothing(kind):
     lab = Lab()
     lab.order(HALL.order('o'))
-    lab.is_seen = False     # the last that was heard: it stands
+    lab.is_seen = False  # its last report: it stands
     stop = lab.act(kind)
     lab.wait(2.0)
     assert lab.status(stop) == 'RUNNING'
@@ -106,7 +108,7 @@ def test_it_is_stopped_though_it_drives_another_route(kind):
     lab.robot.route_id = 4711
     lab.wait(0.1)
     assert lab.errors == ['driveError']
-    assert lab.robot.routes[-1].edges, 'the other route is not ours to stop unasked'
+    assert lab.robot.routes[-1].edges, 'the vehicle must not stop the other route without a request'
     lab.act(kind)
     assert lab.robot.routes[-1].edges == ()
 
@@ -142,7 +144,7 @@ def test_a_cancel_survives_a_crash(kind, answers):
     assert not [command for command in lab.robot.routes if command.edges]
 
 
-# --- B11: an actionId that is known ---------------------------------------------------------------
+# --- B11: an actionId that is already known -------------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 @pytest.mark.parametrize('codec', [VERSION_2_1, VERSION_3_0])
@@ -161,7 +163,7 @@ def test_a_stop_under_an_action_id_of_before_is_done(kind, codec):
     lab.see(velocity=DRIVING)
     lab.act(kind, 'x')
     assert not lab.robot.drives
-    assert (lab.errors != []) is codec.is_3, 'it keeps actions that have ended, and their ids'
+    assert (lab.errors != []) is codec.is_3, 'the vehicle must keep ended actions and their ids'
     lab.settle()
     assert (lab.nodes == []) is (kind == 'cancelOrder')
 
@@ -172,7 +174,7 @@ def test_a_cancel_under_the_id_of_an_action_of_the_order_is_done_and_told():
     assert not lab.robot.drives
     lab.settle()
     assert lab.nodes == []
-    assert lab.status('x') == 'FAILED', 'it is the action that was cancelled with its order'
+    assert lab.status('x') == 'FAILED', 'this action was cancelled with its order'
     assert 'instantActionError' in lab.errors
 
 
@@ -204,7 +206,7 @@ def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
 
 
 def at_an_action(last=None):
-    """A vehicle that stands in an order, and drives on once an action of its first node ends."""
+    """A vehicle that stands in an order, and drives on when an action of its first node ends."""
     lab = Lab()
     lab.see(epoch=7)
     lab.order(HALL.order('o', actions={'10': [say('a', 'HARD'), last or say('b', 'HARD')]}))
@@ -237,7 +239,7 @@ def test_an_epoch_of_its_own_drive_or_action_holds_nothing():
 
 def test_a_person_who_stops_the_robot_while_it_speaks_holds_it():
     lab = at_an_action()
-    lab.see(epoch=9)  # saying something is no motion
+    lab.see(epoch=9)  # speech is no motion
     lab.end_action('b')
     lab.wait(5.0)
     assert lab.errors == ['driveError']
@@ -267,7 +269,7 @@ def test_a_robot_that_tells_of_its_motion_stands_where_nothing_says_otherwise(
     assert (lab.status(stop) == 'FINISHED') is ended
 
 
-# --- B12: what an event costs ---------------------------------------------------------------------
+# --- B12: the cost of an event --------------------------------------------------------------------
 
 def test_an_event_in_an_order_of_a_thousand_nodes_costs_under_two_milliseconds():
     lab = Lab()

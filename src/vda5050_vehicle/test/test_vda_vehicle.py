@@ -18,7 +18,7 @@ HALL = way(8, 10, 12, 14, 32)
 
 
 def references(lab):
-    """Of the first error, by key."""
+    """The references of the first error, by key."""
     return {reference['referenceKey']: reference['referenceValue']
             for reference in lab.state['errors'][0]['errorReferences']}
 
@@ -135,7 +135,7 @@ def test_rejections_stay_until_an_order_is_taken():
     assert lab.errors == []
 
 
-# --- fields that cannot be honoured ---------------------------------------------------------------
+# --- fields that the vehicle cannot obey ----------------------------------------------------------
 
 def order_with(element, **fields):
     order = HALL.order('o')
@@ -170,7 +170,7 @@ def test_what_cannot_be_honoured_is_refused_by_name(order, field):
     tolerant = Lab(abilities_=abilities(key))
     tolerant.driver._abilities = abilities(key)
     tolerant.order(order)
-    assert tolerant.state['orderId'] == 'o', f'{key} was to be ignored'
+    assert tolerant.state['orderId'] == 'o', f'{key} must be ignored'
 
 
 @pytest.mark.parametrize('order', [
@@ -209,7 +209,7 @@ def test_the_node_at_which_an_update_joins_is_not_judged_anew():
     assert (lab.errors, lab.state['orderUpdateId']) == ([], 1)
 
 
-# --- which places are meant -----------------------------------------------------------------------
+# --- identification of places ---------------------------------------------------------------------
 
 def test_nodes_of_other_names_are_matched_by_their_place():
     order = HALL.order('o')
@@ -292,7 +292,7 @@ def test_a_robot_between_nodes_comes_first_to_the_first_node_of_an_order_within_
     assert len(lab.state['edgeStates']) == 2, 'edge 1 is no edge of the order'
     lab.drive()
     lab.order(HALL.part(3).order('p', 1, first_sequence=4))
-    assert lab.robot.route == (1, 2, 3, 4), 'an update makes the same route longer'
+    assert lab.robot.route == (1, 2, 3, 4), 'an update must extend the same route'
     lab.drive(2)
     assert lab.state['edgeStates'] == []
 
@@ -371,7 +371,7 @@ def test_a_failed_action(blocking, holds):
         'actionError', 'FATAL' if holds else 'WARNING')
     assert references(lab) == {'topic': 'order', 'orderId': 'o', 'orderUpdateId': '0',
                                'actionId': 'a'}
-    assert not lab.state['paused'], 'no pause was given'
+    assert not lab.state['paused'], 'there was no pause'
     assert lab.nodes == ['12', '14', '32']
     if holds:
         assert lab.robot.route == (1,)
@@ -408,7 +408,7 @@ def test_pause_stops_at_once_and_keeps_the_order():
     assert lab.nodes == ['12', '14', '32']
     go_on = lab.act('stopPause')
     assert lab.status(go_on) == 'FINISHED'
-    assert lab.robot.route == (2, 3, 4), 'a new route, from the edge that it is on'
+    assert lab.robot.route == (2, 3, 4), 'a new route must begin on the present edge'
     lab.drive(3)
     assert lab.nodes == []
 
@@ -556,12 +556,12 @@ def test_init_position_is_finished_when_the_robot_is_there():
 
 @pytest.mark.parametrize('before, after, ends', [
     ((0.6, 2.0, 0.5), (0.6, 2.0, 0.5), False),      # 0.4 m away, and still there
-    ((0.6, 2.0, 0.5), (0.75, 2.0, 0.5), False),     # it has hardly moved
+    ((0.6, 2.0, 0.5), (0.75, 2.0, 0.5), False),  # it has hardly moved
     ((0.6, 2.0, 0.5), (0.9, 2.0, 0.5), True),
     ((1.0, 2.0, 0.2), (1.0, 2.0, 0.2), False),      # 0.3 rad away, and still there
     ((1.0, 2.0, 0.2), (1.0, 2.0, 0.48), True),
-    ((1.0, 2.05, 0.5), (1.0, 2.05, 0.5), True),     # it was there before
-    ((9.0, 9.0, 0.0), (1.3, 2.0, 0.6), True),       # the robot has matched its surroundings
+    ((1.0, 2.05, 0.5), (1.0, 2.05, 0.5), True),  # it was there before
+    ((9.0, 9.0, 0.0), (1.3, 2.0, 0.6), True),  # the robot has localised itself
     ((9.0, 9.0, 0.0), (1.6, 2.0, 0.5), False)])
 def test_init_position_is_finished_only_where_the_pose_has_become_the_one_that_was_told(
         before, after, ends):
@@ -614,7 +614,7 @@ def test_a_log_report_tells_what_happened():
     assert (state['actionStatus'], state['resultDescription']) == ('FINISHED', 'report_1.log')
 
 
-# --- when a state is sent -------------------------------------------------------------------------
+# --- the times at which a state is sent -----------------------------------------------------------
 
 def test_states_come_twice_a_second_while_it_drives_and_seldom_else():
     lab = Lab()
@@ -657,7 +657,7 @@ def test_a_message_for_another_major_version_is_refused():
     assert lab.state['velocity'] == {'vx': STANDING.vx, 'vy': 0.0, 'omega': 0.0}
 
 
-# --- messages that are refused --------------------------------------------------------------------
+# --- refused messages -----------------------------------------------------------------------------
 
 @pytest.mark.parametrize('damage, found', [
     (lambda o: o.pop('nodes'), {'orderId': 'o', 'orderUpdateId': '3'}),
@@ -676,7 +676,7 @@ def test_a_malformed_order_is_refused_under_the_ids_that_can_be_read(damage, fou
 
 
 def test_malformed_instant_actions_are_refused_as_one_message():
-    """vda-5050-lib takes an error with an actionId for one of that action alone."""
+    """vda-5050-lib treats an error with an actionId as an error of that action alone."""
     lab = Lab()
     lab.receive_instant_actions(payload({'actions': [{'actionType': 'say', 'actionId': 'a'}]}))
     assert references(lab) == {'topic': 'instantActions', 'field': 'actions[0].blockingType'}

@@ -1,4 +1,4 @@
-"""What a vehicle of VDA 5050 3.0 does otherwise than one of 2.1."""
+"""The differences between a vehicle of VDA 5050 3.0 and one of 2.1."""
 from __future__ import annotations
 
 import pytest
@@ -83,7 +83,7 @@ def test_an_action_waits_for_those_that_run_before_it_is_done_alone(lab):
 
 
 def failed_at_10(lab):
-    """An action at vertex 10 that may be tried again has failed, and holds the vehicle there."""
+    """An action at vertex 10 that may be retried has failed, and blocks the vehicle there."""
     lab.order(order_with(say('a', 'HARD'), retriable=True))
     lab.drive(1)
     lab.wait(0.1)
@@ -95,7 +95,7 @@ def failed_at_10(lab):
 def test_a_retriable_action_is_tried_again_when_the_master_says_so(lab):
     failed_at_10(lab)
     lab.wait(5.0)
-    assert lab.started == ['a'], 'nothing is repeated by itself'
+    assert lab.started == ['a'], 'nothing may be repeated without a master'
     assert lab.status(lab.act('retry', 'again', actionId='a')) == 'FINISHED'
     assert lab.started == ['a', 'a']
     lab.end_action('a')
@@ -255,7 +255,7 @@ def test_an_update_of_a_cancelled_order_is_refused(lab):
 
 
 def test_stops_are_never_refused_for_a_parameter_too_many():
-    lab = Lab()  # of 2.1
+    lab = Lab()  # the format of 2.1
     lab.order(HALL.order('o'))
     lab.receive_instant_actions(payload({'actions': [{
         'actionType': 'startPause', 'actionId': 'stop', 'blockingType': 'HARD',

@@ -1,4 +1,4 @@
-"""What the tests share: a laboratory vehicle, the robot's side of the route protocol, orders."""
+"""Common parts of the tests: a laboratory vehicle, the robot's side of the protocol, orders."""
 from __future__ import annotations
 
 import json
@@ -57,17 +57,17 @@ def vehicle_document() -> Dict[str, Any]:
 
 
 def abilities(*ignored: str) -> Abilities:
-    """The LD-90's."""
+    """The abilities of the LD-90."""
     return sheet.abilities(vehicle_document(), 'map', ignored)
 
 
 def route_driver(graph: Optional[Graph] = None, *ignored: str) -> MakeDriver:
-    """Makes drivers of the laboratory's routes."""
+    """Makes drivers for the laboratory's routes."""
     return lambda memory: RouteDriver(memory, graph or lab(), abilities(*ignored), Matching())
 
 
 def way(*vertices: int) -> Track:
-    """The shortest way over vertices of the laboratory."""
+    """The shortest route over these vertices of the laboratory."""
     return track_on(lab(), vertices, 'map')
 
 
@@ -79,7 +79,7 @@ def payload(message: Mapping[str, Any], header_id: int = 0, version: str = '2.1.
 
 
 class RobotSide:
-    """What answers routes: takes them up, drives them when told to, stops."""
+    """The receiver of routes: it accepts them, drives when the test says so, and stops."""
 
     def __init__(self) -> None:
         self.route: Tuple[int, ...] = ()
@@ -91,18 +91,19 @@ class RobotSide:
         self.answers = True
 
     def take(self, command: RouteCommand) -> None:
-        """A route, as the bridge takes it: the same one again changes nothing."""
+        """Accepts a route as the bridge does: the same route again changes nothing."""
         self.routes.append(command)
         if not self.answers or (command.route_id, command.edges) == (self.route_id, self.route):
             return
         if command.route_id != self.route_id:
             self.done, self.percentage, self.reason = 0, 0.0, ''
         else:
-            assert command.edges[:self.done] == self.route[:self.done], 'the past was changed'
+            assert command.edges[:self.done] == self.route[:self.done], (
+                'the route changed an edge that is already driven')
         self.route_id, self.route = command.route_id, command.edges
 
     def report(self) -> RouteReport:
-        """What the bridge says now."""
+        """The bridge's present report."""
         rest = EdgeState.FAILED if self.reason else EdgeState.PROCESSING
         states = (EdgeState.COMPLETE,) * self.done + (rest,) * (len(self.route) - self.done)
         current = min(self.done, len(self.route) - 1)
@@ -113,20 +114,20 @@ class RobotSide:
 
     @property
     def drives(self) -> bool:
-        """Whether there is something left to drive."""
+        """True if there is something left to drive."""
         return bool(self.route) and self.done < len(self.route) and not self.reason
 
 
 class Lab:
-    """A vehicle in the laboratory, with its robot's side, a clock, and all that it says.
+    """A vehicle in the laboratory, with its robot's side, a clock, and all its messages.
 
-    Every state that it sends is checked for the rules that a schema cannot tell.
+    Each state that it sends is checked for the rules that a schema cannot express.
     """
 
     def __init__(self, at: Optional[int] = 8, driver: Optional[MakeDriver] = None,
                  codec: Codec = VERSION_2_1, abilities_: Optional[Abilities] = None) -> None:
         self.now = 100.0
-        self.messages = 0  # of the master; each has a header of its own
+        self.messages = 0  # messages of the master; each has a header of its own
         self.robot = RobotSide()
         can = abilities_ or abilities()
         self.make_driver = driver or (
@@ -134,20 +135,20 @@ class Lab:
         self.vehicle = Vehicle(IDENTITY, codec, table(), self.make_driver, can)
         self.driver: Any = self.vehicle.driver
         self.codec = codec
-        self.states: List[Dict[str, Any]] = []  # in the words of 2.1
-        self.wire: Dict[str, Any] = {}          # the last one as it was sent
+        self.states: List[Dict[str, Any]] = []  # in the keys of 2.1
+        self.wire: Dict[str, Any] = {}  # the last state as it was sent
         self.started: List[str] = []
         self.cancelled: List[str] = []
         self.effects: List[fx.Effect] = []
         self.journal: List[str] = []
-        self.is_seen = True  # the robot tells its velocity all the time, if it tells it
+        self.is_seen = True  # the robot reports its velocity all the time, if it reports it at all
         self.checker = VehicleChecker('OMRON', 'lab', codec.version)
         self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
         self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
-        if at is not None:  # else the robot was not heard yet
+        if at is not None:  # otherwise the robot has not reported yet
             self.stand_at(at)
 
-    # --- what happens -----------------------------------------------------------------------------
+    # --- events -----------------------------------------------------------------------------------
 
     def stand_at(self, vertex: int) -> None:
         """The robot stands at a vertex."""
@@ -155,29 +156,29 @@ class Lab:
         self.see(pose=Pose(x, y, 0.0), velocity=STANDING)
 
     def see(self, **changes: Any) -> None:
-        """The robot is seen, with changes."""
+        """The vehicle receives the robot's state, with changes."""
         self.view = replace(self.view, seen_at=self.now, **changes)
         self.do(self.vehicle.see(self.view, self.now))
 
     def order(self, order: Dict[str, Any]) -> bytes:
-        """An order comes; returns its message."""
+        """An order arrives; returns its message."""
         self.messages += 1
         message = self.payload('order', order)
         self.receive_order(message)
         return message
 
     def payload(self, topic: str, message: Mapping[str, Any]) -> bytes:
-        """A message of 2.1 as the version of this vehicle has it."""
+        """A message of 2.1 in the format of this vehicle's version."""
         body = in_3(topic, message) if self.codec.is_3 else message
         return payload(body, self.messages, self.codec.version)
 
     def receive_order(self, message: bytes) -> None:
-        """Bytes come on the topic `order`."""
+        """Bytes arrive on the topic `order`."""
         self.do(self.vehicle.receive_order(message, self.now))
 
     def act(self, action_type: str, action_id: str = '', blocking: str = 'NONE',
             **parameters: Any) -> str:
-        """An instant action comes; returns its id."""
+        """An instant action arrives; returns its id."""
         action_id = action_id or f'{action_type}-{self.messages}'
         self.messages += 1
         message = {'actions': [action(action_type, action_id, blocking, **parameters)]}
@@ -185,11 +186,11 @@ class Lab:
         return action_id
 
     def receive_instant_actions(self, message: bytes) -> None:
-        """Bytes come on the topic `instantActions`."""
+        """Bytes arrive on the topic `instantActions`."""
         self.do(self.vehicle.receive_instant_actions(message, self.now))
 
     def wait(self, seconds: float) -> None:
-        """Time goes by; the robot's side reports."""
+        """Time passes; the robot's side reports."""
         for _ in range(max(round(seconds / 0.1), 1)):
             self.now += 0.1
             if isinstance(self.driver, RouteDriver) and self.robot.answers:
@@ -199,9 +200,9 @@ class Lab:
                 self.see()
 
     def drive(self, edges: int = 1) -> None:
-        """The robot drives so many edges of its route."""
+        """The robot drives the given number of edges of its route."""
         for _ in range(edges):
-            assert self.robot.drives, 'the robot was not sent on'
+            assert self.robot.drives, 'the robot has no edge left to drive'
             self.see(velocity=DRIVING)
             self.robot.done += 1
             self.robot.percentage = 0.0
@@ -221,7 +222,7 @@ class Lab:
         self.do(self.vehicle.action_ended(action_id, succeeded, text, self.now))
 
     def restarted(self) -> Lab:
-        """The adapter is killed, and a new one takes over from its journal."""
+        """The adapter is killed, and a new one restarts from its journal."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
         other.vehicle = Vehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())
@@ -234,7 +235,7 @@ class Lab:
         return other
 
     def do(self, effects: Sequence[fx.Effect]) -> None:
-        """Carries out what the vehicle wants done."""
+        """Carries out the effects that the vehicle requests."""
         for effect in effects:
             self.effects.append(effect)
             if isinstance(effect, fx.Command):
@@ -254,12 +255,12 @@ class Lab:
 
     @property
     def order_record(self) -> Dict[str, Any]:
-        """What the vehicle knows of its order."""
+        """The vehicle's record of its order."""
         state = self.vehicle.state
         return {name: getattr(state, name) for name in (
             'order', 'taken', 'legs', 'actions', 'paused', 'cancels', 'pauses', 'received')}
 
-    # --- what the vehicle says --------------------------------------------------------------------
+    # --- messages of the vehicle ------------------------------------------------------------------
 
     @property
     def state(self) -> Dict[str, Any]:
@@ -268,12 +269,12 @@ class Lab:
 
     @property
     def nodes(self) -> List[str]:
-        """The nodes that are left."""
+        """The remaining nodes."""
         return [node['nodeId'] for node in self.state['nodeStates']]
 
     @property
     def errors(self) -> List[str]:
-        """Types of the errors."""
+        """The types of the errors."""
         return [error['errorType'] for error in self.state['errors']]
 
     def status(self, action_id: str) -> Optional[str]:

@@ -1,6 +1,7 @@
-"""A vehicle of another make for the bench: small, right by the standard, with defects on request.
+"""A small vehicle that is independent of the adapter, for the bench; defects on request.
 
-It drives on a straight line, in a time of its own, and shares no code with the adapter.
+Without defects it obeys the standard. It drives on a straight line, in its own time, and shares no
+code with the adapter.
 """
 from __future__ import annotations
 
@@ -33,7 +34,7 @@ class Refused(Exception):
 
 
 class ToyVehicle:
-    """The vehicle; `send` gets what it publishes. `defects` are names that `wrong` asks for."""
+    """The vehicle; `send` gets its messages. `defects` are the names that `wrong` accepts."""
 
     def __init__(self, *defects: str, version: str = '2.1.0') -> None:
         self.defects = set(defects)
@@ -57,13 +58,13 @@ class ToyVehicle:
         self._told_at = 0.0
 
     def wrong(self, defect: str) -> bool:
-        """Whether it has this defect."""
+        """True if it has this defect."""
         return defect in self.defects
 
-    # --- what it says -----------------------------------------------------------------------------
+    # --- messages of the vehicle ------------------------------------------------------------------
 
     def publish(self, topic: str, body: Json) -> None:
-        """With a header of its own."""
+        """Publishes with a header of its own."""
         if self.wrong('silent') and self.now > 60.0:
             return
         number = self._headers.get(topic, 0)
@@ -75,7 +76,7 @@ class ToyVehicle:
             'serialNumber': '1', **body, **(self.garbage if topic == 'state' else {})}).encode())
 
     def tell(self, always: bool = False) -> None:
-        """A state where something has changed."""
+        """Sends a state if something has changed."""
         told = json.dumps([self.order['orderId'], self.order['orderUpdateId'], self.last,
                            self.nodes, self.errors, self.driving, self.paused,
                            list(self.actions.values()), list(self.instant.values())])
@@ -118,10 +119,10 @@ class ToyVehicle:
                 {'referenceKey': key, 'referenceValue': str(value)}
                 for key, value in references.items()]})
 
-    # --- what it is told --------------------------------------------------------------------------
+    # --- messages to the vehicle ------------------------------------------------------------------
 
     def receive(self, topic: str, payload: bytes) -> None:
-        """A message of the master."""
+        """Receives a message of the master."""
         if self.wrong('silent') and self.now > 60.0:
             return
         if topic == 'order':
@@ -195,7 +196,7 @@ class ToyVehicle:
 
     @property
     def is_busy(self) -> bool:
-        """Figure 8 (3)."""
+        """True if the answer to question 3 of figure 8 is yes."""
         actions = dict(self.actions) if self.is_3 else {**self.actions, **self.instant}
         if self.wrong('accepts beside actions'):
             actions = {}
@@ -300,7 +301,7 @@ class ToyVehicle:
     # --- time -------------------------------------------------------------------------------------
 
     def step(self) -> None:
-        """A tenth of a second."""
+        """Runs for a tenth of a second."""
         self.now += STEP
         for name, end in list(self.ends.items()):
             if self.now >= end:

@@ -1,4 +1,4 @@
-"""Launch files and the node host: what is hosted is a Python program whose module is shared."""
+"""Launch files and the node host: each hosted node is a Python program with a shared module."""
 from __future__ import annotations
 
 import re
@@ -14,7 +14,7 @@ from fleet_bringup.launch_file import MODULES
 ROOT = Path(__file__).resolve().parents[4]
 FILES = [ROOT / 'launch' / f'{name}.launch' for name in ('robot', 'visualisation', 'vda5050')] + [
     ROOT / 'src/graph_fleet_manager/launch/fleet_manager.launch']
-IN_NO_HOST = {'embedded_broker'}  # which becomes mosquitto
+IN_NO_HOST = {'embedded_broker'}  # this process becomes mosquitto
 
 
 def nodes_of(file):

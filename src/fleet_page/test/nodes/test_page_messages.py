@@ -1,4 +1,4 @@
-"""What the fleet manager's messages become on the page, and what the page asks it for."""
+"""The fleet manager's messages on the page, and the page's requests."""
 from __future__ import annotations
 
 import json
@@ -57,7 +57,7 @@ def test_a_grid_becomes_walls():
 
 
 class Topic:
-    """A publisher that keeps what it sends."""
+    """A publisher that records the messages it sends."""
 
     listeners = 1
 
@@ -145,7 +145,7 @@ def test_a_stop_that_did_not_work_is_told_with_its_reason(commands, monkeypatch)
 
 
 def asked_by(name: str, message: Any) -> Any:
-    """The message as it comes from a node with this name."""
+    """The message as it arrives from a node with this name."""
     message._connection_header = {'callerid': name}
     return message
 

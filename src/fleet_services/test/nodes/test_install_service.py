@@ -1,4 +1,4 @@
-"""A site below a folder: what is written, and what is taken away again; needs a ROS workspace."""
+"""A site below a folder: the installed files and their removal; needs a ROS workspace."""
 from __future__ import annotations
 
 import os
@@ -30,7 +30,7 @@ def site(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope='module')
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Below it a site is installed."""
+    """The folder below which a site is installed."""
     return install(make_site(tmp_path_factory.mktemp('site')))
 
 

@@ -1,4 +1,4 @@
-"""What the mouse does in RViz becomes what the session does."""
+"""Mouse actions in RViz become actions of the session."""
 from __future__ import annotations
 
 import threading
@@ -15,7 +15,7 @@ from trajectory_graph.yaml_file import dump_graph
 
 
 class Server:
-    """Keeps what RViz would be shown."""
+    """Records the markers that RViz would show."""
 
     def __init__(self, _: str) -> None:
         self.markers = {}
@@ -79,7 +79,7 @@ def test_while_it_is_dragged_its_handle_is_sent_once_and_holds_no_other(editor):
     editor.tell(Feedback.POSE_UPDATE, 'vertices 0', moved=(0.5, 1.0))
     assert editor.discs() == 1
     position = editor.server.markers['vertices 0'].pose.position
-    assert (position.x, position.y) == (0.5, 1.0), 'where RViz has it'
+    assert (position.x, position.y) == (0.5, 1.0), 'the handle must be where RViz has it'
     editor.server.sent.clear()
     editor.tell(Feedback.POSE_UPDATE, 'vertices 0', moved=(0.6, 1.0))
     assert 'vertices 0' not in editor.server.sent and 'drawn vertices 0' in editor.server.sent

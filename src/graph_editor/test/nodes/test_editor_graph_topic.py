@@ -1,4 +1,4 @@
-"""What followers of the edited graph hear while a graph is edited."""
+"""The messages that subscribers of the edited graph receive during editing."""
 from __future__ import annotations
 
 import pytest
@@ -33,7 +33,7 @@ def test_each_draft_is_told_whole(sent, draft):
     topic = GraphTopic('graph_editor/graph')
     for step in (draft, editing.move_vertex(draft, 3, 5.0, 1.0), editing.delete_edge(draft, 2)):
         topic.publish(step)
-    assert len(sent) == 2, 'a draft with a vertex without edges is not valid'
+    assert len(sent) == 2, 'a draft with an isolated vertex is not valid'
     for message, step in zip(sent, (draft, editing.move_vertex(draft, 3, 5.0, 1.0))):
         told = graph_from_message(message)
         assert dict(told.vertices) == dict(step.vertices)
@@ -54,4 +54,4 @@ def test_what_stays_the_same_keeps_its_message(sent, draft):
     topic.publish(editing.move_vertex(draft, 3, 5.0, 1.0))
     kept = [one is other for one, other in zip(sent[0].vertices, sent[1].vertices)]
     assert kept == [True, True, False]
-    assert sent[0].vertices[2].x == 6.0, 'what was sent before does not change'
+    assert sent[0].vertices[2].x == 6.0, 'an earlier message must not change'

@@ -1,4 +1,4 @@
-"""What stands in RViz for vertices and edges."""
+"""The handles of vertices and edges in RViz."""
 from __future__ import annotations
 
 import math
@@ -74,7 +74,7 @@ def test_ids_differ():
 
 
 def colours(marker) -> list:
-    """The colours in a marker but for words and numbers, in their order."""
+    """The colours in a marker except those of words and numbers, in their order."""
     return list(dict.fromkeys(rgb(paint) for paint in shapes(
         marker, Marker.TRIANGLE_LIST)[0].colors if paint != handles.BLACK))
 
@@ -123,7 +123,8 @@ def test_edges_of_one_group_share_a_handle_that_is_clicked():
 def test_an_edge_is_drawn_where_it_runs():
     drawn = corners(handles.edges_handle(0, [shown(2)]))
     curve = draft().curve(2)
-    assert max(curve.project(x, y).distance for x, y in drawn) < 0.26, 'half an arrow is broad'
+    assert max(curve.project(x, y).distance for x, y in drawn) < 0.26, (
+        'half of an arrow must be wide')
     for x, y in curve.sample(0.3):
         assert np.hypot(*(drawn - (x, y)).T).min() < 0.15
 

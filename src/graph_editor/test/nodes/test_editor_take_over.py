@@ -1,4 +1,4 @@
-"""A draft is put in force by "take over" only: by the fleet manager, or else on /graph."""
+"""A draft is put in force only by "take over": by the fleet manager, or otherwise on /graph."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -26,7 +26,7 @@ Vertices:
 
 
 class RosMaster:
-    """A ROS master, with the services and parameters of a fleet manager where there is one."""
+    """A ROS master, with the services and parameters of a fleet manager if there is one."""
 
     def __init__(self) -> None:
         self.providers: List[str] = []

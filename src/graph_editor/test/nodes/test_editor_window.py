@@ -1,4 +1,4 @@
-"""The window beside RViz shows what is selected and gives texts and numbers to the session."""
+"""The window beside RViz shows the selection, and passes texts and numbers to the session."""
 from __future__ import annotations
 
 import math
@@ -22,7 +22,7 @@ Vertices:
 
 
 class Node:
-    """What the window needs of the editor's node."""
+    """The functions of the editor's node that the window needs."""
 
     def __init__(self, path) -> None:
         path.write_text(HALL)
@@ -31,7 +31,7 @@ class Node:
         self.findings = [Finding(Severity.ERROR, 'it is in a wall', 'edge', 1, (1.0, 2.0))]
 
     def show(self) -> None:
-        """RViz is not there."""
+        """Does nothing, because there is no RViz."""
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_fields_of_a_vertex_are_given_to_the_session(window, node):
     vertex = node.session.draft.vertices[2]
     assert (vertex.label, vertex.y, vertex.dock, vertex.parking) == ('press 4', 1.5, True, False)
     assert vertex.theta == pytest.approx(math.pi / 2.0, abs=1e-6)
-    assert vertex.x == 8.1234, 'what was not typed is not rounded'
+    assert vertex.x == 8.1234, 'a value that was not typed must not be rounded'
 
 
 def test_fields_of_an_edge_are_given_to_the_session(window, node):
@@ -121,5 +121,5 @@ def test_closing_asks_before_edits_are_lost(window, node, monkeypatch, answer, c
 
 def test_closing_does_not_ask_when_all_is_saved(window, monkeypatch):
     monkeypatch.setattr(QtWidgets.QMessageBox, 'question', staticmethod(
-        lambda *_: pytest.fail('it asked')))
+        lambda *_: pytest.fail('the window asked')))
     assert window.close()

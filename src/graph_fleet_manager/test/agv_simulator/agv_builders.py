@@ -1,4 +1,4 @@
-"""AGVs that the tests share, and a listener to them."""
+"""AGVs for several tests, and an object that records their messages."""
 from __future__ import annotations
 
 from typing import List, Optional, Sequence
@@ -10,13 +10,13 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteReport
 
 TICK = 0.1
-#: 1 - 2 - 3 - 4 in a row, 4 m each, with 5 beside 2
+#: Vertices 1 - 2 - 3 - 4 in a row, 4 m apart, and vertex 5 beside 2.
 GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
                  {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (2, 5)})
 
 
 class Conversation:
-    """An AGV with what it said."""
+    """An AGV and its messages."""
 
     def __init__(self, vertex: int = 1, graph: Graph = GRAPH, **options: object) -> None:
         self.vehicle = Vehicle('agv_1', graph, vertex, **options)
@@ -35,7 +35,7 @@ class Conversation:
             self._listen()
 
     def drive_to(self, place: float) -> None:
-        """Until it has driven so far in x."""
+        """Runs the AGV until it has driven to the given x, in m."""
         while self.vehicle.pose[0] < place:
             self.wait(TICK)
 
@@ -48,7 +48,7 @@ class Conversation:
 
     @property
     def reason(self) -> Optional[str]:
-        """Why the last order was refused."""
+        """The reason why the last order was refused."""
         return self.refusals[-1].reason.text if self.refusals else None
 
     def _listen(self) -> None:

@@ -23,7 +23,7 @@ def time_to_end(drive: Drive) -> float:
     while not drive.at_end:
         drive.advance(STEP)
         seconds += STEP
-        assert seconds < 1000.0, f'it does not arrive: {drive.pose}'
+        assert seconds < 1000.0, f'the AGV did not arrive: {drive.pose}'
     return seconds
 
 
@@ -76,7 +76,8 @@ def test_it_drives_back_with_its_rear_ahead() -> None:
 
 def test_a_bend_is_driven_no_faster_than_it_can_turn() -> None:
     graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 0.6, 0.6, math.pi / 2)],
-                  [Edge(1, 1, 2, CurveType.SPLINE, 0.33, 0.33, 1.0, 1.0)])  # about 0.6 m around
+                  # on a curve with a radius of about 0.6 m
+                  [Edge(1, 1, 2, CurveType.SPLINE, 0.33, 0.33, 1.0, 1.0)])
     drive = drive_on(graph, 1)
     drive.follow((1,), 0, 0.0)
     while not drive.at_end:
@@ -100,7 +101,7 @@ def test_held_it_brakes_and_goes_on_from_there() -> None:
     x = drive.pose[0]
     drive.advance(5.0, hold=True)
     assert drive.at_rest
-    assert drive.pose[0] == pytest.approx(x + 1.0, abs=0.06)  # v^2 / 2b
+    assert drive.pose[0] == pytest.approx(x + 1.0, abs=0.06)  # braking distance v^2 / 2b
     time_to_end(drive)
     assert drive.vertex == 3
 

@@ -72,7 +72,8 @@ def test_off_the_graph_no_route_is_taken_up_until_it_is_put_back() -> None:
     agv = on_its_way()
     inject(agv.vehicle, 'offgraph 1.5')
     assert agv.vehicle.pose[1] == pytest.approx(1.5)
-    assert agv.last.location == Location(*agv.vehicle.pose), 'only metres tell where it is now'
+    assert agv.last.location == Location(*agv.vehicle.pose), (
+        'only a position in metres says where it is now')
     assert (agv.last.pose.edge, agv.last.reason.text) == (0, 'off the corridor')
     agv.order(8, 1)
     assert agv.reason == 'the vehicle is off the graph'

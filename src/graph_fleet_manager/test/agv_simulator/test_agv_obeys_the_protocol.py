@@ -1,4 +1,4 @@
-"""An AGV keeps the route protocol, under all orders and events."""
+"""An AGV obeys the route protocol, under all orders and events."""
 from __future__ import annotations
 
 import math
@@ -20,7 +20,7 @@ SPEED = 1.0
 
 
 class ObedientAgv(RuleBasedStateMachine):
-    """A fleet manager that orders sense and nonsense, and looks at what the AGV says and does."""
+    """A fleet manager that sends right and wrong orders, and checks the AGV's reports, motion."""
 
     @initialize(seed=st.integers(0, 2 ** 32), vertices=st.integers(2, 6))
     def build(self, seed: int, vertices: int) -> None:
@@ -80,7 +80,8 @@ class ObedientAgv(RuleBasedStateMachine):
             assert self.vehicle.take_messages() == []
         self._listen()
 
-    # --- what happens -----------------------------------------------------------------------------
+    # --- events
+    # ---------------------------------------------------------------------------------------
 
     @rule(ticks=st.integers(1, 80))
     def wait(self, ticks: int) -> None:
@@ -91,7 +92,7 @@ class ObedientAgv(RuleBasedStateMachine):
             self._listen()
             x, y, _ = self.vehicle.pose
             fastest = max(speed, self.vehicle.drive.speed) + 0.5 * TICK
-            assert math.dist(before[:2], (x, y)) <= fastest * TICK + 1e-3, 'it jumped'
+            assert math.dist(before[:2], (x, y)) <= fastest * TICK + 1e-3, 'the AGV jumped'
             self._check_report()
 
     @rule(seconds=st.floats(0.5, 5.0))
@@ -103,7 +104,8 @@ class ObedientAgv(RuleBasedStateMachine):
         self.vehicle.fail(Reason(ReasonCode.OTHER, 'a broken belt'))
         self._listen()
 
-    # --- what must hold ---------------------------------------------------------------------------
+    # --- invariants
+    # -----------------------------------------------------------------------------------
 
     @invariant()
     def what_it_reports_is_true(self) -> None:
@@ -118,8 +120,10 @@ class ObedientAgv(RuleBasedStateMachine):
         pose = report.pose
         curve = self.graph.curve(pose.edge)
         place = curve.point_at(curve.length * pose.percentage / 100.0)
-        allowed = 1e-3 + curve.length * 0.001  # 99.9 % is the most before an edge is complete
-        assert math.dist(place, self.vehicle.pose[:2]) <= allowed, 'it is not where it says'
+        # at most 99.9 % are reported before an edge is complete
+        allowed = 1e-3 + curve.length * 0.001
+        assert math.dist(place, self.vehicle.pose[:2]) <= allowed, (
+            'the AGV is not at its reported place')
         if report.edges and FAILED not in report.states:
             assert pose.edge == report.edges[min(done, len(report.edges) - 1)]
             assert (pose.percentage == 100.0) == (done == len(report.edges))
@@ -127,9 +131,9 @@ class ObedientAgv(RuleBasedStateMachine):
             left = sum(self.graph.curve(edge).length for edge in report.edges[done:])
             left -= self.vehicle.drive.arc
             needed = self.vehicle.drive.speed ** 2 / (2 * 0.5)
-            assert needed <= left + 0.01, 'it cannot stop in time'
+            assert needed <= left + 0.01, 'the AGV cannot stop in time'
         if report.edges == self.last.edges and report.route_id == self.last.route_id:
-            assert done >= self._done(self.last), 'what was COMPLETE is not any more'
+            assert done >= self._done(self.last), 'a COMPLETE edge is no longer COMPLETE'
             if FAILED in self.last.states:
                 assert report.states == self.last.states
             elif pose.edge == self.last.pose.edge and done == self._done(self.last) < len(
@@ -162,10 +166,10 @@ class ObedientAgv(RuleBasedStateMachine):
                 'the first report with its id acknowledges a route')
             kept = before.edges[:self._done(before) + 1]
             assert not edges or route_id != before.route_id or edges[:len(kept)] == kept, (
-                'a change left out what is done or being driven')
+                'a changed route lacks an edge that is complete or being driven')
         else:
             assert not running and waited is not self.vehicle._waiting, (
-                'only a vehicle that brakes lets an order wait')
+                'only a braking vehicle may delay an order')
         self.last = after
 
     def _listen(self) -> None:
@@ -184,7 +188,7 @@ class ObedientAgv(RuleBasedStateMachine):
         return self.next_id
 
     def _walk(self, edges: Tuple[int, ...], length: int) -> Tuple[int, ...]:
-        """A connected walk that begins with these edges, else where the AGV stands."""
+        """A connected walk that begins with these edges, or, without edges, at the AGV's place."""
         drive = self.vehicle.drive
         if edges:
             at = self.graph.end_vertex(edges[-1]).id

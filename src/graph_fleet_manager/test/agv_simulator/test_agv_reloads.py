@@ -1,4 +1,4 @@
-"""An AGV stays where it is, and keeps the route protocol, when its graph is replaced."""
+"""An AGV stays where it is, and obeys the route protocol, when its graph is replaced."""
 from __future__ import annotations
 
 import math
@@ -20,7 +20,10 @@ def with_speed(edge: int, speed: float) -> Graph:
 
 
 def without(edge: int) -> Graph:
-    """Without an edge and what hangs on it alone, or with the edge elsewhere where all does."""
+    """The graph without an edge and the vertices that only it reaches, or with that edge elsewhere.
+
+    The edge is moved if the graph cannot do without it.
+    """
     kept = [one for one in GRAPH.edges.values() if one.id not in {edge, 3 if edge == 2 else edge}]
     used = {vertex for one in kept for vertex in (one.origin, one.destination)}
     return Graph([v for v in GRAPH.vertices.values() if v.id in used], kept)
@@ -33,7 +36,7 @@ def test_a_complete_route_goes_on_from_its_end_after_a_speed_was_changed() -> No
     assert agv.vehicle.route.phase is Phase.COMPLETE
     agv.vehicle.use_graph(with_speed(1, 0.3))
     agv.order(7, 1, 2, 3)
-    assert agv.vehicle.pose[0] == 8.0, 'it stands at vertex 3'
+    assert agv.vehicle.pose[0] == 8.0, 'the AGV must stand at vertex 3'
     agv.wait(30.0)
     assert agv.vehicle.pose[0] == 12.0 and agv.reason is None
 
@@ -85,6 +88,8 @@ def test_whatever_graphs_come_a_vehicle_never_jumps(seed: int) -> None:
         elif act == 1:
             agv.vehicle.use_graph(random.choice((
                 GRAPH, without(3), without(4), with_speed(1, 0.5), with_speed(2, 0.1))))
-        assert math.dist(before[:2], agv.vehicle.pose[:2]) < 1e-6, 'orders and graphs move nothing'
+        assert math.dist(before[:2], agv.vehicle.pose[:2]) < 1e-6, (
+            'an order or a graph moved the AGV')
         agv.wait(1.0)
-        assert math.dist(before[:2], agv.vehicle.pose[:2]) <= 1.0 + 1e-6, 'no more than its speed'
+        assert math.dist(before[:2], agv.vehicle.pose[:2]) <= 1.0 + 1e-6, (
+            'the AGV drove faster than its speed')

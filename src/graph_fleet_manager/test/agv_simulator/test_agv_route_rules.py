@@ -1,4 +1,4 @@
-"""The route protocol, rule by rule, as a simulated AGV keeps it."""
+"""The rules of the route protocol, one by one, as a simulated AGV obeys them."""
 from __future__ import annotations
 
 import pytest

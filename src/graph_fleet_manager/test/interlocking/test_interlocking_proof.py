@@ -1,4 +1,4 @@
-"""The interlocking always keeps robots apart, and each of its conditions is needed."""
+"""The interlocking always keeps robots apart, and each of its conditions is necessary."""
 from __future__ import annotations
 
 import os
@@ -17,13 +17,13 @@ LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 STAR = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (2, 2)},
                 {1: (1, 2), 2: (2, 3), 3: (2, 4)})
 BEGINS = {'a': 1, 'b': -2, 'c': -3}
-WALK = 2500                           # steps on one random graph
+WALK = 2500  # steps on one random graph
 STEPS = 1_000_000 if LONG else 50_000
 EVER = Limits(10 ** 9, 10 ** 9, 6)
 
 
 def told(found: Optional[Found]) -> str:
-    """What a failing test shows."""
+    """The text of a failing test."""
     return '' if found is None else '\n'.join((found.what, *found.history))
 
 
@@ -42,7 +42,7 @@ def test_nothing_that_can_happen_in_a_small_yard_brings_robots_too_near(robots, 
 
 
 def random_yard(random: Random) -> Yard:
-    """Four robots on a crooked grid with edges that cross without a vertex."""
+    """Four robots on an irregular grid with edges that cross without a vertex."""
     places = {3 * row + column + 1: (2.2 * column + random.uniform(-0.3, 0.3),
                                      2.2 * row + random.uniform(-0.3, 0.3))
               for row in range(3) for column in range(3)}
@@ -55,18 +55,18 @@ def random_yard(random: Random) -> Yard:
 
 
 def test_random_plans_faults_and_people_bring_no_robots_too_near():
-    """Of what robots are to be granted next nearly all is wrong, as no plan is followed at all."""
+    """No plan is followed, so nearly all requested grants are wrong."""
     for seed in range(STEPS // WALK):
         random = Random(seed)
         found = walk(random_yard(random), random, WALK)
         assert found is None, f'seed {seed}: {told(found)}'
 
 
-# -- every condition is needed --------------------------------------------------------------------
+# -- every condition is necessary -----------------------------------------------------------------
 
 
 def first_fault(make=random_yard, **more) -> Optional[Found]:
-    """What goes wrong first in as many steps as it may take."""
+    """The first fault within the given number of steps."""
     for seed in range(40):
         random = Random(seed)
         yard = make(random)
@@ -85,9 +85,9 @@ def test_without_any_one_of_its_conditions_something_goes_wrong(monkeypatch, nam
     kept = tuple(c for c in getattr(interlocking, conditions) if c.__name__ != name)
     monkeypatch.setattr(interlocking, conditions, kept)
     unheard = {'unheard': frozenset('d')} if name == '_others_are_known' else {}
-    assert first_fault(**unheard) is not None, f'no search misses {name}'
+    assert first_fault(**unheard) is not None, f'no search finds the lack of {name}'
 
 
 def test_an_order_that_is_sent_before_it_is_stored_is_found():
     found = first_fault(sends_before_commit=True)
-    assert found is not None, 'what was sent is forgotten by a restart'
+    assert found is not None, 'no search finds that a restart forgets a sent order'

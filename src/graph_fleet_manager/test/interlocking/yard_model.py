@@ -1,8 +1,8 @@
-"""A small yard in which everything that can happen does, against the interlocking.
+"""A model of a small yard that tests the interlocking with all possible events.
 
-Robots move in steps of half an edge. Orders reach them in order, late, or never; reports come late,
-twice, in any order, or never. The supervisor's side is the real one: route clients and the
-interlocking. What is true is worked out here, from straight lines alone.
+Robots move in steps of half an edge. Orders reach them in order, late, or never. Reports arrive
+late, twice, in any order, or never. The supervisor's side is the real code: route clients and the
+interlocking. The true situation is computed here, from straight lines alone.
 """
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ from trajectory_graph.route_protocol import NO_REASON, EdgeState, Phase, Reason,
 from trajectory_graph.route_protocol import RouteRefusal as Refused
 
 CLEARANCE = 0.1
-CHANGED = 99  # id of the edge that a reload puts in place of another one
+CHANGED = 99  # id of the edge with which a reload replaces another one
 NO = Reason(ReasonCode.OTHER, 'no')
 
 
 class Told(NamedTuple):
-    """A report on its way; `moved`: m that the robot had driven by then."""
+    """A report on its way; `moved` is the distance in m that the robot had driven by then."""
 
     report: Report
     moved: float
@@ -65,7 +65,7 @@ class Unheard(NamedTuple):
 
 @dataclass
 class Machine:
-    """A robot as it truly is, `half` halves of a signed edge from its beginning."""
+    """The true robot, `half` halves of a signed edge from its beginning."""
 
     edge: int
     half: int = 0
@@ -76,21 +76,23 @@ class Machine:
     moved: float = 0.0
     told: int = 0
     is_ahead: bool = False
-    """Its clock is."""
+    """True if its clock is ahead."""
     refuses: bool = False
     refused: Tuple[int, Tuple[int, ...]] = (0, ())
-    """The order that it refused last, and refuses as often as it comes."""
+    """The order that it refused last. It refuses this order each time."""
     slides: int = 0
-    """Edge into which it may slide half way, as it must stop before it sooner than it wanted."""
+    """The edge into which it can slide half way, because its route was cut while it drove; or 0."""
     is_moved: bool = False
-    """A person has moved it: what follows from that is not ours until it is known."""
+    """True if a person has moved it; until this is known, its place is not the interlocking's
+    fault.
+    """
     orders: Tuple[Tuple[int, Tuple[int, ...]], ...] = ()
-    """On their way to it."""
+    """Orders on their way to the robot."""
     words: Tuple[object, ...] = ()
-    """On their way from it."""
+    """Reports and refusals on their way from the robot."""
 
     def order(self, graph: Graph, route_id: int, edges: Tuple[int, ...]) -> bool:
-        """Takes up an order, or refuses it, as the route protocol says."""
+        """Accepts or refuses an order by the rules of the route protocol."""
         if not edges:
             self.route_id, self.edges, self.current, self.phase = route_id, (), 0, Phase.STOPPED
             self.slides = 0
@@ -143,7 +145,7 @@ class Machine:
                 self.edge, self.half = self.edges[self.current], 0
 
     def move(self, graph: Graph) -> None:
-        """Half an edge along its route."""
+        """Moves half an edge along its route."""
         if self.edge != self.edges[self.current]:
             self.edge, self.half = self.edges[self.current], 0
         self.half += 1
@@ -151,14 +153,14 @@ class Machine:
         self._arrive()
 
     def slide(self, graph: Graph) -> None:
-        """To the end of its route, and as far beyond."""
+        """Moves to the end of its route, and half an edge beyond it."""
         edge = self.slides
         self.move(graph)
         self.edge, self.half, self.slides = edge, 1, 0
         self.moved += graph.curve(edge).length / 2
 
     def report(self) -> Told:
-        """What it tells now."""
+        """Its present report."""
         self.told += 1
         rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
         states = ((EdgeState.COMPLETE,) * self.current
@@ -179,12 +181,12 @@ class Believed:
     is_silent: bool = False
     is_halted: bool = False
     stored: Optional[Memory] = None
-    """What of it is on the disk."""
+    """The robot's entry on the disk."""
 
 
 @dataclass
 class World:
-    """Everything, true and believed."""
+    """The whole state, true and believed."""
 
     machines: Dict[str, Machine]
     robots: Dict[str, Believed]
@@ -195,11 +197,11 @@ class World:
     is_disk_full: bool = False
     closed: FrozenSet[int] = frozenset()
     is_changed: bool = False
-    """The graph in force has another edge in place of one."""
+    """True if another edge replaces one in the graph in force."""
     history: Tuple[str, ...] = ()
 
     def clone(self) -> World:
-        """The same, to go on with differently."""
+        """A copy, from which another sequence of events can follow."""
         return World({name: replace(machine) for name, machine in self.machines.items()},
                      {name: replace(robot, client=_clone(robot.client))
                       for name, robot in self.robots.items()},
@@ -220,7 +222,7 @@ def _clone(client: RouteClient) -> RouteClient:
 
 
 class Limits(NamedTuple):
-    """How much may happen: grants, faults, and messages on their way at once."""
+    """Limits on events: grants, faults, and messages on their way at once."""
 
     grants: int
     faults: int
@@ -228,19 +230,18 @@ class Limits(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What is wrong, and how it came to that."""
+    """A fault, and the events that led to it."""
 
     what: str
     history: Tuple[str, ...]
 
 
 class Yard:
-    """All that may happen on a graph of straight edges.
+    """All possible events on a graph of straight edges.
 
-    begins  -- signed edge at whose beginning each robot stands
-    unheard -- robots that have not reported yet
-    spare   -- id of an edge that a reload replaces by another one, and the next one brings back
-    sends_before_commit -- what an order relies on is not stored before it is sent
+    begins  -- signed edge at whose beginning each robot stands unheard -- robots that have not
+    reported yet spare   -- id of an edge that a reload replaces by another one, and the next reload
+    brings back sends_before_commit -- an order is sent before the data that it relies on is stored
     """
 
     def __init__(self, graph: Graph, kind: RobotType, begins: Dict[str, int],
@@ -260,7 +261,7 @@ class Yard:
     # -- the search -------------------------------------------------------------------------------
 
     def search(self, most: Optional[int] = None) -> Optional[Found]:
-        """Looks at all states, or at the first `most` of them; the first fault."""
+        """Checks all states, or the first `most` of them; returns the first fault."""
         world = self.begin()
         waiting: Deque[World] = deque([world])
         seen: Set[object] = {self._key(world)}
@@ -282,7 +283,7 @@ class Yard:
         return None
 
     def begin(self) -> World:
-        """Every robot stands at the beginning of its edge, and has said so."""
+        """The initial state: each robot stands at the beginning of its edge, and has reported."""
         machines = {name: Machine(edge) for name, edge in self._begins.items()}
         robots = {name: Believed(name, self.kind, self._client(self.graph)) for name in machines}
         world = World(machines, robots)
@@ -300,11 +301,11 @@ class Yard:
         return RouteClient(RouteRecord(graph, self.kind, stopping=4.0))
 
     def graph_in_force(self, world: World) -> Graph:
-        """The graph of the fleet manager and of the robots."""
+        """The graph that the fleet manager and the robots use."""
         return self._changed if world.is_changed else self.graph
 
     def interlocking(self, world: World, only: str = '') -> Interlocking:
-        """The interlocking of a world, or of one robot of it only."""
+        """The interlocking of a world, or of one robot of it."""
         ids = count(world.ids + 1)
 
         def new_id() -> int:
@@ -316,10 +317,11 @@ class Yard:
         site.trouble = 'a full disk' if world.is_disk_full else ''
         return site
 
-    # -- what may happen --------------------------------------------------------------------------
+    # -- events
+    # --------------------------------------------------------------------------------------
 
     def events(self, world: World) -> Iterator[Tuple[object, ...]]:
-        """All that may happen next."""
+        """All events that are possible next."""
         flights = sum(len(m.orders) + len(m.words) for m in world.machines.values())
         is_free, may_fail = flights < self.limits.flights, world.faults < self.limits.faults
         for name, machine in world.machines.items():
@@ -365,7 +367,7 @@ class Yard:
                 yield ('reload',)
 
     def of_people(self, world: World) -> Iterator[Tuple[object, ...]]:
-        """What people do beside, for walks that no search could end."""
+        """Further acts of people, for random walks; a complete search would not end with them."""
         yield ('resume' if world.is_stopped else 'stop',)
         yield ('free disk' if world.is_disk_full else 'fill disk',)
         for edge in self.graph.edges:
@@ -381,7 +383,7 @@ class Yard:
         return robot.client.record.pose == Pose(machine.edge, machine.half / 2)
 
     def _may_lose_edge(self, machine: Machine) -> bool:
-        """Is a machine neither on that edge, nor on its way to it, as graph_server asks?"""
+        """True if a machine is neither on that edge nor on its way to it, as graph_server asks."""
         ahead = machine.edges[machine.current:] if machine.phase is Phase.RUNNING else ()
         return not {self.spare, CHANGED} & set(map(abs, (machine.edge, machine.slides, *ahead)))
 
@@ -393,7 +395,7 @@ class Yard:
         return () if vertex is None else tuple(self.graph_in_force(world).edges_from(vertex))
 
     def happen(self, world: World, event: Tuple[object, ...]) -> bool:
-        """Lets an event happen; False where it changes nothing."""
+        """Carries out an event; False if it changes nothing."""
         what, rest = str(event[0]), event[1:]
         world.faults += what in ('lose order', 'lose', 'repeat', 'refuse', 'fail', 'carry', 'halt',
                                  'restart', 'reload')
@@ -471,7 +473,7 @@ class Yard:
         elif what == 'bring in':
             record = robot.client.record
             if world.is_disk_full:
-                return False  # it would be forgotten at a restart
+                return False  # a restart would forget it
             if robot.client.withdrawn is not None:
                 self._halt(world, robot)
                 return True
@@ -526,9 +528,9 @@ class Yard:
             self._store(world, name)
 
     def _restart(self, world: World, before: Graph) -> None:
-        """The supervisor dies and comes back; what was sent reaches the robots yet.
+        """The supervisor dies and restarts; messages already sent still reach the robots.
 
-        before -- the graph until then: after a reload another one is in force
+        before -- the graph until then: after a reload another graph is in force
         """
         graph = self.graph_in_force(world)
         for name, robot in world.robots.items():
@@ -541,10 +543,11 @@ class Yard:
             if robot.is_halted:
                 robot.client.halt(self.interlocking(world)._new_id)
 
-    # -- what must never be -----------------------------------------------------------------------
+    # -- invariants
+    # ----------------------------------------------------------------------------------
 
     def fault(self, world: World, event: Tuple[object, ...] = ('',)) -> str:
-        """What is wrong with a world, after an event; empty: nothing."""
+        """The fault of a world after an event; empty if there is none."""
         found = self._wrong_grant(world, event) if event[0] == 'grant' else ''
         if event[0] == 'send':
             found = self._wrong_order(world, str(event[1]))
@@ -557,7 +560,7 @@ class Yard:
             if not all(abs(edge) in held or self._is_area(edge, allocation) for edge in ahead):
                 return f'{name} drives {ahead}, but holds {sorted(held)}'
             if not self._is_allocated(world.robots[name], machine):
-                return f'{name} is outside of its allocation'
+                return f'{name} is outside its allocation'
         names = sorted(world.machines)
         for k, one in enumerate(names):
             for other in names[k + 1:]:
@@ -572,7 +575,7 @@ class Yard:
         return 2.0 * self.kind.radius + CLEARANCE
 
     def _wrong_grant(self, world: World, event: Tuple[object, ...]) -> str:
-        """Why an edge that was granted now should not have been; by what people see."""
+        """Why the edge just granted should not have been granted, from the true situation."""
         name, edge = str(event[1]), int(str(event[2]))
         robot, machine = world.robots[name], world.machines[name]
         record = robot.client.record
@@ -586,14 +589,14 @@ class Yard:
             is_inside and begin is not None and abs(begin.edge) == abs(edge))
         for wrong, what in (
                 (world.is_stopped, 'the fleet is stopped'),
-                (world.is_disk_full, 'nothing can be stored'),
-                (robot.needs_person, 'a person is needed'),
-                (bool(unheard), f'it is not known where {unheard} is'),
-                (not robot.client.is_heard, 'it has not reported'),
-                (robot.client.evidence.clock_is_off, 'its clock is off'),
+                (world.is_disk_full, 'the disk cannot be written'),
+                (robot.needs_person, 'the robot needs a person'),
+                (bool(unheard), f'the place of {unheard} is unknown'),
+                (not robot.client.is_heard, 'the robot has not reported'),
+                (robot.client.evidence.clock_is_off, 'the clock of the robot is wrong'),
                 (abs(edge) in world.closed and not is_inside, 'the edge is closed'),
-                (abs(edge) not in self.graph_in_force(world).edges, 'the graph lacks it'),
-                (not follows, 'it does not follow')):
+                (abs(edge) not in self.graph_in_force(world).edges, 'the graph lacks this edge'),
+                (not follows, 'the edge does not follow')):
             if wrong:
                 return f'{name} was granted {edge}, but {what}'
         for other, near in world.machines.items():
@@ -610,11 +613,11 @@ class Yard:
         return ''
 
     def _wrong_order(self, world: World, name: str) -> str:
-        """Why an order that is sent now should not be."""
+        """Why the order just sent should not have been sent."""
         edges = world.machines[name].orders[-1][1]
         robot = world.robots[name]
         if edges and not robot.client.takes_away and (world.is_stopped or robot.needs_person):
-            return f'{name} was sent {edges} though it is to stand'
+            return f'{name} was sent {edges} although it must stand'
         return ''
 
     def _is_allocated(self, robot: Believed, machine: Machine) -> bool:
@@ -628,7 +631,7 @@ class Yard:
         return any(_apart(point, *line) < 0.05 for line in lines)
 
     def _is_area(self, edge: int, allocation: Allocation) -> bool:
-        """Is an edge of another graph held by where it lies?"""
+        """True if the areas of an allocation cover an edge of another graph."""
         return any(all(_apart(self._end(edge, half), area.line[0], area.line[-1]) < 0.05
                        for half in (0, 2)) for area in allocation.areas)
 
@@ -640,7 +643,8 @@ class Yard:
         share = half / 2
         return one.x + share * (other.x - one.x), one.y + share * (other.y - one.y)
 
-    # -- states that are the same -----------------------------------------------------------------
+    # -- equal states
+    # --------------------------------------------------------------------------------
 
     def _key(self, world: World) -> object:
         ids: Dict[int, int] = {0: 0}
@@ -657,7 +661,7 @@ class Yard:
 
 def _apart(point: Tuple[float, float], one: Tuple[float, float],
            other: Tuple[float, float]) -> float:
-    """How far a point is from a straight line, m."""
+    """The distance of a point from a straight line, in m."""
     path = other[0] - one[0], other[1] - one[1]
     square = path[0] ** 2 + path[1] ** 2
     share = 0.0 if not square else min(max(
@@ -708,7 +712,7 @@ def _robot_key(robot: Believed, machine: Machine, of: Callable[[int], int]) -> o
 
 
 def _memory_key(robot: Believed, of: Callable[[int], int]) -> object:
-    """What is on the disk, where that is not what is known."""
+    """The robot's entry on the disk, if it differs from the present knowledge."""
     stored, now = robot.stored, robot.client.memory
     if stored is None or stored._replace(stamp=0.0) == now._replace(stamp=0.0):
         return None
@@ -720,9 +724,9 @@ def _memory_key(robot: Believed, of: Callable[[int], int]) -> object:
 
 
 def walk(yard: Yard, random: Random, steps: int, trouble: float = 0.03) -> Optional[Found]:
-    """Lets things happen at random, most of them useful; the first fault.
+    """Carries out random events, most of them useful; returns the first fault.
 
-    trouble -- how likely something goes wrong in a step
+    trouble -- probability of a fault in each step
     """
     world = yard.begin()
     for _ in range(steps):
@@ -738,7 +742,7 @@ def walk(yard: Yard, random: Random, steps: int, trouble: float = 0.03) -> Optio
         else:
             kind = random.choice(useful)
         event = random.choice(kinds[kind])
-        if kind == 'grant' and random.random() < 0.1:  # an edge that does not follow, mostly
+        if kind == 'grant' and random.random() < 0.1:  # in most cases an edge that does not follow
             edges = list(yard.graph_in_force(world).edges)
             edge = random.choice(edges) * random.choice((1, -1))
             event = (*event[:2], edge)
@@ -751,6 +755,6 @@ def walk(yard: Yard, random: Random, steps: int, trouble: float = 0.03) -> Optio
     return None
 
 
-HISTORY = 60  # events that are told with a fault
+HISTORY = 60  # number of events that are printed with a fault
 USEFUL = ('grant', 'send', 'deliver', 'move', 'slide', 'cut', 'report', 'hear')
 MENDING = ('bring in', 'mend clock', 'settle', 'resume', 'free disk', 'open')

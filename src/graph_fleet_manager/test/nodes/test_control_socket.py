@@ -11,14 +11,14 @@ SILENT = 2.0  # s
 
 
 def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
-    """The watchdog told people to restart the simulator."""
+    """A silent client once blocked the node: the watchdog told people to restart the simulator."""
     server = ControlServer(0, lambda line: None, dict)
     with socket.create_connection(('127.0.0.1', server.port), timeout=20.0) as connection:
         connection.sendall(b'where\n')
         assert connection.recv(100) == b'{}\n'
         watch = ThreadWatch(('graph_fleet_manager',), standstill=SILENT)
         watch.look(time.monotonic())
-        time.sleep(1.1 * SILENT)  # the client is silent, which takes time
+        time.sleep(1.1 * SILENT)  # the client is silent for this time
         assert watch.look(time.monotonic()) == []
     server.shutdown()
     server.server_close()

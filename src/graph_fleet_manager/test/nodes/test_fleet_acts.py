@@ -1,4 +1,4 @@
-"""What the robot's menu in RViz asks the fleet manager for."""
+"""The requests of the robot's menu in RViz to the fleet manager."""
 from __future__ import annotations
 
 import queue
@@ -32,7 +32,7 @@ def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service
 
 
 class Publisher:
-    """Keeps what is published, for as many subscribers."""
+    """Keeps the published messages; it has the given number of subscribers."""
 
     def __init__(self, subscribers: int = 1) -> None:
         self.sent: List[Any] = []

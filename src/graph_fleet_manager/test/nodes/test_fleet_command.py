@@ -1,4 +1,4 @@
-"""The command `fleet` says how every robot stands, and declares robots absent."""
+"""The command `fleet` prints the state of each robot, and declares robots absent."""
 from __future__ import annotations
 
 import pytest
@@ -21,7 +21,7 @@ def test_every_state_has_its_word(state):
 
 @pytest.fixture
 def called(monkeypatch):
-    """The services that were called. `gone` is not in the fleet file any more, `near` reports."""
+    """The called services. `gone` is no longer in the fleet file, `near` reports."""
     called = []
 
     def call(service, kind):
@@ -68,6 +68,6 @@ def test_which_robots_are_absent_must_be_said(called, arguments):
     ('localhost', ''), ('127.0.0.1', ''),
     ('no-such-computer.invalid', "This computer's own name, no-such-computer.invalid, has no")])
 def test_a_computer_whose_name_has_no_address_is_told(host, expected):
-    """Subscribers call a publisher back by that name, so nothing it sends would arrive."""
+    """Subscribers connect to a publisher by that name; without an address nothing would arrive."""
     assert name_problem(host).startswith(expected)
     assert bool(name_problem(host)) == bool(expected)

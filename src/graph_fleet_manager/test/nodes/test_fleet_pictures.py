@@ -1,4 +1,4 @@
-"""What RViz is given to draw of a fleet."""
+"""The markers of a fleet for RViz."""
 from __future__ import annotations
 
 import math
@@ -150,7 +150,7 @@ def test_what_stays_is_changed_in_place():
     changes = Changes()
     first = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
     assert [one.action for one in first].count(Marker.DELETEALL) == 1
-    assert first[0].action == Marker.DELETEALL  # what a node before this one left
+    assert first[0].action == Marker.DELETEALL  # deletes the markers of an earlier node
     second = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
     assert {one.action for one in second} == {Marker.ADD}
     assert second == first[1:]

@@ -1,4 +1,4 @@
-"""/fleet_poses tells the last location of every robot, without any ROS master."""
+"""/fleet_poses has the last location of each robot; tested without a ROS master."""
 import math
 from unittest.mock import patch
 

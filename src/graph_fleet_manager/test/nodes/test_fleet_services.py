@@ -1,4 +1,4 @@
-"""Stop all is obeyed at once: without a graph, without a disk, past a supervisor that hangs."""
+"""The fleet stop is obeyed at once: without graph, without disk, beside a hanging supervisor."""
 from __future__ import annotations
 
 import threading
@@ -35,7 +35,7 @@ class Services:
                                      self.past.append)
 
     def call(self, name, supervisor=None, hangs=False, request=None):
-        """The answer, and what the supervisor's thread is to do."""
+        """The answer, and the actions for the supervisor's thread."""
         answers, actions = [], []
 
         def ask():
@@ -68,7 +68,7 @@ def test_a_stop_does_not_wait_for_a_graph(services):
 
 
 def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
-    """Of what a person did to the whole fleet nothing else stands in the log."""
+    """The log is the only record of what a person did to the whole fleet."""
     logged = []
     monkeypatch.setattr(fleet_services.rospy, 'loginfo', lambda text, *words: logged.append(
         text % words))
@@ -97,7 +97,7 @@ def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
 
 @pytest.mark.parametrize('dies', [True, False])
 def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
-    """Whether the same process begins to supervise or, having stored the stop, dies before."""
+    """Either this process begins to supervise, or it dies after it has stored the stop."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
@@ -130,7 +130,7 @@ def stop_past(fleet):
 
 
 def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
-    """Nothing of it is on the disk, but the robots tell of it."""
+    """The stop is not on the disk, but the robots report it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 3, robot='a')
     fleet.run_until_done(1)
@@ -149,7 +149,7 @@ def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
 
 @pytest.mark.parametrize('dies', [True, False])
 def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume(dies):
-    """It did not forget its route: no person needs to look at it."""
+    """The robot has not forgotten its route, so it needs no person."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 5, robot='a')
     fleet.run(3.0)
@@ -182,7 +182,7 @@ def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
 
 @pytest.mark.parametrize('name', ['/resume_fleet', '/a/join_fleet'])
 def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name):
-    """A caller that was told that robots do not go on may be among them by then."""
+    """The caller was told that the robots do not go on, and may stand among them by then."""
     monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     fleet.run(3.0)
@@ -225,6 +225,6 @@ def test_before_the_fleet_manager_has_begun_no_mission_is_called_unknown(service
 
 
 class FixedTime:
-    """A clock for messages where there is no ROS."""
+    """A clock for messages without ROS."""
 
     now = staticmethod(lambda: genpy.Time(5))

@@ -1,4 +1,4 @@
-"""`fleet stop` reaches the fleet manager with a ROS master, without one, and ends in any case."""
+"""`fleet stop` reaches the fleet manager with and without a ROS master, and always ends."""
 from __future__ import annotations
 
 import io
@@ -20,7 +20,7 @@ from graph_fleet_manager.supervision.route_ids import is_past
 
 
 class FleetManager:
-    """Its service, as rospy serves it: one call."""
+    """The fleet manager's service as rospy serves it, for one call."""
 
     def __init__(self, answer=None, header=None) -> None:
         self._server = socket.create_server(('127.0.0.1', 0))
@@ -38,7 +38,7 @@ class FleetManager:
             rosgraph.network.write_ros_handshake_header(connection, self._header)
             if self._answer is None:
                 connection.recv(1000)
-                connection.recv(1000)  # until the command gives up
+                connection.recv(1000)  # until the command stops waiting
                 return
             connection.recv(4)
             content = io.BytesIO()
@@ -69,7 +69,7 @@ def test_without_a_master_the_fleet_manager_of_this_computer_is_asked(monkeypatc
     stop_address.note(f'http://{name}:1', FleetManager(STOPPED).address)
     told = stop.stop()
     assert told.endswith('The fleet manager was asked directly. Every robot was told to stop.')
-    assert 'refused' in told, 'what happened is said'
+    assert 'refused' in told, 'the log must have a warning'
 
 
 def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the_stop(monkeypatch):
@@ -114,11 +114,11 @@ def test_a_damaged_file_is_no_crash(noted):
         stop.stop()
 
 
-# -- past a fleet manager that hangs --------------------------------------------------------------
+# -- without a fleet manager that answers ---------------------------------------------------------
 
 
 class Route:
-    """A topic on which a robot is sent routes, as rospy publishes to it; `connected` ones only."""
+    """A topic on which a robot receives routes, as rospy publishes to it; only `connected` ones."""
 
     routes: dict = {}
     connected: tuple = ()
@@ -144,7 +144,7 @@ TOPICS = {'/a/target_route': 'itrci_nav_msgs/TargetRoute', '/fleet_state': 'x/Fl
 
 @pytest.fixture
 def hung(monkeypatch):
-    """A fleet manager that takes calls and answers none, and a ROS master that works."""
+    """A fleet manager that accepts calls and answers none, and a ROS master that works."""
     monkeypatch.setattr(stop, 'PATIENCE', 0.1)
     stop_address.note('http://127.0.0.1:1', FleetManager().address)
     monkeypatch.setattr(Master, 'topic_types', lambda *_: TOPICS)

@@ -1,4 +1,4 @@
-"""What the supervisor wants told goes out as it said."""
+"""The messages of the supervisor are published in order."""
 from __future__ import annotations
 
 import genpy
@@ -15,7 +15,7 @@ from itrci_nav_msgs.msg import PlanAnswer
 
 
 class _Publisher:
-    """Keeps what is published, by topic. Nothing with the id 13 can be serialised."""
+    """Keeps published messages by topic. A message with the id 13 cannot be serialised."""
 
     sent: dict = {}
     error: Exception
@@ -62,7 +62,7 @@ def test_an_answer_to_an_older_question_is_none(topics):
 
 
 def answer_to(request, result=PlanAnswer.PLANNED):
-    """The planner's."""
+    """The planner's answer."""
     answer = PlanAnswer(plan_id=request.plan_id, result=result)
     answer.header.stamp = request.header.stamp
     return answer

@@ -1,4 +1,4 @@
-"""A graph in two parts, as of two halls: a warning; both fleets run, no mission crosses."""
+"""A graph in two unconnected parts, such as two halls: a warning, and missions within one part."""
 from __future__ import annotations
 
 import pytest

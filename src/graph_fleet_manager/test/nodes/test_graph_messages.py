@@ -1,4 +1,4 @@
-"""What graph_server tells, and what it reads of the robots' reports."""
+"""The messages that graph_server publishes, and those of robots that it reads."""
 from __future__ import annotations
 
 import genpy

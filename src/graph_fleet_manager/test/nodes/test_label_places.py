@@ -1,4 +1,4 @@
-"""Labels of robots that meet can be read."""
+"""Labels of robots that meet stay readable."""
 from __future__ import annotations
 
 import itertools
@@ -19,14 +19,14 @@ def label(x, y, words='agv_1  100 %\nto 49\n(ld90_1)'):
 
 
 def rectangles(places, labels):
-    """West, south, east and north of every label."""
+    """West, south, east and north edge of each label."""
     for name, one in labels.items():
         middle, half = np.array(one.middle(places.side(name))), np.array(one.size) / 2.0
         yield (*(middle - half), *(middle + half))
 
 
 def covered(one, other):
-    """Area that two rectangles share."""
+    """The area, in m2, that two rectangles share."""
     width = min(one[2], other[2]) - max(one[0], other[0])
     height = min(one[3], other[3]) - max(one[1], other[1])
     return max(width, 0.0) * max(height, 0.0)
@@ -69,7 +69,7 @@ def test_a_label_keeps_its_side_while_nothing_is_gained():
     places = LabelPlaces()
     places.choose({'a': label(0.0, 0.0), 'b': label(1.0, 0.0)})
     sides = places.side('a'), places.side('b')
-    for step in range(20):  # it drives a little further each time
+    for step in range(20):  # the robot drives a little further each time
         places.choose({'a': label(0.0, 0.01 * step), 'b': label(1.0, 0.0)})
         assert (places.side('a'), places.side('b')) == sides
 

@@ -1,4 +1,4 @@
-"""The command `mission` follows its own request, regardless of other news under the same id."""
+"""The command `mission` follows its own request, even if other messages have the same id."""
 from __future__ import annotations
 
 import pytest
@@ -16,13 +16,13 @@ MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
 
 
 class Told:
-    """Statuses as they come on /mission_status, one by one."""
+    """Statuses as they arrive on /mission_status, one by one."""
 
     def __init__(self, *statuses: MissionStatus) -> None:
         self.statuses = list(statuses)
 
     def wait(self, _: float) -> None:
-        assert self.statuses, 'it still waits though everything was told'
+        assert self.statuses, 'the command still waits after the last message'
 
     def take(self):
         return [self.statuses.pop(0)] if self.statuses else []
@@ -93,7 +93,7 @@ def test_the_stamp_of_a_request_survives_the_way_through_the_fleet_manager():
 
 
 def change(monkeypatch, word: str, *statuses: MissionStatus, more: tuple = ()) -> None:
-    """Carries out `mission WORD 7 MORE` while this is told."""
+    """Runs `mission WORD 7 MORE` while these statuses arrive."""
     monkeypatch.setattr(mission, 'connect', lambda name: None)
     monkeypatch.setattr(mission, 'Listener', lambda *_: Told(*statuses))
     monkeypatch.setattr('rospy.rostime.get_rostime', lambda: rospy.Time(5))
@@ -144,7 +144,7 @@ def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
     ('pause', MissionState.PAUSED), ('resume', MissionState.ACTIVE),
     ('resume', MissionState.PENDING)])
 def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word, state):
-    """The fleet manager says nothing where nothing changes; it is asked all the same."""
+    """The fleet manager publishes nothing if nothing changes; the command asks it for the state."""
     asked = []
     monkeypatch.setattr(Nobody, 'publish', lambda _, message: asked.append(message))
     change(monkeypatch, word, status(state))
@@ -156,7 +156,7 @@ def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word,
     (True, True, 'made_fleet'), (True, False, 'ros_home'), (False, False, 'ros_home')])
 def test_history_is_that_of_the_fleet_manager_that_runs(
         monkeypatch, capsys, tmp_path, is_online, runs, place):
-    """A simulated fleet keeps its journal in a folder that has no fixed name."""
+    """A simulated fleet keeps its journal in a folder without a fixed name."""
     class Master:
         def __init__(self, *_):
             pass

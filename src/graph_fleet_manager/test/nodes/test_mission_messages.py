@@ -1,4 +1,4 @@
-"""What robots report, and what is told of the fleet, means the same in messages."""
+"""Reports of robots, and the fleet's state, keep their meaning in messages."""
 from __future__ import annotations
 
 import io
@@ -87,7 +87,7 @@ def test_a_status_tells_which_command_it_answers():
 
 
 LATEST = (genpy.Time(2 ** 32 - 1, 10 ** 9 - 1), genpy.Time(2 ** 32 - 1, 2 ** 32 - 1))
-"""Times that a message can bring, and the fleet manager keeps as a number of seconds."""
+"""Times that a message can have, and that the fleet manager keeps as a number of seconds."""
 
 
 @pytest.mark.parametrize('stamp', LATEST)
@@ -103,7 +103,7 @@ def test_a_request_with_a_time_that_no_status_could_tell_is_refused_in_a_status(
 
 @pytest.mark.parametrize('stamp', [stamp.to_sec() for stamp in LATEST])
 def test_a_mission_with_such_a_time_that_was_accepted_before_can_be_told(stamp):
-    """Journals of earlier releases have them."""
+    """Journals of earlier releases have such times."""
     status_message(Status(3, MissionState.PENDING, stamp=stamp), NOW).serialize(io.BytesIO())
 
 

@@ -1,4 +1,4 @@
-"""Learned times on their way to the planner: all of them once, then what has changed."""
+"""Learned times are sent to the planner: first all of them, then only changes."""
 from __future__ import annotations
 
 from io import BytesIO
@@ -18,7 +18,7 @@ WHOLE: Table = dict.fromkeys(KEYS, 10.0)
 
 
 class Dialogue:
-    """A supervisor that asks a planner until it is answered, as the nodes do."""
+    """A supervisor that asks a planner until it gets an answer, as the nodes do."""
 
     def __init__(self, rate: float = 1.0) -> None:
         self.rate = rate
@@ -27,12 +27,12 @@ class Dialogue:
         self.sizes = []
 
     def request(self, table: Table) -> msg.PlanRequest:
-        """What the supervisor publishes."""
+        """The request that the supervisor publishes."""
         self.plan_id += 1
         return self.filled(msg.PlanRequest(plan_id=self.plan_id), table)
 
     def filled(self, message: msg.PlanRequest, table: Table) -> msg.PlanRequest:
-        """The request with what the planner lacks of the table, as it comes over ROS."""
+        """The request with the times that the planner lacks, as it arrives over ROS."""
         self.sent.fill(message, table, self.rate)
         self.sizes.append(len(message.edge_times))
         buffer = BytesIO()
@@ -40,18 +40,18 @@ class Dialogue:
         return msg.PlanRequest().deserialize(buffer.getvalue())
 
     def take(self, message: msg.PlanRequest) -> Optional[Table]:
-        """What the planner goes by; None: it answers OTHER_TIMES."""
+        """The times that the planner uses; None if it answers OTHER_TIMES."""
         found = self.kept.take(message, self.rate)
         return None if found is None else dict(found)
 
     def ask(self, table: Table) -> Table:
-        """Asks once, and once more with all times where the planner lacks some."""
+        """Asks once, and again with all times if the planner lacks some."""
         message = self.request(table)
         found = self.take(message)
         if found is None:
             self.sent.is_lost()
             found = self.take(self.filled(message, table))
-        assert found is not None, 'the planner refuses a whole table'
+        assert found is not None, 'the planner refused a complete table'
         self.sent.answered(message.plan_id)
         return found
 
@@ -101,7 +101,7 @@ def test_times_are_those_of_the_robots_however_fast_the_simulation_is(rate):
 
 
 class LossesAndRestarts(RuleBasedStateMachine):
-    """The planner goes by the right table after all losses and restarts."""
+    """The planner uses the right table after all losses and restarts."""
 
     @initialize()
     def begin(self):

@@ -1,4 +1,4 @@
-"""Requests and answers survive the way through their messages; nonsense is refused in words."""
+"""Requests and answers are unchanged after a way through their messages; bad values are refused."""
 from __future__ import annotations
 
 from io import BytesIO
@@ -60,20 +60,20 @@ requests = st.builds(
 
 
 def outlined(x, y, radius=0.0):
-    """A request with one obstacle, of one outline."""
+    """A request with one obstacle that has one outline."""
     return msg.PlanRequest(obstacles=[msg.FleetObstacle(
         robot='r1', robot_type='agv', outlines=[msg.Outline(x, y, radius)])])
 
 
 def through_ros(message):
-    """What a subscriber gets of a message."""
+    """The message as a subscriber gets it."""
     buffer = BytesIO()
     message.serialize(buffer)
     return type(message)().deserialize(buffer.getvalue())
 
 
 def close(one, other):
-    """Equal, but for the nanosecond to which ROS times are true and the size of its floats."""
+    """True if both are equal, except for the precision of ROS times (1 ns) and of floats."""
     if isinstance(one, float):
         return other == pytest.approx(one, abs=2e-8)
     if isinstance(one, (tuple, list)):

@@ -1,4 +1,4 @@
-"""A reported place counts for a short time, regardless of the clock."""
+"""A reported place is valid for a short time, whatever the clock says."""
 from __future__ import annotations
 
 import time

@@ -1,4 +1,4 @@
-"""The graph in force changes when another one comes, and only then."""
+"""The graph in force changes only when another graph arrives."""
 from __future__ import annotations
 
 import io
@@ -27,7 +27,7 @@ def refusals(monkeypatch) -> list:
 
 
 def message(length: float = 4.0, edges: int = 1) -> BoundedGraphMessage:
-    """Two vertices `length` m apart and so many edges between them."""
+    """Two vertices `length` m apart, and the given number of edges between them."""
     return BoundedGraphMessage(
         vertices=[Vertex(id=1, frame_id='map/nn0'), Vertex(id=2, frame_id='map/nn0', x=length)],
         edges=[Edge(id=id, origin_id=1, destination_id=2, curve_type='line')
@@ -75,7 +75,7 @@ def test_a_message_that_is_too_large_is_not_even_read(refusals, monkeypatch):
     monkeypatch.setattr(graph_topic, 'MAX_BYTES', 1000)
     huge = received(message(edges=100))
     assert (huge.edges, huge.vertices) == ([], [])
-    FollowedGraph(lambda graph, stamp: pytest.fail('a graph is told')).take(huge)
+    FollowedGraph(lambda graph, stamp: pytest.fail('the graph was accepted')).take(huge)
     assert 'more than 1000 bytes' in refusals[0]
 
 

@@ -1,4 +1,4 @@
-"""A task of the diagnostics that fails shows it, and ends no others."""
+"""A diagnostics task that fails reports it, and stops no other task."""
 from __future__ import annotations
 
 from typing import List
@@ -12,7 +12,7 @@ from node_lifecycle import diagnostics
 
 @pytest.fixture(autouse=True)
 def told(monkeypatch) -> List[str]:
-    """What is written to the log."""
+    """The messages in the log."""
     messages: List[str] = []
     monkeypatch.setattr(diagnostics, 'warn', lambda kind, message: messages.append(message))
     return messages

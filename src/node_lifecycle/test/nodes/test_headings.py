@@ -1,4 +1,4 @@
-"""Headings and quaternions, as all nodes turn one into the other."""
+"""Headings and quaternions, as all nodes convert them."""
 from __future__ import annotations
 
 import ast

@@ -1,4 +1,4 @@
-"""A disk too full for the log, or read-only, is no reason for a node to end."""
+"""A full or read-only disk for the log does not end a node."""
 from __future__ import annotations
 
 import errno
@@ -13,7 +13,7 @@ from node_lifecycle import log_file
 
 
 class FullDisk(logging.Handler):
-    """A handler as rospy's for the standard streams: it lets errors out."""
+    """A handler like rospy's for the standard streams: it raises errors."""
 
     def emit(self, record):
         raise OSError(errno.ENOSPC, 'No space left on device')
@@ -72,7 +72,7 @@ def test_a_log_file_that_is_full_says_nothing_but_a_wrong_message_does(monkeypat
 
 
 def opens_a_log(path):
-    """As rospy does, which finds the class of the handler by its name."""
+    """Opens a log as rospy does, which finds the handler's class by its name."""
     return lambda name, **options: logging.handlers.RotatingFileHandler(str(path), 'a', 1000, 4)
 
 

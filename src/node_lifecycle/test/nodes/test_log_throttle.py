@@ -1,4 +1,4 @@
-"""Few messages of a kind are logged, and none is left out without being counted."""
+"""Few messages of a kind are logged, and suppressed ones are counted."""
 from __future__ import annotations
 
 from node_lifecycle.log_throttle import BURST, PERIOD, LogThrottle

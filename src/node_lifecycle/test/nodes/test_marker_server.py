@@ -1,4 +1,4 @@
-"""In which order RViz hears of handles."""
+"""The order in which RViz receives handles."""
 from __future__ import annotations
 
 import threading
@@ -11,7 +11,7 @@ from node_lifecycle.marker_server import OrderedMarkerServer
 
 @pytest.fixture
 def sent(monkeypatch) -> list:
-    """What the library's server would publish, in order."""
+    """The messages that the library's server would publish, in order."""
     messages = []
     for name in ('publishInit', 'keepAlive', 'applyChanges'):
         monkeypatch.setattr(InteractiveMarkerServer, name,

@@ -1,4 +1,4 @@
-"""A node registers anew when the master lacks it, and only then."""
+"""A node registers again if the master does not know it, and only then."""
 from __future__ import annotations
 
 from typing import List
@@ -13,7 +13,7 @@ from node_lifecycle.master_watch import MasterWatch, ThisNode
 
 
 class Master:
-    """Knows the node wholly, by one of its two registrations, or not; or is not there."""
+    """A master that knows the node completely, by one of two registrations, or not; or is away."""
 
     def __init__(self, known: int = 2, there: bool = True) -> None:
         self.known = known
@@ -35,7 +35,8 @@ class Master:
     def restore(self) -> None:
         self._answer(True)
         self.restored += 1
-        self.known = 1 if self.ends_in_between else 2  # the other went to the master before
+        # the other registration went to the master before
+        self.known = 1 if self.ends_in_between else 2
 
 
 @pytest.mark.parametrize(('master', 'registers'), [
@@ -59,14 +60,15 @@ def test_a_master_that_ends_while_a_node_registers_is_told_the_rest():
     master = Master(known=0)
     watch = MasterWatch(master)
     master.ends_in_between = True
-    assert not watch.look() and master.is_known(), 'by what came to the new master'
+    assert not watch.look() and master.is_known(), (
+        'the new master must have the later registrations')
     master.ends_in_between = False
     assert watch.look() and master.is_complete()
     assert not watch.look() and master.restored == 2
 
 
 class Rosmaster:
-    """As much of a ROS master as a node looks at; what is registered comes by `notify_added`."""
+    """The functions of a ROS master that a node uses; registrations come by `notify_added`."""
 
     def __init__(self) -> None:
         self.nodes: List[str] = []

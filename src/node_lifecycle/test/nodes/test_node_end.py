@@ -1,4 +1,4 @@
-"""What a node says while it ends."""
+"""The log messages of a node that ends."""
 from __future__ import annotations
 
 import logging

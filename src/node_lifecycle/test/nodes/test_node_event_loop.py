@@ -1,4 +1,4 @@
-"""One thread makes the calls of a node in their order, and looks at the clock in between."""
+"""One thread makes the calls of a node in order, and checks the clock in between."""
 from __future__ import annotations
 
 import threading
@@ -11,7 +11,7 @@ from node_lifecycle.event_loop import EventLoop
 
 
 class Clock:
-    """Goes on by a step with each look at it."""
+    """Advances by a step each time it is read."""
 
     def __init__(self, step: float) -> None:
         self.now, self.step = 0.0, step
@@ -47,12 +47,12 @@ def test_a_tick_comes_though_calls_never_cease():
     loop.run()
     gaps = ''.join(word[0] for word in made).split('t')
     assert made.count('tick') >= 5
-    assert max(map(len, gaps)) <= 12, 'a tick is late by the calls that waited only'
+    assert max(map(len, gaps)) <= 12, 'a tick may be late only by the calls that waited'
 
 
 def test_what_waits_when_a_tick_is_due_is_made_before_it():
     made: List[str] = []
-    loop = EventLoop(lambda: made.append('tick'), 1.0, Clock(5.0))  # every look finds a tick due
+    loop = EventLoop(lambda: made.append('tick'), 1.0, Clock(5.0))  # a tick is due at every look
     for number in range(50):
         loop.put(lambda number=number: made.append(f'call {number}'))
     loop.put(loop.end)

@@ -59,7 +59,7 @@ def test_what_main_returns_is_the_exit_status(tmp_path):
 
 
 def test_every_node_begins_so():
-    """That is, all programs of modules that take ROS's signals themselves."""
+    """Applies to all programs of modules that handle ROS's signals themselves."""
     nodes = [text for text in (file.read_text() for file in SOURCES.glob('*/nodes/*'))
              if re.search(r'[\'"]\w+\.nodes\.\w+[\'"]|from \w+\.nodes\.\w+ import main', text)]
     assert len(nodes) >= 15
@@ -79,7 +79,7 @@ def test_what_a_command_returns_is_the_exit_status(tmp_path):
 
 
 def test_every_command_begins_so():
-    """That is, all programs but those of packages that pip installs without `node_program`."""
+    """Applies to all programs except those of packages that pip installs without `node_program`."""
     others = {str(file.relative_to(SOURCES)) for file in SOURCES.glob('*/nodes/*')
               if 'from node_program import run_' not in file.read_text()}
     assert others == {'omron_ld90_sim/nodes/ld90_sim', 'omron_map/nodes/ld_map',

@@ -1,4 +1,4 @@
-"""Parameters that are missing, of another type or out of range are refused in one sentence."""
+"""Parameters that are missing, of another type or out of range are refused with one sentence."""
 from __future__ import annotations
 
 import math
@@ -12,7 +12,7 @@ from node_lifecycle.parameters import REQUIRED
 
 @pytest.fixture
 def given(monkeypatch):
-    """The parameters that the server holds."""
+    """The parameters that the server has."""
     values = {}
     monkeypatch.setattr(rospy, 'get_param', lambda name, default: values.get(name, default))
     monkeypatch.setattr(rospy, 'resolve_name', lambda name: name.replace('~', '/node/'))

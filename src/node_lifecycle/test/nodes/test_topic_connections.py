@@ -1,4 +1,4 @@
-"""rospy's connections of topics where many nodes start at once."""
+"""rospy's connections of topics when many nodes start at once."""
 from __future__ import annotations
 
 import socket
@@ -20,7 +20,7 @@ SOURCES = Path(__file__).resolve().parents[3]
 
 
 class Subscriber:
-    """Connects as rospy does: looks whether there is a connection, asks, and makes one."""
+    """Connects as rospy does: checks for a connection, asks, and makes one."""
 
     def __init__(self) -> None:
         self.made: List[str] = []
@@ -29,7 +29,7 @@ class Subscriber:
         self.asking = threading.Semaphore(0)
 
     def connect(self, topic: str, publisher: str) -> None:
-        """What rospy calls `_connect_topic`."""
+        """The function that rospy calls `_connect_topic`."""
         if publisher in self.made:
             return
         self.asked[publisher] = self.asked.get(publisher, 0) + 1
@@ -59,7 +59,7 @@ def test_a_publisher_that_does_not_answer_keeps_no_other_one_waiting():
     for thread in threads:
         thread.start()
     assert one.asking.acquire(timeout=10.0)
-    assert one.asking.acquire(timeout=10.0), 'the second publisher waits for the first one'
+    assert one.asking.acquire(timeout=10.0), 'the second publisher had to wait for the first one'
     one.answer.set()
     for thread in threads:
         thread.join(10.0)
@@ -90,7 +90,7 @@ def test_a_client_that_sends_no_header_keeps_no_other_one_out(words: bytes,
                               for _ in range(2))
         silent.sendall(words)
         write_ros_handshake_header(subscriber, {'topic': '/graph', 'callerid': '/test'})
-        assert welcomed.wait(5.0), 'the subscriber waits behind the silent client'
+        assert welcomed.wait(5.0), 'the subscriber had to wait for the silent client'
 
 
 def test_to_mend_twice_changes_nothing():

@@ -1,4 +1,4 @@
-"""A thread that stands still is seen; one that waits, sleeps or works is not."""
+"""A thread that hangs is found; a thread that waits, sleeps or works is not reported."""
 from __future__ import annotations
 
 import queue
@@ -21,7 +21,7 @@ def running() -> Callable[[Callable[[], object]], threading.Thread]:
 
 
 def watched(seconds: float = 0.6) -> List[Standstill]:
-    """What stands still, in this module, after it was looked at for so long."""
+    """The hanging threads of this module, after they were watched for this time."""
     watch = ThreadWatch((__name__,), standstill=0.3)
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:

@@ -1,4 +1,4 @@
-"""A thread without which a node is of no use: when it fails, the process ends."""
+"""A thread that a node cannot do without: if it fails, the process ends."""
 from __future__ import annotations
 
 from typing import Callable, List

@@ -1,4 +1,4 @@
-"""What the bridge's tests share: small graphs, and a robot that obeys without any sockets."""
+"""Common parts of the bridge's tests: small graphs, and a robot that needs no sockets."""
 from __future__ import annotations
 
 import heapq
@@ -15,7 +15,7 @@ from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteRepor
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000
 
-# how the nodes tell the bridge what became of a command
+# maps the outcomes that the nodes report to the endings that the bridge knows
 ENDINGS = {
     Outcome.SUCCEEDED: p.Ending.SUCCEEDED,
     Outcome.INTERRUPTED: p.Ending.INTERRUPTED,
@@ -56,9 +56,9 @@ def dissertation_graph() -> Graph:
 
 
 class GraphRobot:
-    """Drives as an LD-90 would, behind a controller that tells how commands end.
+    """Drives as an LD-90 would, behind a controller that reports how commands end.
 
-    Shortest way, brakes for its goal, tells where it is at 2 Hz.
+    The robot takes the shortest path, brakes for its goal, and reports its place at 2 Hz.
     """
 
     TOP_SPEED, ACCELERATION, BRAKING = 1.35, 0.5, 0.2
@@ -76,7 +76,7 @@ class GraphRobot:
         self.period = period
         self.motion = p.Motion.DOCKED if self.docked else p.Motion.STANDING
         self.emergency = False
-        self.number: Optional[int] = None  # of the drive that is under way
+        self.number: Optional[int] = None  # number of the present drive
         self._shown = ''
         self._way: List[Tuple[float, float]] = []
         self._since_status = period
@@ -87,7 +87,7 @@ class GraphRobot:
         return self._shown if self.motion in (p.Motion.GOING, p.Motion.ARRIVED) else ''
 
     def obey(self, number: Optional[int], command: str) -> List[p.Event]:
-        """Takes a command; what the controller tells of it and of the one before."""
+        """Takes a command; returns the reports about it and about the previous command."""
         self.commands.append(command)
         events: List[p.Event] = []
         if self.number is not None:
@@ -106,7 +106,7 @@ class GraphRobot:
         return events
 
     def halt(self, motion: p.Motion) -> None:
-        """The robot stands, and shows that."""
+        """The robot stands, and its status says so."""
         self.goal, self._way, self.speed, self.motion = None, [], 0.0, motion
 
     def press_emergency_stop(self) -> List[p.Event]:
@@ -118,7 +118,7 @@ class GraphRobot:
             p.CommandEnded(number, p.Ending.EMERGENCY_STOPPED, 'EStop pressed')]
 
     def step(self, now: float) -> List[p.Event]:
-        """Drives for STEP seconds; what is heard of it meanwhile."""
+        """Drives for STEP seconds; returns the events of that time."""
         events: List[p.Event] = []
         left = self._left()
         if self._way:
@@ -139,7 +139,7 @@ class GraphRobot:
         return events
 
     def seen(self, now: float) -> p.RobotSeen:
-        """The robot's status now."""
+        """The robot's present status."""
         docking = {p.Motion.DOCKED: p.Docking.DOCKED, p.Motion.DOCKING: p.Docking.DOCKING}
         return p.RobotSeen(int(now * NANOSECONDS), self.motion, self.shown_goal,
                            docking.get(self.motion, p.Docking.UNDOCKED), self.emergency,
@@ -162,7 +162,7 @@ class GraphRobot:
         self.trail.append(self.position)
 
     def _shortest_way(self, vertex: int) -> List[Tuple[float, float]]:
-        """Points to the vertex, over the straight edges of the graph."""
+        """The points of the shortest path to a vertex, over the straight edges of the graph."""
         edge, projection = self.graph.nearest_edge(*self.position)
         queue = [(projection.arc_length, self.graph.start_vertex(edge).id, ()),
                  (self.graph.curve(edge).length - projection.arc_length,
@@ -184,7 +184,7 @@ class GraphRobot:
 
 
 class Bench:
-    """A follower and a robot joined, with a clock that only runs when it is told to."""
+    """A follower joined to a robot, with a clock that the test moves on."""
 
     def __init__(self, graph: Graph, vertex: int, strategy: str = 'vertex_by_vertex',
                  period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.Link] = (),
@@ -194,7 +194,7 @@ class Bench:
             Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), graph,
             links)
         self.now = 100.0
-        self.link_is_up = dict.fromkeys(links, True)  # None: its node is away
+        self.link_is_up = dict.fromkeys(links, True)  # None while the link's node is away
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []
         self.notes: List[str] = []
@@ -204,27 +204,27 @@ class Bench:
         self.look()
 
     def hear_motion(self, reason: str) -> None:
-        """The controller says in which epoch the robot is."""
+        """The controller reports the present epoch."""
         self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason))
 
     def overrule(self, reason: str = '"stop" of /rviz', command: str = '') -> None:
-        """Another giver stops or drives the robot, and the controller says so."""
+        """Another giver stops or drives the robot, and the controller reports it."""
         self.epoch += 1
         if command:
             self.robot.obey(None, command)
         self.hear_motion(reason)
 
     def tell(self, *events: p.Event) -> None:
-        """Events to the follower; the robot obeys what it sends."""
+        """Passes events to the follower; the robot obeys its commands."""
         for event in events:
             self._act(self.follower.handle(event, self.now))
 
     def look(self) -> None:
-        """The robot tells where it is and what it does."""
+        """The robot reports its place and its motion."""
         self.tell(self.robot.seen(self.now))
 
     def hear_links(self) -> None:
-        """The nodes report how their links stand, as they do every second."""
+        """The nodes report the state of their links, as they do every second."""
         for link, up in self.link_is_up.items():
             if up is not None:
                 self.tell(p.LinkReported(link, up, '' if up else 'connection refused'))
@@ -233,7 +233,7 @@ class Bench:
         self.tell(RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
 
     def run(self, until: Optional[Callable[[Bench], bool]] = None, seconds: float = 300.0) -> None:
-        """Lets time pass until the condition holds (by default: no route runs)."""
+        """Runs until the condition is true (by default: until no route runs)."""
         until = until or (lambda bench: not bench.follower.running)
         end = self.now + seconds
         while not until(self):
@@ -242,13 +242,13 @@ class Bench:
             self.reports.append(self.follower.report())
 
     def drive(self, seconds: float) -> None:
-        """Lets time pass, in which the robot drives and tells where it is."""
+        """Runs for a time in which the robot drives and reports its place."""
         end = self.now + seconds - 1e-9
         while self.now < end:
             self.step()
 
     def step(self) -> None:
-        """A tenth of a second passes."""
+        """Runs for a tenth of a second."""
         self.now += GraphRobot.STEP
         if round(self.now * 10) % 10 == 0:
             self.hear_links()
@@ -256,7 +256,7 @@ class Bench:
         self._act(self.follower.tick(self.now))
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass without the robot or a node saying or doing anything."""
+        """Moves the clock on without any message from the robot or a node."""
         end = self.now + seconds
         while self.now < end:
             self.now += GraphRobot.STEP
@@ -270,7 +270,7 @@ class Bench:
         while self.now < end:
             self.now += GraphRobot.STEP
             self.robot.step(self.now)
-        self.robot.number = None  # the giver of the command hears of its end no more
+        self.robot.number = None  # the new process does not receive the end of the old command
         self.follower = RouteFollower(follower.settings, follower.graph, tuple(self.link_is_up))
         if record:
             self.follower.restore(record, away < 20.0, self.now)
@@ -290,7 +290,7 @@ class Bench:
         return [int(state) for state in self.follower.report().states]
 
     def give(self, give: p.Give) -> None:
-        """What the node does with a command: here the robot hears it at once."""
+        """Sends a command to the robot, which receives it at once."""
         if give.known_epoch not in (0, self.epoch):
             self.tell(p.CommandEnded(give.number, p.Ending.OVERRULED, 'another giver came first'))
             return

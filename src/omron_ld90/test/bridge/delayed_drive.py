@@ -1,7 +1,7 @@
-"""The bridge's mind, the controller's core and a robot that speaks ARCL, with delays between them.
+"""The bridge's core, the controller's core and a robot that speaks ARCL, with delays between them.
 
-All without ROS and sockets: everything happens at its time on one clock, nothing is random, and
-every line and message takes as long as it is told to. A person may stop the robot at any moment.
+There is no ROS and no socket. Everything happens on one clock, nothing is random, and each line and
+message takes a given time. A person may stop the robot at any moment.
 """
 from __future__ import annotations
 
@@ -30,12 +30,11 @@ AnyRobot = Union[SpeakingRobot, SimulatedRobot]
 
 
 class DelayedDrive:
-    """A route that is driven under the eyes of a person who may stop the robot.
+    """A route on which a person may stop the robot.
 
     passed -- drives of the route that the bridge gave, or the controller let through, although it
-        knew of the person's stop
-    crossed -- a drive that was on its way when the person stopped the robot itself, and that
-        that could not be held back any more, came to the robot after that stop
+    knew of the person's stop crossed -- a drive that reached the robot after a person had stopped
+    it at the robot itself; it was already on its way and could not be stopped any more
     """
 
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
@@ -43,21 +42,21 @@ class DelayedDrive:
         self._time = Timeline(100.0)
         self.later, self.run = self._time.later, self._time.run
         self._graph = graph
-        self._edges: Tuple[int, ...] = ()            # of the route
+        self._edges: Tuple[int, ...] = ()  # edges of the route
         self.delays = delays
         self.up = dict.fromkeys(p.Link, True)
-        self.stopped_at: Optional[float] = None      # the person's last stop
+        self.stopped_at: Optional[float] = None  # time of the person's last stop
         self.bridge_knows = self.controller_knows = False
         self.crossed = self._stopped_at_robot = False
-        self.spared = False                          # no more links or nodes die
+        self.spared = False  # True: no more links or nodes fail
         self.passed: List[str] = []
         self.trace: List[str] = []
-        self.watchers: List[Callable[[str], None]] = []  # of the moments of the drive
-        self._generation = 0     # of the bridge's process
-        self._last_number = 0    # of its commands
-        self._drives: List[Execution] = []  # of the route
+        self.watchers: List[Callable[[str], None]] = []  # called at each moment of the drive
+        self._generation = 0  # number of the bridge's process
+        self._last_number = 0  # number of the bridge's last command
+        self._drives: List[Execution] = []  # drives of the route, let through
         self.bridge: Optional[RouteFollower] = None
-        self._told: Optional[Motion] = None  # by the controller, latched
+        self._told: Optional[Motion] = None  # latched message of the controller
         self._controller = self.make_controller(delays)
         self.robot = self.make_robot(vertex, interruption, braking)
         self.bridge = RouteFollower(
@@ -70,28 +69,28 @@ class DelayedDrive:
         self.run(1.5)
 
     def make_controller(self, delays: Delays) -> ModelledController:
-        """The controller that drives the robot."""
+        """Makes the controller that drives the robot."""
         return ModelledController(self._time, delays, self._reach_robot, self._on_motion)
 
     def make_robot(self, vertex: int, interruption: str, braking: float) -> AnyRobot:
-        """The robot that is driven."""
+        """Makes the robot."""
         return SpeakingRobot(self._graph, vertex, self._say, self.later, interruption, braking)
 
     # --- time -------------------------------------------------------------------------------------
 
     @property
     def now(self) -> float:
-        """s"""
+        """The time in s."""
         return self._time.now
 
     @property
     def is_well(self) -> bool:
-        """Whether the links stand and the bridge runs."""
+        """True if the links are connected and the bridge runs."""
         return self.bridge is not None and all(self.up.values())
 
     @property
     def has_ended(self) -> bool:
-        """Whether the bridge knows that its route is over."""
+        """True if the bridge knows that its route has ended."""
         return self.bridge is not None and not self.bridge.running
 
     def _tick(self) -> None:
@@ -107,10 +106,11 @@ class DelayedDrive:
         for watch in list(self.watchers):
             watch(moment)
 
-    # --- what people and the fleet do -------------------------------------------------------------
+    # --- acts of people and the fleet manager
+    # --------------------------------------------------------
 
     def order(self, route_id: int, *edges: int) -> None:
-        """The fleet manager gives a route, knowing of all that has happened."""
+        """The fleet manager sends a route, and knows of everything that has happened."""
         stamp = int(self.now * NANOSECONDS)
         self.stopped_at = None
         self.bridge_knows = self.controller_knows = self._stopped_at_robot = False
@@ -124,7 +124,7 @@ class DelayedDrive:
         self.later(self.delays.to_controller, partial(self._give_for_person, 'stop'))
 
     def stop_by_cancelling(self) -> None:
-        """A person cancels what `execute_command` does."""
+        """A person cancels the goals of `execute_command`."""
         self._begin_stop('cancellation')
         self.later(self.delays.to_controller, self._take_cancellation)
 
@@ -143,7 +143,7 @@ class DelayedDrive:
         self._give_for_person(f'goto {min({4, 6} - ends)}')
 
     def _give_for_person(self, command: str) -> None:
-        """A drive without a link comes to nothing; a stop is owed."""
+        """Sends a person's command. Without a link a drive fails; a stop is owed."""
         try:
             self._controller.give(command, PERSON, 0, lambda result: None)
         except NotConnected:
@@ -152,7 +152,7 @@ class DelayedDrive:
             self.controller_knows = True
 
     def stop_at_robot(self) -> None:
-        """A person stops the robot in MobilePlanner, or with another client of it."""
+        """A person stops the robot in MobilePlanner, or with another client of the robot."""
         self._begin_stop('another client')
         self._stopped_at_robot = True
         self.robot.hear_another('stop')
@@ -180,7 +180,7 @@ class DelayedDrive:
         self.later(seconds, mend)
 
     def restart_bridge(self, seconds: float) -> None:
-        """The bridge dies, and is back after some seconds with what it remembers."""
+        """The bridge dies, and is back after some seconds with its stored memory."""
         if self.bridge is None or self.spared:
             return
         dead, record = self.bridge, self.bridge.record
@@ -198,7 +198,7 @@ class DelayedDrive:
         self.later(seconds, start)
 
     def restart_controller(self) -> None:
-        """The controller dies, and is back at once with what it has kept."""
+        """The controller dies, and is back at once with its stored memory."""
         if self.spared or not self._controller.connected:
             return
         self._note('controller dies')
@@ -214,7 +214,7 @@ class DelayedDrive:
             self._act(self.bridge.handle(event, self.now))
 
     def _judge(self, event: p.Event) -> None:
-        """Whether the bridge can know of the person's stop by this event."""
+        """Notes if the bridge can know of the person's stop by this event."""
         self.bridge_knows = self.bridge_knows or (self.stopped_at is not None and (
             isinstance(event, p.CommandEnded) and event.number == self._last_number
             and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED, p.Ending.OVERRULED)))
@@ -280,8 +280,7 @@ class DelayedDrive:
         self._controller.say(line)
 
     def _on_motion(self, motion: Motion) -> None:
-        """The controller tells the driver of the robot; a bridge that starts later hears it,
-        too."""
+        """The controller publishes the robot's giver, also to a bridge that starts later."""
         self._told = motion
         if motion.memory.cause is Cause.OTHER_CLIENT and self.stopped_at is not None:
             self.controller_knows = True

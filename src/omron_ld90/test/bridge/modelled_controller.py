@@ -11,15 +11,15 @@ from omron_arcl import Execution, Giver, NotConnected, Result, parse_command, pa
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.motion_authority import Memory, Motion, MotionAuthority
 
-HEARTBEAT = 1.5  # s between statuses that it asks for
+HEARTBEAT = 1.5  # s between its status requests
 
 
 @dataclass(frozen=True)
 class Delays:
-    """Seconds that each way takes."""
+    """Seconds that a message takes on each way."""
 
     commands: float = 0.0        # bridge -> controller
-    ends: float = 0.0            # controller -> bridge: how commands end
+    ends: float = 0.0  # controller -> bridge: ends of commands
     motions: float = 0.0         # controller -> bridge: `motion`
     to_robot: float = 0.0        # controller -> robot
     from_robot: float = 0.0      # robot -> controller
@@ -28,10 +28,10 @@ class Delays:
 
 
 class ModelledController:
-    """Gives commands to a robot, and tells how they end.
+    """Gives commands to a robot, and reports how they end.
 
-    send -- called with each line that comes to the robot
-    on_motion -- called with each `Motion` that it tells
+    send -- called with each line that arrives at the robot on_motion -- called with each published
+    `Motion`
     """
 
     def __init__(self, timeline: Timeline, delays: Delays, send: Callable[[str], None],
@@ -42,12 +42,12 @@ class ModelledController:
         self._send_line, self._on_motion = send, on_motion
         self._connection = 0  # number of the link
         self.on_taken: Callable[[Giver, bool], None] = lambda giver, drives: None
-        self._memory: Optional[Memory] = None  # that outlives it
+        self._memory: Optional[Memory] = None  # memory that survives the process
         self.start()
         timeline.every(HEARTBEAT, self._ask_status)
 
     def start(self) -> None:
-        """Its process begins, with what the one before it kept."""
+        """Starts its process with the memory that the previous process stored."""
         self._told: Optional[Motion] = None
         self._dispatcher = Dispatcher(MotionAuthority(self._memory, self._keep))
         if self.connected:
@@ -59,7 +59,7 @@ class ModelledController:
 
     @property
     def motion(self) -> Motion:
-        """What it tells, to late subscribers too."""
+        """The published motion, which late subscribers also receive."""
         return self._dispatcher.authority.motion
 
     def give(self, command: str, giver: Giver, known_epoch: int,
@@ -88,7 +88,7 @@ class ModelledController:
         self.turn()
 
     def connect(self) -> None:
-        """The link is back."""
+        """The link is connected again."""
         self.connected = True
         self._dispatcher.on_connected(self._timeline.now)
         self._ask_status()
@@ -99,26 +99,26 @@ class ModelledController:
             self._on_motion(self.motion)
 
     def turn(self) -> None:
-        """What its client does again and again: looks at the clock, sends, tells."""
+        """One turn of the client's loop: checks the clock, sends, reports."""
         self._dispatcher.on_time(self._timeline.now)
         self._send()
         self.call_back()
 
     def call_back(self) -> None:
-        """Tells the givers of commands their outcomes."""
+        """Reports outcomes to the givers of commands."""
         self._tell()
         for call in self._dispatcher.pop_callbacks():
             call()
 
     def lose_link(self) -> None:
-        """Nothing that is under way arrives any more."""
+        """Loses the link: no message on its way arrives any more."""
         self.connected = False
         self._connection += 1
         self._dispatcher.on_lost('the link broke')
         self.call_back()
 
     def say(self, line: str) -> None:
-        """The robot says a line."""
+        """The robot sends a line."""
         self._carry(self._delays.from_robot, partial(self._hear, line))
 
     def _hear(self, line: str) -> None:

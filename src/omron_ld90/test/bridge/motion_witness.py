@@ -1,5 +1,4 @@
-"""Notes by itself whose command the controller took, which giver knew of which, and what was
-broken."""
+"""A witness that independently records commands, and what each giver knew, and finds violations."""
 from __future__ import annotations
 
 from collections import Counter
@@ -15,26 +14,26 @@ from omron_arcl.motion_authority import AT_ONCE, LATE, LOOK, RETRY, Motion, Moti
 from omron_ld90.bridge import events as p
 
 YARD = yard()
-OBEYED_WITHIN = 6.0  # s after a stop has come to the robot, at each speed
-SENT_WITHIN = LOOK + RETRY + 1.0  # s that an owed stop may wait where the robot can be reached
-GIVEN_WITHIN = 4.0  # s until the controller has a stop of the bridge, where all links stand
+OBEYED_WITHIN = 6.0  # s after a stop has reached the robot, at each speed
+SENT_WITHIN = LOOK + RETRY + 1.0  # s for which an owed stop may wait while the robot can be reached
+GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links are connected
 
 
 class Word(NamedTuple):
-    """What the controller took, or heard that another client had done; `giver` None: that."""
+    """A command that the controller took, or learnt of from another client (`giver` None)."""
 
     giver: Optional[Giver]
     drives: bool
 
 
 class WitnessedController(ModelledController):
-    """Tells of each command that it takes, with what its giver knew."""
+    """A controller that reports each command it takes, with the knowledge of its giver."""
 
     on_given: Callable[[str, Giver, int, int], None]
 
     def give(self, command: str, giver: Giver, known_epoch: int,
              on_end: Callable[[Result], None]) -> Execution:
-        """As the base class does it."""
+        """Gives the command as the base class does, and reports it."""
         words = self.count_words()
         execution = super().give(command, giver, known_epoch, on_end)
         self.on_given(command, giver, known_epoch, words)
@@ -44,54 +43,60 @@ class WitnessedController(ModelledController):
 
 
 class Witness(DelayedDrive):
-    """A drive under the eyes of a witness.
+    """A drive that a witness watches.
 
-    robot -- a dialect of the simulator; empty: the model of a robot, which obeys more strangely
-    broken -- what must not be
+    robot -- a dialect of the simulator; empty: the model of a robot, which obeys in stranger ways
+    broken -- the violations found
     """
 
     def __init__(self, strategy: str, delays: Delays, interruption: str = '',
                  braking: float = 0.0, dialect: str = '') -> None:
         self.words: List[Word] = []
-        self.words_of_epoch: Dict[int, int] = {}  # so many had been taken when it was told
+        # by epoch: number of commands taken when the epoch was published
+        self.words_of_epoch: Dict[int, int] = {}
         self.broken: List[str] = []
-        self.lines: List[str] = []  # drives that came to the robot from the controller
-        self.persons, self.came = '', False  # last drive, and whether it came to the robot
+        self.lines: List[str] = []  # drives that reached the robot from the controller
+        self.persons, self.came = '', False  # the last drive, and True if it has reached the robot
         self._taken: Counter[str] = Counter()    # drives, by their text
-        self._arrived: Counter[str] = Counter()  # of these, at the robot, or lost
-        self._is_number = 0  # of the person's last drive among those of its text
+        # of these, the number that reached the robot, or was lost
+        self._arrived: Counter[str] = Counter()
+        self._is_number = 0  # number of the person's last drive among drives with the same text
         self.given_at = -100.0
-        self.drives = 0  # that were taken
+        self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
-        self._another_gave = '', -100.0  # command of another client, and when it gave that
+        self._another_gave = '', -100.0  # the last command of another client, and its time
         self._dialect = dialect
-        self._owed_since: Optional[float] = None  # a stop, and the robot can be reached
+        # time since when a stop is owed and the robot can be reached
+        self._owed_since: Optional[float] = None
         self._stop_came_at = -100.0
-        self._disobeys_since: Optional[float] = None  # it drives, although the last word is a stop
-        self._anothers = False  # whether another client sent it where it drives
-        self._unheard_until = -100.0  # nothing that is given comes to the controller until then
-        self._forgotten: Set[int] = set()  # epochs of controllers before this one
-        self._bridge_knows = 0  # so many words
-        self._is_ordered = False  # whether the fleet manager itself wants the robot to stop
-        self._known_to_stops: Dict[Tuple[str, int], int] = {}  # words, by process and number
-        self._known_to_stop: Optional[int] = None  # the same, of the one that comes now
-        self._demanded: Optional[int] = None  # words before the bridge's stop, until it drives
-        self._ignored_since: Optional[float] = None  # that stop
+        # time since when the robot drives although the last command is a stop
+        self._disobeys_since: Optional[float] = None
+        self._anothers = False  # True if another client sent it where it drives
+        self._unheard_until = -100.0  # until then, no command reaches the controller
+        self._forgotten: Set[int] = set()  # epochs of earlier controllers
+        self._bridge_knows = 0  # number of commands that the bridge knows of
+        self._is_ordered = False  # True if the fleet manager itself wants the robot to stop
+        # number of known commands, by process and number of the stop
+        self._known_to_stops: Dict[Tuple[str, int], int] = {}
+        self._known_to_stop: Optional[int] = None  # the same number for the stop that arrives now
+        # number of commands before the bridge's stop, until the bridge drives
+        self._demanded: Optional[int] = None
+        self._ignored_since: Optional[float] = None  # time since when that stop is ignored
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
         self._time.every(TICK, self._watch_robot)
         self._time.every(TICK, self._watch_stop_of_bridge)
 
     def make_controller(self, delays: Delays) -> ModelledController:
-        """One that is witnessed."""
+        """Makes a controller that the witness watches."""
         controller = WitnessedController(self._time, delays, self._reach_robot, self._on_motion)
         controller.on_taken, controller.on_given = self._on_taken, self._on_given
         controller.count_words = lambda: len(self.words)
         return controller
 
     def make_robot(self, vertex: int, interruption: str, braking: float) -> AnyRobot:
-        """The robot that is driven."""
+        """Makes the robot."""
         if not self._dialect:
             return super().make_robot(vertex, interruption, braking)
         return SimulatedRobot(vertex, self._say, lambda: self.now, self._dialect)
@@ -114,7 +119,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{giver.name} passed {self.words[known or 0:count]}: {command}')
 
     def _on_taken(self, giver: Giver, drives: bool) -> None:
-        if not (drives and self.words[-1:] == [Word(giver, True)]):  # else it just drives on
+        if not (drives and self.words[-1:] == [Word(giver, True)]):  # else the same drive continues
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 
@@ -127,19 +132,22 @@ class Witness(DelayedDrive):
 
     @property
     def is_heard(self) -> bool:
-        """Whether what is given comes to the controller."""
+        """True if commands reach the controller."""
         return self.now >= self._unheard_until
 
     def restart_controller(self, seconds: float = 0.0) -> None:
-        """It dies, and is back; what is given comes to it after some seconds, as topics and
-        actions are joined anew one by one."""
+        """The controller dies, and is back.
+
+        It receives commands only after some seconds, because topics and actions reconnect one by
+        one.
+        """
         if not self.spared and self._controller.connected:
             self._forgotten = set(self.words_of_epoch)
             self._unheard_until = self.now + seconds
         super().restart_controller()
 
     def order(self, route_id: int, *edges: int) -> None:
-        """As the base class does it; a stop of the fleet manager ends each motion."""
+        """Sends a route as the base class does; a stop of the fleet manager ends each motion."""
         if self.bridge:
             self._is_ordered, self._demanded = not edges, None
         super().order(route_id, *edges)
@@ -168,7 +176,7 @@ class Witness(DelayedDrive):
             end(p.Ending.NEVER_SENT, 'there is no controller')
 
     def cut(self, link: p.Link, seconds: float) -> None:
-        """As the base class does it; what is under way is lost."""
+        """Cuts a link as the base class does; messages on their way are lost."""
         if link is p.Link.COMMANDS:
             self._arrived = Counter(self._taken)
         super().cut(link, seconds)
@@ -181,7 +189,7 @@ class Witness(DelayedDrive):
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
 
     def another_client(self, command: str) -> None:
-        """A client of the robot's own server."""
+        """A client of the robot's own server gives a command."""
         self.foreign = True
         self._anothers = self._anothers or command != 'stop'
         self._another_gave = command, self.now
@@ -193,9 +201,9 @@ class Witness(DelayedDrive):
         super()._on_motion(motion)
 
     def _say(self, line: str) -> None:
-        """The word of another client counts once the controller has heard of it.
+        """A command of another client counts from the time at which the controller learns of it.
 
-        So does an emergency stop.
+        The same applies to an emergency stop.
         """
         if line == 'Motors enabled':
             self.later(self.delays.from_robot, self._hear_motors)
@@ -208,7 +216,7 @@ class Witness(DelayedDrive):
         self._powered_at = self.now
 
     def _heard(self, line: str) -> None:
-        """A command beside one of ours with the same effect cannot be told from it."""
+        """Notes another client's command, unless ours has the same effect at the same time."""
         memory, state = self._controller.motion
         if line == 'Stopping':
             is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)
@@ -227,7 +235,7 @@ class Witness(DelayedDrive):
         if line != 'stop':
             self.lines.append(line)
             command, given_at = self._another_gave
-            # Two clients that give one command at one moment cannot be told apart.
+            # The same command from two clients at the same moment cannot be told apart.
             self._anothers = line == command and self.now <= given_at + AT_ONCE
             self._arrived[line] += 1
             self.came = self.came or (
@@ -240,7 +248,7 @@ class Witness(DelayedDrive):
         super()._reach_robot(line)
 
     def _watch_robot(self) -> None:
-        """In each belief of the controller: after a stop the robot drives nowhere for us."""
+        """Checks, from the controller's view: after a stop the robot must not drive for us."""
         if (not self._controller.connected or self._anothers or self.robot.goal is None
                 or not self.words or self.words[-1].drives or self.words[-1].giver is None):
             self._disobeys_since = None
@@ -250,7 +258,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot drives on after {self.words[-1]}')
 
     def _watch_stop_of_bridge(self) -> None:
-        """Also after failed tries the robot stands after a stop of the bridge."""
+        """Checks that the robot stands after a stop of the bridge, even after failed attempts."""
         if (self._demanded is None or not self.is_well or not self.is_heard or self._anothers
                 or self.robot.goal is None
                 or any(word.drives for word in self.words[self._demanded:])):

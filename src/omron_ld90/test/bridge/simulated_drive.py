@@ -1,6 +1,6 @@
-"""The bridge's mind joined to the simulated LD-90, without ROS, sockets or waiting.
+"""The bridge's core joined to the simulated LD-90, without ROS, sockets or waiting.
 
-Both are free of input and output, so a drive of minutes takes a second or two, and the same drive
+Both are free of input and output. So a drive of minutes takes a second or two, and the same drive
 gives the same figures each time.
 """
 from __future__ import annotations
@@ -43,7 +43,7 @@ MAPS = Path(__file__).resolve().parents[4] / 'maps'
 STEP = 0.02           # s
 TICK = 0.1            # s
 STATUS_PERIOD = 0.5   # s
-PATH_STEP = 0.06      # s between samples of the path driven
+PATH_STEP = 0.06  # s between samples of the driven path
 NANOSECONDS = 1_000_000_000
 DOCK_VERTEX = 16
 
@@ -94,35 +94,35 @@ class SimulatedDrive:
         self._act(self.follower.handle(RouteOrder(route_id, edges), self.now))
 
     def drive(self, route_id: int, *edges: int, seconds: float = 600.0) -> float:
-        """Drives a route to its end; the seconds that took."""
+        """Drives a route to its end; returns the seconds that it took."""
         start = self.now
         self.order(route_id, *edges)
         self.run(lambda: not self.follower.running, seconds)
         return self.now - start
 
     def wait(self, seconds: float) -> None:
-        """Lets simulated time pass."""
+        """Runs for the given simulated time."""
         end = self.now + seconds
         self.run(lambda: self.now >= end, seconds + 1.0)
 
     def send(self, command: str, seconds: float = 300.0) -> None:
-        """Sends the robot somewhere past the bridge, and waits until it is there."""
+        """Sends the robot somewhere without the bridge, and waits until it has arrived."""
         heard = len(self.lines)
         self._client.receive(f'{command}\n'.encode())
         self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))
                              for line in self.lines[heard:]), seconds)
 
     def inject(self, fault: str) -> None:
-        """Brings about a fault of the simulator, e.g. `estop press`."""
+        """Injects a fault into the simulator, such as `estop press`."""
         self._faults.inject(fault)
 
     def enable_motors(self) -> None:
-        """A person lets the robot drive again, and it says so in its status."""
+        """A person enables the motors, and the robot's status shows it."""
         self._client.receive(b'enableMotors\n')
         self.wait(2.0 * STATUS_PERIOD)
 
     def run(self, until: Callable[[], bool], seconds: float) -> None:
-        """Lets simulated time pass until the condition holds."""
+        """Runs in simulated time until the condition is true."""
         end = self.now + seconds
         while not until():
             assert self.now < end, f'not within {seconds} s: {self.follower.report()}'
@@ -138,14 +138,15 @@ class SimulatedDrive:
                 self.reports.append(self.follower.report())
 
     def distance_from(self, edges: Tuple[int, ...], since: int = 0) -> float:
-        """Greatest distance (m) to the edges' curves of the path from sample `since` on."""
+        """The greatest distance (m) from the edges' curves to the path from sample `since` on."""
         curves = cKDTree(np.concatenate([self.graph.curve(edge).sample(0.01) for edge in edges]))
         return float(curves.query(self.path[since:])[0].max())
 
     def first_nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
-        """How near (m) the path from sample `since` on first came to a vertex; and the sample.
+        """The nearest distance (m) of the path from sample `since` on to a vertex, and its sample.
 
-        That is the first time that it came within a metre; infinity and the last sample if never.
+        Only the first time counts at which the path came within a metre of it. If it never did:
+        infinity and the last sample.
         """
         away = np.hypot(*(np.array(self.path[since:]) - self.graph.vertex(vertex).position).T)
         near = np.flatnonzero(away < 1.0)
@@ -157,7 +158,7 @@ class SimulatedDrive:
         return float(away[best]), since + best
 
     def _listen(self) -> None:
-        """What the controller and the receiver hear, as the nodes tell it to the bridge."""
+        """Passes on the lines of controller and receiver, as the nodes do for the bridge."""
         for line in self._lines_of(self._client):
             self.lines.append(line)
             self._dispatcher.on_reply(parse_line(line), line, self.now)
@@ -217,7 +218,7 @@ class SimulatedDrive:
 
 
 def shortest_route(graph: Graph, vertices: Sequence[int]) -> Tuple[int, ...]:
-    """The edges of the shortest ways from each of the vertices to the next."""
+    """The edges of the shortest paths from each of the vertices to the next."""
     route: Tuple[int, ...] = ()
     for start, end in zip(vertices, vertices[1:]):
         queue, seen = [(0.0, start, ())], set()

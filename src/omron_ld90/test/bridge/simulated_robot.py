@@ -1,4 +1,4 @@
-"""The simulated LD-90 in the yard, in any dialect, as the model of `speaking_robot` is used."""
+"""The simulated LD-90 in the yard, in any dialect, with the interface of `speaking_robot`."""
 from __future__ import annotations
 
 from functools import lru_cache
@@ -41,9 +41,9 @@ def _hall() -> Tuple[MapDocument, Floor]:
 
 
 class SimulatedRobot:
-    """Its core on a clock of its own, which follows that of the test whenever it is asked.
+    """The simulator's core on a clock of its own, which follows the test's clock.
 
-    say -- called with each line that a client of its server hears
+    say -- called with each line that a client of its server receives
     """
 
     def __init__(self, vertex: int, say: Callable[[str], None], time: Callable[[], float],
@@ -61,41 +61,41 @@ class SimulatedRobot:
 
     @property
     def position(self) -> Tuple[float, float]:
-        """m"""
+        """The position in m."""
         pose = self._robot.true_pose
         return pose.x / 1000.0, pose.y / 1000.0
 
     @property
     def status(self) -> str:
-        """As the receiver hears it."""
+        """The status, as the receiver gets it."""
         return self._robot.status
 
     @property
     def goal(self) -> Optional[str]:
-        """Where it drives."""
+        """The goal to which it drives."""
         activity = self._robot.activity
         if activity is None or activity.status.startswith(('Arrived', 'Undocking')):
             return None
         return activity.status.split()[-1] if activity.goal else 'dock'
 
     def take(self, line: str) -> None:
-        """A command over our connection."""
+        """Takes a command over our connection."""
         self._catch_up()
         self._session.receive(f'{line}\n'.encode())
         self._speak()
 
     def hear_another(self, line: str) -> None:
-        """A command of another client."""
+        """Takes a command of another client."""
         self.inject(f'other {line}')
 
     def inject(self, fault: str) -> None:
-        """A fault of the simulator, such as `estop press`."""
+        """Injects a fault into the simulator, such as `estop press`."""
         self._catch_up()
         self._faults.inject(fault)
         self._speak()
 
     def move(self, now: float) -> Optional[str]:
-        """Drives on; the goal at which it has arrived just now."""
+        """Drives on; returns the goal at which it has just arrived."""
         before = self.goal
         self._catch_up()
         self._speak()

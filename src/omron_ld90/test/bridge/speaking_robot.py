@@ -1,4 +1,4 @@
-"""A robot on a graph that takes and says lines of ARCL, as an LD-90 or one less exact would."""
+"""A robot on a graph that takes and sends lines of ARCL, like an LD-90 or a less exact robot."""
 from __future__ import annotations
 
 import math
@@ -16,11 +16,11 @@ _DOCKED = 'DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
 
 
 class SpeakingRobot(GraphRobot):
-    """Takes lines of ARCL, and says what an LD-90 would; brakes for a while on its way.
+    """Takes lines of ARCL, and answers as an LD-90 would; brakes for a while during a drive.
 
-    From its dock it sets out without a word of its goal, until it has undocked.
+    When it leaves its dock, it does not name its goal until it has undocked.
 
-    interruption -- what it says of a drive that another word ends: its goal's `name`, the
+    interruption -- its answer about a drive that another command ends: its goal's `name`, the
     `coordinates`, the `status` that it had shown, or `nothing`
     """
 
@@ -31,10 +31,10 @@ class SpeakingRobot(GraphRobot):
         self.status = _DOCKED if self.docked else 'Stopped'
         self._say, self._later = say, later
         self._interruption, self._braking_time = interruption, braking
-        self._words = 0  # taken
+        self._words = 0  # commands taken
 
     def take(self, line: str) -> None:
-        """A command of any client."""
+        """Takes a command of any client."""
         if line == 'oneLineStatus':
             x, y = (round(1000.0 * value) for value in self.position)
             self._say(f'Status: {self.status} StateOfCharge: 80.0 Location: {x} {y} 0 '
@@ -66,7 +66,7 @@ class SpeakingRobot(GraphRobot):
             self._say(self.status)
 
     def hear_another(self, line: str) -> None:
-        """A command of another client; all hear what becomes of it."""
+        """Takes a command of another client; all clients receive the result."""
         self.take(line)
 
     def _leave_dock(self, words: int) -> None:
@@ -76,7 +76,7 @@ class SpeakingRobot(GraphRobot):
             self._say(self.status)
 
     def _coast(self) -> None:
-        """Its way is over where it can stand."""
+        """Ends its path at a point where it can stand."""
         way, left, here = self._way, self.speed * self._braking_time / 2.0, self.position
         self.goal, self._way = None, []
         for point in way:
@@ -95,7 +95,7 @@ class SpeakingRobot(GraphRobot):
             self._say('Stopped')
 
     def move(self, now: float) -> Optional[str]:
-        """Drives on; the goal at which it has arrived just now."""
+        """Drives on; returns the goal at which it has just arrived."""
         goal = self.goal
         self.step(now)
         if goal is None or self.goal is not None:

@@ -1,4 +1,4 @@
-"""What is known of the last goal, by the outcome and, where that is lost, by the status."""
+"""Knowledge of the last goal, from the outcome, or from the status if the outcome is lost."""
 from __future__ import annotations
 
 import math
@@ -45,13 +45,13 @@ def doubtful(ending: Ending = Ending.LOST, **how) -> GoalTracker:
 
 def show(tracker: GoalTracker, motion: Motion, goal: str = '', link_stands_since: float = LONG_AGO,
          begin: float = 2.0, times: int = 4) -> None:
-    """The robot's status, twice a second."""
+    """The robot shows this status, twice a second."""
     for count in range(times):
         tracker.seen(RobotSeen(0, motion, goal), begin + 0.5 * count, link_stands_since)
 
 
 class TestOutcomes:
-    """What the controller tells."""
+    """Outcomes that the controller reports."""
 
     def test_the_arrival(self):
         tracker = sent()
@@ -105,7 +105,7 @@ class TestOutcomes:
 
 
 class TestLostOutcome:
-    """The link or the controller was lost: the robot's status tells."""
+    """The link or the controller was lost, so the robot's status decides."""
 
     def test_a_robot_on_its_way_is_watched_until_it_arrives(self):
         tracker = doubtful()
@@ -142,7 +142,7 @@ class TestLostOutcome:
     def test_a_robot_about_an_earlier_goal_heard_of_none_after_it(self):
         tracker = sent('12')
         show(tracker, Motion.GOING, '12', begin=1.0, times=1)
-        for number, goal in enumerate(('10', '8'), 2):  # while the controller stands still
+        for number, goal in enumerate(('10', '8'), 2):  # while the controller is suspended
             tracker.send(goal, f'goto {goal}')
             tracker.given(number)
         tracker.ended(CommandEnded(3, Ending.LOST, 'not heard'), 2.0)
@@ -216,7 +216,7 @@ class TestLostOutcome:
     def test_a_robot_on_its_way_to_a_goal_that_it_was_never_sent_to_obeys_somebody_else(self):
         tracker = doubtful(ending=Ending.NEVER_SENT)
         show(tracker, Motion.GOING, '12', times=1)
-        assert tracker.failure is None, 'not before it has shown that for a while'
+        assert tracker.failure is None, 'this must need more than one status'
         show(tracker, Motion.GOING, '12', begin=3.0)
         assert isinstance(tracker.failure, TakenOver)
 
@@ -298,7 +298,7 @@ class TestLostOutcome:
         show(tracker, Motion.GOING, '12', begin=5.5)
         assert tracker.failure is None
         show(tracker, Motion.STANDING, begin=9.0, times=1)
-        assert tracker.failure is None, 'the one instant does not count with the other'
+        assert tracker.failure is None, 'two separate instants must not add up'
         show(tracker, Motion.STANDING, begin=9.5)
         assert isinstance(tracker.failure, TakenOver)
 

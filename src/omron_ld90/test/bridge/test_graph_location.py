@@ -1,4 +1,4 @@
-"""Where a location is on the graph, as the widths and tolerances of the bridge judge it."""
+"""The place of a location on the graph, by the widths and tolerances of the bridge."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -21,7 +21,7 @@ def at(x: float, y: float, docking: Optional[Docking] = None, graph: Optional[Gr
 @pytest.mark.parametrize(('place', 'pose'), [
     ((1.0, 0.2), SymbolicPose(1, 25.0)),
     ((4.0, 3.0), SymbolicPose(2, 75.0)),
-    ((2.0, 0.6), SymbolicPose(0, 0.0)),     # outside of the corridor
+    ((2.0, 0.6), SymbolicPose(0, 0.0)),  # outside the corridor
 ])
 def test_the_symbolic_pose_is_on_the_nearest_edge(place: Tuple[float, float], pose):
     assert at(*place).symbolic_pose() == pose
@@ -49,8 +49,8 @@ def test_about_the_dock_is_within_two_metres_or_docked():
 
 
 @pytest.mark.parametrize(('place', 'reason'), [
-    ((0.2, 0.1), ''),                       # at its first vertex
-    ((2.0, 0.3), ''),                       # on it
+    ((0.2, 0.1), ''),  # at the first vertex of the edge
+    ((2.0, 0.3), ''),  # on the edge
     ((2.0, 0.6), 'the robot is 0.60 m away from it'),
     ((3.9, 0.0), 'but ends there, at vertex 2'),
 ])

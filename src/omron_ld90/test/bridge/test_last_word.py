@@ -1,5 +1,7 @@
-"""Whenever a person stops the robot, or sends it elsewhere: no drive of the route passes that, and
-the route ends."""
+"""A person may stop the robot, or send it elsewhere, at any time.
+
+No drive of the route may pass this command, and the route must end.
+"""
 from __future__ import annotations
 
 from dataclasses import fields
@@ -16,17 +18,17 @@ from speaking_robot import UNDOCKING_TIME
 
 from omron_ld90.bridge import events as p
 
-YARD = yard()  # what is worked out about its corners is kept
+YARD = yard()  # one object, because it caches what is computed about its corners
 ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5), (-9, 1))
-LONGEST_DRIVE = 60.0  # s of any of these routes
-LONGEST_END = 45.0  # s until the end of a drive is known: a dock may be tried several times
-LONGEST_STOP = 8.0  # s until the bridge gives a stop that came to nothing, in any case
+LONGEST_DRIVE = 60.0  # s, longest time of these routes
+LONGEST_END = 45.0  # s until the end of a drive is known: docking may be tried several times
+LONGEST_STOP = 8.0  # s until the bridge gives a failed stop again, in every case
 SECONDS = st.sampled_from([0.0, 0.01, 0.05, 0.2])
 MOMENTS = st.one_of(
     st.tuples(st.just('order'), st.just(1), st.floats(0.0, 25.0)),
     st.tuples(st.sampled_from(['give', 'let through', 'arrival', 'up', 'bridge is back']),
               st.integers(1, 4), st.one_of(SECONDS, st.floats(0.0, 1.2))))
-# so near the n-th drive or arrival of the route, as `planned_moments` has them
+# near the n-th drive or arrival of the route, at the times of `planned_moments`
 NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 0.3))
 STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot', 'send_elsewhere'])
 TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
@@ -42,7 +44,7 @@ def start_of(edges: Tuple[int, ...]) -> int:
 
 @lru_cache(maxsize=None)
 def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
-    """Seconds from the order to each drive and each arrival of a route that nothing delays."""
+    """Seconds from the order to each drive and each arrival of a route without delays."""
     drive = DelayedDrive(YARD, start_of(edges), strategy, Delays(), 'name', 0.0)
     moments = []
     drive.watchers.append(lambda what: moments.append(drive.now) if what != 'order' else None)
@@ -53,7 +55,7 @@ def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
 
 
 def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], None]) -> None:
-    """Does something so long after something has happened in the drive for the n-th time."""
+    """Calls a function some time after an event of the drive has happened for the n-th time."""
     what, count, seconds = moment
     happened = []
 
@@ -112,7 +114,7 @@ def test_a_stop_ends_a_route_as_soon_while_the_robot_leaves_its_dock_or_docks(
     getattr(drive, stop)()
     drive.run(braking + 1.0)
     assert drive.has_ended
-    assert len(drive.robot.commands) == 1, 'nothing else is given'
+    assert len(drive.robot.commands) == 1, 'no other command may be given'
 
 
 @pytest.mark.parametrize('interruption', [*DIALECTS, 'nothing'])
@@ -128,7 +130,7 @@ def test_a_robot_that_leaves_its_dock_or_docks_completes_its_route(
 
 
 def is_driven_again(drive: DelayedDrive) -> bool:
-    """Whether a new order drives the robot, from where it stands, once all is well."""
+    """True if a new order drives the robot from its place, once there is no fault any more."""
     drive.watchers.clear()
     drive.spared = True
     drive.run(LONGEST_STOP, lambda: drive.is_well)

@@ -1,5 +1,7 @@
-"""Many givers drive and stop one robot, with losses and restarts: no command of a giver is
-passed by one that does not know of it, and no stop is forgotten."""
+"""Many givers drive and stop one robot, with losses and restarts.
+
+No command of a giver is passed by a giver that does not know of it, and no stop is forgotten.
+"""
 from __future__ import annotations
 
 from contextlib import suppress
@@ -44,14 +46,15 @@ class Robots(RuleBasedStateMachine):
         self.start(Witness(strategy, delays, interruption, braking))
 
     def start(self, world: Witness) -> None:
-        """Everything runs."""
+        """Starts everything."""
         self.world = world
         self.known = dict.fromkeys(PROGRAMS, self.world._controller.motion.memory.epoch)
         self.starts = dict.fromkeys(PROGRAMS, 1)
         self.route_id = 6
-        self.last: List[Tuple[Giver, str, int]] = []  # commands of programs, that may come again
+        self.last: List[Tuple[Giver, str, int]] = []  # commands of programs that may arrive again
 
-    # --- what happens -----------------------------------------------------------------------------
+    # --- events
+    # ---------------------------------------------------------------------------------------
 
     @rule(seconds=st.sampled_from([0.01, 0.3, 1.0, 4.0]))
     def passes(self, seconds: float) -> None:
@@ -78,7 +81,9 @@ class Robots(RuleBasedStateMachine):
 
     @rule(program=st.sampled_from(PROGRAMS))
     def program_restarts(self, program: str) -> None:
-        """It knows what the one before it knew; what that gave may still come."""
+        """The new process has the knowledge of the old one; the old one's commands may still
+        arrive.
+        """
         self.starts[program] += 1
 
     @rule(program=st.sampled_from(PROGRAMS), goal=GOALS, late=SECONDS)
@@ -92,13 +97,13 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.last)
     @rule(which=st.integers(0, 20))
     def comes_again(self, which: int) -> None:
-        """A message of before, by a publisher whose connection came back."""
+        """An old message arrives again, because its publisher's connection was restored."""
         self.take(*self.last[which % len(self.last)])
 
     @rule(goal=GOALS)
     def person_drives(self, goal: str) -> None:
         self.take(PERSON, f'goto {goal}', 0)
-        self.world.run(0.0)  # so that it is clear which drive it is that comes to the robot
+        self.world.run(0.0)  # so that it is clear which drive reaches the robot
 
     @rule()
     def person_stops(self) -> None:
@@ -145,7 +150,7 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
     @rule(link=st.sampled_from(list(p.Link)))
     def route_fails_without_a_controller(self, link: p.Link) -> None:
-        """The stop that the bridge gives comes to nothing at first."""
+        """The stop that the bridge gives fails at first."""
         self.world.restart_controller(9.0)
         self.world.cut(link, 5.0)
         self.world.run(8.0, lambda: self.world.has_ended)
@@ -164,7 +169,8 @@ class Robots(RuleBasedStateMachine):
         with suppress(ArclError):
             self.world._controller.give(command, giver, known_epoch, lambda result: None)
 
-    # --- what must hold ---------------------------------------------------------------------------
+    # --- invariants
+    # -----------------------------------------------------------------------------------
 
     @invariant()
     def nobody_is_passed(self) -> None:
@@ -177,7 +183,7 @@ class Robots(RuleBasedStateMachine):
             assert len(self.world.lines) <= self.world.drives
 
     def teardown(self) -> None:
-        """In the end every stop is obeyed that no later drive has overtaken."""
+        """At the end, each stop that no later drive has replaced must be obeyed."""
         if not hasattr(self, 'world'):
             return
         world = self.world
@@ -195,7 +201,7 @@ class Robots(RuleBasedStateMachine):
 
 
 class SimulatedRobots(Robots):
-    """The same with the simulated LD-90, in every dialect; its emergency stop is pressed, too."""
+    """The same with the simulated LD-90, in every dialect; its emergency stop is also pressed."""
 
     @initialize(strategy=STRATEGIES, dialect=st.sampled_from(DIALECTS), delays=DELAYS)
     def begin(self, strategy: str, dialect: str, delays: Delays) -> None:

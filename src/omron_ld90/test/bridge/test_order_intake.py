@@ -1,4 +1,4 @@
-"""Orders are due, wait, or are refused with a reason that people read once."""
+"""Orders are due, wait, or are refused with one note to people about the reason."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -37,12 +37,12 @@ def order(route_id: int = 7, sent: float = 100.0, received: float = 100.0,
 
 
 def driven(given: RouteOrder, phase: Phase = Phase.RUNNING) -> RouteRun:
-    """The route that an order has become."""
+    """The route that was made from an order."""
     return RouteRun(given, Settings(), GoalTracker(), RobotLocation(), None, 100.0, phase)
 
 
 class Bench:
-    """An intake, and what it tells."""
+    """An intake, and its notes and refusals."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
         self.unknown = NO_REASON
@@ -176,7 +176,9 @@ def test_an_order_is_late_that_was_sent_before_that_of_the_route(bench, sent, is
 
 
 def test_no_order_is_late_where_the_clock_was_set_back(bench):
-    """That of this computer: where only the sender's was, the stamps tell of a late order."""
+    """Applies to this computer's clock: if only the sender's was set back, the stamps show a late
+    order.
+    """
     after = order(sent=100.0 - 60.0, edges=(1, 2, 3))
     assert bench.intake.take(replace(after, received=int((100.1 - 60.0) * 1e9)),
                              driven(order()), 101.0)

@@ -1,4 +1,4 @@
-"""Where the robot goes is because of us, or another giver's doing."""
+"""Decides if the robot's goal is ours or another giver's."""
 from __future__ import annotations
 
 import pytest

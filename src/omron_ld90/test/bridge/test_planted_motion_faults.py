@@ -1,6 +1,6 @@
-"""The search of test_motion_property.py finds each of these faults, when it is planted alone.
+"""The search of test_motion_property.py finds each of these planted faults.
 
-test_stop_duty.py finds a bridge that gives its stop once only.
+test_stop_duty.py finds a bridge that gives its stop only once.
 """
 from __future__ import annotations
 

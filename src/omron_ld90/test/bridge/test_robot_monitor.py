@@ -1,4 +1,4 @@
-"""What ends a route on the robot's side, and which commands are due."""
+"""Events of the robot that end a route, and the commands that are due."""
 from __future__ import annotations
 
 import pytest
@@ -20,7 +20,7 @@ from trajectory_graph.route_protocol import Reason, ReasonCode
 
 
 def monitor() -> RobotMonitor:
-    """Both links stand and the robot has been seen, at time 0."""
+    """Both links are connected and the robot has been seen, at time 0."""
     robot = RobotMonitor(Settings(), Link)
     for link in Link:
         robot.update(LinkReported(link, True), 0.0)
@@ -106,7 +106,7 @@ def test_a_location_is_overdue_only_while_its_link_stands():
             robot.update(LinkReported(link, True), time)
     robot.check(5.0)
     assert why_failed(robot, 5.5) == 'the robot has not reported its location for 5 s'
-    robot = monitor()  # the receiver stands still
+    robot = monitor()  # the receiver is suspended
     robot.update(LinkReported(Link.COMMANDS, True), 5.0)
     robot.check(5.5)
     robot.update(LinkReported(Link.OUTGOING, True), 9.5)

@@ -1,4 +1,4 @@
-"""Where the robot was last seen, and how its links and their nodes stand."""
+"""The last known place of the robot, and the state of its links and their nodes."""
 from __future__ import annotations
 
 import pytest
@@ -36,7 +36,7 @@ class TestRobotLinks:
 
     @staticmethod
     def links() -> RobotLinks:
-        """Both links stand at time 0."""
+        """Both links are connected at time 0."""
         links = RobotLinks(Link, link_timeout=2.0, restart_timeout=20.0)
         for link in Link:
             links.update(LinkReported(link, True), 0.0)

@@ -1,4 +1,4 @@
-"""For all events in any order: the follower stands, takes nothing back, makes nothing up."""
+"""For all events in any order: the follower survives, and its reports never take anything back."""
 from __future__ import annotations
 
 from typing import Sequence, Tuple
@@ -15,7 +15,8 @@ from trajectory_graph.route_protocol import EdgeState, RouteReport
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
                             {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})
 GOALS = st.sampled_from(['1', '2', '5', 'dock', 'Charger', ''])
-TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)  # which edge to take, vertex by vertex
+# index of the edge to take, vertex by vertex
+TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)
 
 DISTURBANCES = st.one_of(
     st.builds(p.RobotSeen, st.integers(0, 10**12), st.sampled_from(list(p.Motion)), GOALS,
@@ -42,7 +43,7 @@ HAPPENINGS = st.one_of(
 
 
 class WildBench(Bench):
-    """A robot and its follower, to which things happen."""
+    """A robot and its follower, with random events."""
 
     def __init__(self, *arguments) -> None:
         self.deaf = False
@@ -123,7 +124,7 @@ def check_states(report: RouteReport) -> None:
 
 
 def check_change(before: RouteReport, after: RouteReport) -> None:
-    """Of one route, what is complete stays so, and so does what has failed."""
+    """Within one route, a complete edge stays complete, and a failed edge stays failed."""
     if after.route_id == before.route_id and after.edges == before.edges:
         assert after.states.count(EdgeState.COMPLETE) >= before.states.count(EdgeState.COMPLETE)
         if EdgeState.FAILED in before.states:

@@ -1,4 +1,4 @@
-"""What goes wrong ends a route with a reason, stops the robot, and completes nothing undriven."""
+"""A fault ends a route with a reason, stops the robot, and completes no undriven edge."""
 from __future__ import annotations
 
 import pytest
@@ -23,10 +23,10 @@ def assert_failed(bench: Bench, reason: str, stopped: bool = True) -> None:
     assert report.reason.text == reason
     assert report.states == (EdgeState.COMPLETE, EdgeState.FAILED, EdgeState.FAILED)
     assert (bench.commands[-1] == 'stop') is stopped
-    assert bench.reports[-1].reason.text == reason  # told at once
+    assert bench.reports[-1].reason.text == reason  # reported at once
 
 def end_of_drive(bench: Bench, ending: Ending, text: str = '') -> None:
-    """The controller tells that the drive under way has ended."""
+    """The controller reports the end of the present drive."""
     number, bench.robot.number = bench.robot.number, None
     bench.tell(p.CommandEnded(number, ending, text))
 
@@ -50,7 +50,7 @@ def test_an_emergency_stop_that_only_the_status_shows_fails_the_route():
     assert_failed(bench, 'emergency stop')
 
 class TestWhatSomebodyElseDoes:
-    """It takes over at once; that the robot obeys a stop is the controller's duty."""
+    """Another giver takes over at once; the controller's duty is that the robot obeys a stop."""
 
     @pytest.mark.parametrize('command', ['stop', 'goto 3'])
     def test_ends_the_route_and_nothing_more_is_given(self, command):
@@ -220,7 +220,7 @@ def test_an_arrival_is_not_judged_by_late_locations_of_a_robot_that_turns_on_the
     bench = under_way()
     number = bench.robot.number
     bench.tell(p.CommandEnded(number, Ending.SUCCEEDED, 'Arrived at 7'))
-    for _ in range(5):  # what the robot said before: on its way, and for a while at one place
+    for _ in range(5):  # earlier reports of the robot: on its way, and for a while at one place
         bench.now += 0.2
         assert bench.robot.motion is Motion.GOING
         bench.look()
@@ -228,7 +228,7 @@ def test_an_arrival_is_not_judged_by_late_locations_of_a_robot_that_turns_on_the
 
 def test_an_arrival_is_judged_by_the_locations_after_it_however_late_they_come():
     bench = under_way(location_timeout=60.0)
-    while bench.robot.motion is not Motion.ARRIVED:  # the controller is heard, the robot is not
+    while bench.robot.motion is not Motion.ARRIVED:  # the controller reports, the robot does not
         bench.now += 0.1
         bench.tell(*[event for event in bench.robot.step(bench.now)
                      if isinstance(event, p.CommandEnded)])
@@ -255,7 +255,7 @@ def test_a_corner_cut_so_far_that_a_vertex_is_missed_is_made_good():
     bench = Bench(yard(), 1, 'direct')
     bench.order(7, 1, 5)
     assert bench.commands == ['goto 5']
-    drive_by(bench, (2.0, 0.0), (3.5, 0.4), (5.0, 0.4))  # by vertex 2 at 0.4 m
+    drive_by(bench, (2.0, 0.0), (3.5, 0.4), (5.0, 0.4))  # passes vertex 2 at 0.4 m
     assert bench.commands[-1] == 'goto 2'
     assert bench.states() == [1, 1]
     bench.run()
@@ -283,7 +283,7 @@ def test_a_failed_route_says_nothing_more_to_the_robot():
     assert bench.follower.report().reason.text == 'Cannot find path'
 
 class TestLinks:
-    """A short outage costs nothing; a long one the route, and the stop follows."""
+    """A short outage has no effect; a long one ends the route, and a stop follows."""
 
     def test_a_lost_link_fails_the_route_after_a_while_and_the_stop_follows_when_it_is_back(self):
         bench = under_way(links=LINKS)
@@ -374,7 +374,7 @@ class TestLinks:
         assert 'commands: its node has reported nothing for 2' in reason.text
 
 class Unreachable:
-    """In place of the bench's way to the controller: no controller hears the commands."""
+    """Takes the place of the bench's controller: no controller receives the commands."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench

@@ -1,4 +1,4 @@
-"""Routes are driven to their end, by every strategy, and reported as they are driven."""
+"""Routes are driven to their end with each strategy, and reported during the drive."""
 from __future__ import annotations
 
 import math
@@ -44,7 +44,7 @@ def test_direct_sends_the_last_vertex_when_the_shortest_way_is_the_route():
 
 def test_direct_cuts_a_route_that_is_not_the_shortest_way():
     bench = Bench(yard(), 1, 'direct')
-    bench.order(7, 1, 2, 3)  # round the block, where edge 4 is the short way
+    bench.order(7, 1, 2, 3)  # round the block, although edge 4 is the shorter way
     bench.run()
     assert bench.commands == ['goto 2', 'goto 3', 'goto 4']
     assert bench.states() == [2, 2, 2]
@@ -61,7 +61,7 @@ def test_rolling_passes_without_stopping():
 def test_rolling_looks_no_farther_ahead_than_braking_demands():
     bench = Bench(yard(), 1, 'rolling')
     bench.order(7, 1, 5, 6)
-    assert 'goto 6' not in bench.commands  # 12 m away, and the robot stands
+    assert 'goto 6' not in bench.commands  # 12 m away, while the robot stands
     bench.run()
     assert bench.commands[-1] == 'goto 6'
     assert bench.robot.halts == 1
@@ -118,7 +118,7 @@ def test_the_edge_to_the_dock_is_complete_when_the_robot_is_docked_and_not_befor
 
 def test_a_docked_robot_stands_on_the_dock_vertex():
     bench = Bench(yard(), 90)
-    bench.robot.position = (0.0, -4.8)  # at the station, farther on than the vertex
+    bench.robot.position = (0.0, -4.8)  # at the station, beyond the vertex
     bench.now += 1.0
     bench.look()
     assert bench.follower.report().pose == SymbolicPose(9, 100.0)
@@ -142,7 +142,7 @@ def test_a_report_carries_the_stamp_of_the_location_used():
     assert bench.last.stamp == bench.follower.robot.location.last.stamp
     before = bench.follower.report()
     bench.wait(0.3)
-    assert bench.follower.report() == before  # nothing new is known, so nothing new is told
+    assert bench.follower.report() == before  # nothing has changed, so nothing is reported
 
 
 def test_after_the_end_the_last_route_is_told_until_the_robot_goes_elsewhere():
@@ -193,7 +193,7 @@ def test_every_route_is_driven_in_order_and_told_truly(journey, strategy, period
     for edge in route:
         vertex = graph.end_vertex(edge)
         assert any(math.dist(point, vertex.position) <= 0.3 for point in trail), vertex
-    # States only ever go forward, edges complete in order, percentages grow within an edge.
+    # States only go forward, edges become complete in order, percentages grow within an edge.
     done, percentage = 0, 0.0
     for report in bench.reports:
         complete = list(report.states).count(2)

@@ -1,4 +1,4 @@
-"""Orders: what is taken up, changed, refused or left out."""
+"""Orders: accepted, changed, refused or ignored."""
 from __future__ import annotations
 
 import pytest
@@ -78,7 +78,7 @@ def test_a_complete_route_can_be_extended():
 def test_a_complete_route_cannot_be_extended_from_elsewhere():
     bench = under_way(edges=(1, 4))
     bench.run()
-    bench.robot.position = (1.0, 0.0)  # a person drove it back
+    bench.robot.position = (1.0, 0.0)  # a person has driven it back
     bench.now += 1.0
     bench.look()
     commands = len(bench.commands)
@@ -114,7 +114,8 @@ def test_another_id_may_begin_on_the_edge_being_driven():
     bench.order(8, 4, 5)
     assert bench.follower.report().route_id == 8
     assert bench.follower.report().pose == before
-    assert bench.commands.count('goto 7') == 1  # it is on its way there: nothing is sent again
+    # it is already on its way there, so nothing is sent again
+    assert bench.commands.count('goto 7') == 1
     bench.run()
     assert bench.states() == [2, 2]
 
@@ -153,7 +154,7 @@ def test_an_empty_list_stops_the_robot():
     report = bench.follower.report()
     assert (report.route_id, report.edges, report.reason.text) == (8, (), '')
     assert not bench.follower.running
-    bench.order(9, 4, 5)  # and on from where it stands
+    bench.order(9, 4, 5)  # and on from its place
     bench.run()
     assert bench.states() == [2, 2]
 
@@ -191,7 +192,7 @@ def test_a_duplicate_of_a_refused_route_is_refused_again_wherever_the_robot_is_b
     bench.look()
     bench.order(7, 4, stamp=50.0)
     assert len(refusals(bench, 7)) == 2
-    bench.order(7, 4, stamp=60.0)  # said anew, it is considered anew
+    bench.order(7, 4, stamp=60.0)  # the same order again is checked again
     assert bench.follower.running
 
 
@@ -420,7 +421,7 @@ def test_a_new_graph_with_other_edges_is_refused_while_the_robot_drives_on_them(
     assert note.text == 'A /graph is refused until route 7 has ended: edge 4 runs elsewhere'
     assert bench.follower.graph is before
     bench.run()
-    assert bench.states() == [2, 2, 2], 'the robot drives where the fleet manager sent it'
+    assert bench.states() == [2, 2, 2], 'the robot must drive where the fleet manager sent it'
 
 
 def test_a_refused_graph_is_in_force_once_the_route_has_ended():
@@ -441,7 +442,7 @@ def test_the_old_graph_again_takes_a_refused_one_back():
 
 
 def test_a_complete_route_gets_longer_after_another_program_used_the_robot_meanwhile():
-    """As the VDA 5050 adapter does with an action at a vertex, for which the robot stands."""
+    """The VDA 5050 adapter does this for an action at a vertex, for which the robot stands."""
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1)
     bench.run()

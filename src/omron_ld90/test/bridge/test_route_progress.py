@@ -1,4 +1,4 @@
-"""Progress: vertices are passed in order, percentages grow, nothing is skipped."""
+"""Progress: vertices are passed in order, percentages grow, no edge is skipped."""
 from __future__ import annotations
 
 import math
@@ -40,7 +40,7 @@ def test_a_vertex_between_two_locations_is_passed_by_the_segment():
     progress = progress_on(dissertation_graph(), (1, 4), (0.0, 0.0))
     progress.move_to(3.6, 0.1)
     assert progress.current == 0
-    progress.move_to(4.4, 0.1)  # neither is within 0.3 m of (4, 0)
+    progress.move_to(4.4, 0.1)  # neither position is within 0.3 m of (4, 0)
     assert progress.current == 1
     assert progress.pose == SymbolicPose(4, pytest.approx(10.0))
 

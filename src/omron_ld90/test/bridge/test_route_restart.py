@@ -1,4 +1,4 @@
-"""The bridge dies and is back: the route goes on where the robot is, and nothing is sent twice."""
+"""The bridge restarts: the route continues from the robot's place, and no goal is sent twice."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -101,7 +101,7 @@ def test_another_route_is_a_new_one():
 
 def test_a_robot_that_was_carried_away_fails_the_route():
     bench = under_way()
-    bench.robot.position = (10.0, 1.0)  # on an edge that it was not sent along
+    bench.robot.position = (10.0, 1.0)  # on an edge to which it was not sent
     bench.restart()
     report = bench.follower.report()
     assert report.states == (2, 3, 3)
@@ -157,7 +157,7 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
 
 
 def returned(bench: Bench, is_recent: bool = True) -> Bench:
-    """The same with a bridge that has just come back, and has seen nothing yet."""
+    """The same bench with a bridge that has just restarted, and has seen nothing yet."""
     record = bench.follower.record
     bench.robot.number = None
     bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
@@ -282,7 +282,7 @@ def test_a_bridge_that_was_away_for_long_fails_the_route_and_stops_a_robot_on_ou
 
 
 def test_routes_of_long_ago_are_not_driven_again_after_a_restart():
-    """B8: a publisher that latches gives its route again, and another was driven since."""
+    """B8: a latching publisher sends its route again, after another route was driven."""
     bench = under_way()
     bench.run()
     bench.order(8, -5)
@@ -324,7 +324,7 @@ def test_a_change_made_before_the_epoch_that_the_route_itself_began_is_taken():
 
 def test_a_stop_that_is_owed_survives_the_restart():
     bench = under_way()
-    bench.give = lambda give: None  # the controller is gone
+    bench.give = lambda give: None  # the controller is away
     bench.order(9)
     assert 'stop' not in bench.commands
     del bench.give

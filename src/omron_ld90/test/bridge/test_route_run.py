@@ -1,4 +1,4 @@
-"""One route: where it sends the robot, what is complete, and what ends it."""
+"""One route: the goals that it gives, the complete edges, and its end."""
 from __future__ import annotations
 
 from typing import Tuple
@@ -43,7 +43,7 @@ class Drive:
                              SETTINGS.vertex_tolerance, SETTINGS.corridor_width)
 
     def go(self, *places: Tuple[float, float]) -> str:
-        """The robot is seen at these places; what people are told."""
+        """The robot is seen at these places; returns the notes for people."""
         told = ''
         for place in places:
             told += self.run.locate(self.see(*place), self.now)
@@ -94,7 +94,7 @@ def test_without_progress_it_ends_after_the_stall_timeout():
     drive = Drive(1, 5)
     drive.go((1.0, 0.0))
     drive.run.go_on(drive.now + 29.0, NEVER)
-    drive.run.go_on(drive.now + 31.0, docking_changed=drive.now + 2.0)  # docking is progress, too
+    drive.run.go_on(drive.now + 31.0, docking_changed=drive.now + 2.0)  # docking is also progress
     with pytest.raises(RouteFailed, match='no progress for 30 s'):
         drive.run.go_on(drive.now + 33.0, NEVER)
 
@@ -224,7 +224,7 @@ def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
 
 
 class TestAVertexThatWasMissed:
-    """The robot says that it has arrived beyond a vertex that it never came to."""
+    """The robot reports that it has arrived beyond a vertex that it did not reach."""
 
     @pytest.fixture
     def drive(self) -> Drive:
@@ -239,7 +239,7 @@ class TestAVertexThatWasMissed:
         assert drive.go((2.0, 0.0), (2.0, 0.0)) == (
             'The robot missed vertex 2 and is sent back to it.')
         assert drive.tracker.command == 'goto 2'
-        drive.now += 25.0  # which it may take
+        drive.now += 25.0  # the robot may take this time
         drive.go((2.0, 0.0))
 
     def test_but_once_only(self, drive):

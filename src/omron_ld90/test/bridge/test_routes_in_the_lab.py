@@ -11,13 +11,13 @@ from trajectory_graph import route_vertices
 
 MISSION = (18, 39, 52, 6, DOCK_VERTEX)
 HALF_CORRIDOR = 0.45  # m
-TOLERANCE = 0.3       # m
-ALONG_THE_HALL = (-13, -7, 1, 2, 3)  # dock - 1 - 8 - 10 - 12 - 14
+TOLERANCE = 0.3  # m
+ALONG_THE_HALL = (-13, -7, 1, 2, 3)  # vertices: dock - 1 - 8 - 10 - 12 - 14
 
 
 @lru_cache(maxsize=None)
 def driven(strategy: str) -> Tuple[SimulatedDrive, Tuple[int, ...], float]:
-    """The mission driven from the dock and home again, its route, and the seconds it took."""
+    """The drive of the mission from the dock and back, its route, and its duration in s."""
     drive = SimulatedDrive(strategy)
     route = shortest_route(drive.graph, (DOCK_VERTEX, *MISSION))
     return drive, route, drive.drive(1, *route)
@@ -45,7 +45,7 @@ def test_the_robot_stays_in_the_corridors_of_its_route(strategy):
 def test_every_vertex_is_visited_in_order(strategy):
     drive, route, _ = driven(strategy)
     since = 0
-    for vertex in route_vertices(drive.graph, route)[:-1]:  # the last one is the dock
+    for vertex in route_vertices(drive.graph, route)[:-1]:  # the last vertex is the dock
         away, since = drive.first_nearest_to(vertex, since)
         assert away <= TOLERANCE, f'vertex {vertex}'
 

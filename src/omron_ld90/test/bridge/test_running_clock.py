@@ -1,4 +1,4 @@
-"""A clock that does not run while the process stands still."""
+"""A clock that stops while the process is suspended."""
 from __future__ import annotations
 
 from omron_ld90.bridge.running_clock import LONGEST_STEP, RunningClock

@@ -1,4 +1,4 @@
-"""Whether the robot's own way is the route."""
+"""Checks if the robot's own path is the route."""
 from __future__ import annotations
 
 import itertools
@@ -16,13 +16,13 @@ MARGIN = 0.9
 
 
 def is_the_free_way(graph, edges, arc, corridor_width, tolerance):
-    """Would the robot drive all the edges?"""
+    """True if the robot would drive all the edges by itself."""
     return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
                for count in range(1, len(edges) + 1))
 
 
 def is_the_only_short_way(graph, edges, arc, margin=MARGIN):
-    """The robot's way without regard to corners."""
+    """True if the edges are the robot's only short path, without regard to corners."""
     return is_the_free_way(graph, edges, arc, margin, tolerance=math.inf)
 
 
@@ -31,7 +31,7 @@ def test_the_only_way_is_the_only_short_way():
 
 
 def test_two_ways_of_one_length_leave_it_open():
-    assert not is_the_only_short_way(yard(), (1, 2), 0.0, MARGIN)  # or over 4
+    assert not is_the_only_short_way(yard(), (1, 2), 0.0, MARGIN)  # or over vertex 4
 
 
 def test_having_begun_on_one_of_them_decides():
@@ -98,7 +98,7 @@ def grids(draw):
 
 
 def simple_ways(graph: Graph, start: int, end: int) -> dict:
-    """Length of every simple way, by its edges: the slow and sure way to know."""
+    """The length of each simple path, by its edges: slow, but certain."""
     ways, stack = {}, [(start, (), 0.0, {start})]
     while stack:
         at, edges, length, seen = stack.pop()

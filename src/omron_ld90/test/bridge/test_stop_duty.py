@@ -1,4 +1,4 @@
-"""A stop is given until the controller has taken it, which then sees to it that the robot obeys."""
+"""A stop is given until the controller has taken it; then the controller makes the robot obey."""
 from __future__ import annotations
 
 import pytest
@@ -8,10 +8,10 @@ from omron_ld90.bridge.stop_duty import StopDuty
 
 
 def given(number: int = 1, now: float = 0.0) -> StopDuty:
-    """A duty whose stop was given at once."""
+    """A stop duty whose stop was given at once."""
     duty = StopDuty()
     duty.require(7)
-    assert duty.is_due(False, now), 'the first time it is given regardless of the link'
+    assert duty.is_due(False, now), 'the first time it must be given regardless of the link'
     duty.given(number, now)
     return duty
 
@@ -30,9 +30,9 @@ def test_what_did_not_reach_it_is_tried_again_once_the_link_stands(ending):
     duty.ended(CommandEnded(1, ending, 'why not'))
     assert duty.owed
     assert duty.problem == 'why not'
-    assert duty.epoch == 7, 'the one that it is to end'
+    assert duty.epoch == 7, 'the epoch that the stop must end'
     assert not duty.is_due(False, 9.0)
-    assert not duty.is_due(True, 0.5), 'not more often than once a second'
+    assert not duty.is_due(True, 0.5), 'it may be given at most once a second'
     assert duty.is_due(True, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""The LD-90 of the virtual fleet takes as long for its routes as the simulated one does."""
+"""The LD-90 of the virtual fleet takes the same time for its routes as the simulated one."""
 from __future__ import annotations
 
 import statistics
@@ -31,7 +31,7 @@ def test_it_takes_as_long_on_average_and_about_as_long_on_each_route() -> None:
 
 
 def seconds_of_virtual(graph: Graph, start: int, route: Tuple[int, ...]) -> float:
-    """Until the robot of the virtual fleet has driven the route."""
+    """Seconds until the robot of the virtual fleet has driven the route."""
     robot = DrivenRobot('virtual', graph, KIND, start, LD90, Delays(1.0, NEVER, NEVER), Random(1),
                         1.0)
     robot.order(1, route)

@@ -1,4 +1,4 @@
-"""One clock for all that happens in a model, each thing at its time."""
+"""One clock for all events of a model."""
 from __future__ import annotations
 
 import heapq
@@ -6,7 +6,7 @@ from typing import Callable, List, Tuple
 
 
 class Timeline:
-    """Calls that are due at some time (s); those due at one time in the order of asking."""
+    """Calls that are due at a time (s). Calls with the same time keep the order of the requests."""
 
     def __init__(self, now: float) -> None:
         self.now = now
@@ -14,19 +14,19 @@ class Timeline:
         self._count = 0
 
     def later(self, seconds: float, call: Callable[[], None]) -> None:
-        """Calls in a while."""
+        """Calls a function after some seconds."""
         self._count += 1
         heapq.heappush(self._due, (self.now + seconds, self._count, call))
 
     def every(self, period: float, call: Callable[[], None]) -> None:
-        """Calls again and again, for the first time at once."""
+        """Calls a function again and again, for the first time at once."""
         def again() -> None:
             self.later(period, again)
             call()
         self.later(0.0, again)
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
-        """Lets time pass; whether the condition came to hold."""
+        """Runs for some time; true if the condition became true."""
         end = self.now + seconds
         while not until():
             if not self._due or self._due[0][0] > end:

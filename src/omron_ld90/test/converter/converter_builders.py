@@ -1,4 +1,4 @@
-"""Graphs and maps that the converter's tests share."""
+"""Common graphs and maps of the converter's tests."""
 from __future__ import annotations
 
 import importlib.util
@@ -14,7 +14,8 @@ from trajectory_graph import Edge, Graph, Vertex
 
 REPOSITORY = Path(__file__).resolve().parents[4]
 LAB = REPOSITORY / 'maps'
-REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
+# if LD90_REAL_MAPS names no folder
+REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')
 
 EMPTY_MAP = b'''2D-Map
 MapInfo: GoalType Name=Goal
@@ -25,7 +26,7 @@ RouteInfo: GoalAfter "Pick"
 
 
 def map_with(*cairns: str) -> MapDocument:
-    """A map without walls that holds these objects, e.g. `Goal 1000 2000 0 "" ICON "3"`."""
+    """A map without walls that contains these objects, such as `Goal 1000 2000 0 "" ICON "3"`."""
     lines = ''.join(f'Cairn: {cairn}\n' for cairn in cairns)
     return MapDocument.from_bytes(EMPTY_MAP % lines.encode(), 'base.map')
 
@@ -46,7 +47,7 @@ def lab_generator():
 
 
 def real_maps() -> list:
-    """Parameters for a test of every real robot's map; one that skips where they are not."""
+    """Parameters for a test of each real robot's map; one that skips if there are none."""
     paths = sorted(REAL_MAPS.glob('*.map'))
     if not paths:
         reason = f'no real maps in {REAL_MAPS}'

@@ -28,8 +28,9 @@ def grid(columns: int, rows: int, pitch: float = 2.5, degrees: float = 0.0) -> G
 
 
 def quarter_turn(radius: float) -> Graph:
-    """Edge 1 leads from the origin to the left through a quarter circle; 4 m before and after."""
-    reach = radius * 4.0 / 3.0 * math.tan(math.pi / 8.0)  # of the Bezier curve of that circle
+    """Edge 1 leads from the origin to the left on a quarter circle, with 4 m before and after."""
+    # control length of the Bezier curve of that circle
+    reach = radius * 4.0 / 3.0 * math.tan(math.pi / 8.0)
     return Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, radius, radius, math.pi / 2.0),
                   Vertex(3, -4.0, 0.0, 0.0), Vertex(4, radius, radius + 4.0, math.pi / 2.0)],
                  [Edge(1, 1, 2, CurveType.SPLINE, reach, reach), Edge(2, 3, 1), Edge(3, 2, 4)])
@@ -37,7 +38,7 @@ def quarter_turn(radius: float) -> Graph:
 
 def fenced(graph: Graph, walls: np.ndarray = NO_WALLS, kind: Fences = Fences.AREAS,
            rules: Optional[CorridorRules] = None) -> Tuple[Corridors, List[MapObject]]:
-    """The corridors of a graph, and the fences around them as a map would hold them."""
+    """The corridors of a graph, and the fences around them in the form of a map."""
     corridors = corridors_of(graph, rules or CorridorRules())
     return corridors, fence_objects(corridors.floor, walls, kind)
 

@@ -1,4 +1,4 @@
-"""What counts as a bend: turns that add up along a way within a short stretch of it."""
+"""Bends: turns that add up along a path within a short stretch of it."""
 import gc
 import math
 import weakref
@@ -27,7 +27,7 @@ def arc(radius, degrees):
 
 
 def corner_and_arc(corner, radius, degrees):
-    """Edge 1, straight, meets edge 2, an arc, at 0, 0 under a corner; edge 3 leads on from that."""
+    """Edge 1, straight, meets edge 2, an arc, at 0, 0 with a corner; edge 3 continues it."""
     x, y, turn, reach = arc(radius, degrees)
     back = math.radians(180.0 - corner)
     ahead = (x + 3.0 * math.cos(turn), y + 3.0 * math.sin(turn))
@@ -78,7 +78,7 @@ def test_a_corner_that_is_a_bend_by_itself_is_one_place():
 
 
 def test_a_thicket_of_tiny_edges_is_looked_at_in_time():
-    """Every way through it is another one, and there are more of them than can be walked."""
+    """There are more paths through this graph than can be searched one by one."""
     rungs = 40
     vertices = [(2 * i + j + 1, 0.003 * i, 0.001 * j) for i in range(rungs) for j in range(2)]
     ends = [(2 * i + a + 1, 2 * i + b + 3) for i in range(rungs - 1)

@@ -1,4 +1,4 @@
-"""The command line of the converter: what it writes, says and draws."""
+"""The command line of the converter: its files, messages and drawings."""
 from __future__ import annotations
 
 import os
@@ -102,7 +102,7 @@ def test_the_picture_shows_fences_and_places(tmp_path):
                           str(picture))) == 0
     image = np.asarray(Image.open(str(picture))).astype(int)
     for colour in (colours.FENCE, colours.CORRIDOR, colours.CURVE, colours.FORBIDDEN, GREEN, BLACK):
-        assert (abs(image - colour).max(axis=-1) < 12).sum() > 20, f'nothing seen of {colour}'
+        assert (abs(image - colour).max(axis=-1) < 12).sum() > 20, f'the picture has no {colour}'
 
 
 def test_a_picture_is_replaced_by_a_complete_one(tmp_path):
@@ -111,7 +111,7 @@ def test_a_picture_is_replaced_by_a_complete_one(tmp_path):
     os.link(picture, old)
     assert main(arguments(tmp_path / 'out.map', '--fences', 'none', '--draw', str(picture))) == 0
     assert picture.read_bytes().startswith(b'\x89PNG')
-    assert old.read_bytes() == b'an older picture', 'the old file was written over in place'
+    assert old.read_bytes() == b'an older picture', 'the old file was overwritten in place'
 
 
 def test_the_picture_of_a_map_without_walls_shows_the_outermost_fences(tmp_path):
@@ -121,7 +121,7 @@ def test_the_picture_of_a_map_without_walls_shows_the_outermost_fences(tmp_path)
                           base_map=tmp_path / 'base.map')) == 0
     image = np.asarray(Image.open(str(picture)))
     border = np.concatenate((image[0], image[-1], image[:, 0], image[:, -1]))
-    assert (border > 220).all(), 'only paper and the net of metres reach the border'
+    assert (border > 220).all(), 'something other than background and grid reaches the border'
     assert (image == colours.FENCE).all(axis=-1).any()
 
 

@@ -1,4 +1,4 @@
-"""The checker is checked: against fences that are known to be bad, and against a flood fill."""
+"""Tests the fence checker with fences that are known to be bad, and with a flood fill."""
 import math
 
 import numpy as np
@@ -60,7 +60,7 @@ def test_a_line_through_a_corridor_is_found():
 
 
 def test_a_flood_fill_on_the_laboratory_map_stays_in_the_corridors():
-    """The same question, asked of pixels: what can the centre of a disc of 250 mm reach?"""
+    """The same question for pixels: which of them can the centre of a disc of 250 mm reach?"""
     pitch = 20.0
     graph = load_graph(str(LAB / 'lab_graph.yaml'))
     document = MapDocument.load(str(LAB / 'lab.map'))
@@ -85,7 +85,7 @@ def test_a_flood_fill_on_the_laboratory_map_stays_in_the_corridors():
     too_far = ndimage.distance_transform_edt(~curves) * pitch > 500.0
     dock = document.docks[0]
     too_far &= ~RotatedRectangle(dock.x - 750, dock.y, 1500, 900, 0).contains(cells)
-    assert np.all((mask(starts) & ~reached).sum() == 0), 'a vertex is walled in'
+    assert np.all((mask(starts) & ~reached).sum() == 0), 'a vertex cannot be reached'
     assert not (reached & too_far).any(), cells[reached & too_far][:5]
 
 

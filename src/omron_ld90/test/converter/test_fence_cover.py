@@ -117,7 +117,7 @@ def test_a_bend_in_a_curve_is_closed_around_its_disc(width, kind):
 
 
 def tangle(seed: int) -> Graph:
-    """A graph without any order: edges cross, run side by side, and turn sharply."""
+    """A random graph: edges cross, run side by side, and turn sharply."""
     dice = random.Random(seed)
     places = {(dice.randrange(120), dice.randrange(120)) for _ in range(dice.randint(3, 9))}
     vertices = [Vertex(id, x / 10, y / 10, math.radians(dice.randrange(0, 360, 15)))
@@ -166,7 +166,7 @@ def test_on_a_real_map_most_walls_are_fence_enough():
 
 @BOTH_KINDS
 def test_a_long_corridor_with_many_branches(kind):
-    """Its one outer region has so long an outline that only the near ones are looked at."""
+    """Its only outer region has a long outline, so only the near points are checked."""
     spine = [(id, 3.0 * id, 0.0) for id in range(1, 21)]
     branches = [(20 + id, 3.0 * id, 2.5 if id % 2 else -2.5) for id in range(1, 21)]
     graph = graph_of(spine + branches, [(id, id + 1) for id in range(1, 20)]

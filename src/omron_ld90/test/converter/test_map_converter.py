@@ -25,7 +25,7 @@ DOCKED = Options(dock_vertex=3)
 
 
 def did(added=()):
-    """A conversion that added these objects and did nothing else."""
+    """The result of a conversion that added these objects and did nothing else."""
     return Conversion((), (), tuple(added), (), (), corridors_of(GRAPH, CorridorRules()))
 
 

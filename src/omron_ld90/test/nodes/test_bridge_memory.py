@@ -1,4 +1,4 @@
-"""What the bridge writes down is what the next one reads, regardless of other content."""
+"""The bridge's record is read unchanged by the next bridge; wrong content is rejected."""
 from __future__ import annotations
 
 import math
@@ -21,7 +21,7 @@ ENDED = RouteRecord(8, (3,), 0, Phase.FAILED, EMERGENCY_STOP, 0, None, '', True)
 
 
 class Parameters:
-    """A ROS master that keeps one parameter, and may fail to answer."""
+    """A ROS master that keeps one parameter, and can fail to answer."""
 
     def __init__(self) -> None:
         self.content: Any = None
@@ -30,7 +30,7 @@ class Parameters:
         self.memories: List[RouteMemory] = []
 
     def memory(self, launch: str = 'launch_1', file: object = '') -> RouteMemory:
-        """Of a bridge that this launch has just started."""
+        """The memory of a bridge that this launch has just started."""
         self.memories.append(RouteMemory(launch, str(file)))
         return self.memories[-1]
 
@@ -69,7 +69,7 @@ def test_a_record_comes_back_with_its_age(parameters, record):
 
 
 def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
-    """B6: after a power cut a route of hours ago was gone on with where the clock was set back."""
+    """B6: after a power cut and a clock set back, a route of hours ago was continued."""
     memory = parameters.memory()
     memory.keep(RECORD)
     memory.close()

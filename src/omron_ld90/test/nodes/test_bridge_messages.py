@@ -1,4 +1,4 @@
-"""What the robot's nodes say becomes events of the bridge."""
+"""Messages of the robot's nodes become events of the bridge."""
 from __future__ import annotations
 
 import math

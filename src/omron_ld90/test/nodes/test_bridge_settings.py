@@ -1,4 +1,4 @@
-"""The bridge drives by its parameters: m, s and m/s as given; a wrong one is a sentence to read."""
+"""The bridge uses its parameters in m, s and m/s; a wrong one gives a clear message."""
 from __future__ import annotations
 
 from dataclasses import fields
@@ -14,7 +14,7 @@ from trajectory_graph import Edge, Graph, Vertex
 
 DOCK = 47
 GRAPH = Graph([Vertex(DOCK, 0.0, 0.0, 0.0), Vertex(12, 1.0, 0.0, 0.0)], [Edge(1, 12, DOCK)])
-# of each number: its least and its greatest
+# the least and the greatest value of each number
 LIMITS = {
     'vertex_tolerance': (0.05, 2.0), 'corridor_width': (0.3, 10.0), 'stall_timeout': (1.0, 3600.0),
     'location_timeout': (0.5, 60.0), 'link_timeout': (0.0, 60.0), 'restart_timeout': (0.0, 600.0),
@@ -31,7 +31,7 @@ def given(monkeypatch) -> Dict[str, Any]:
 
 
 def message(graph: Optional[Graph] = GRAPH) -> str:
-    """What a person reads of the settings, which must be wrong."""
+    """The message for people about wrong settings."""
     with pytest.raises(ConfigurationError) as wrong:
         read_settings(graph)
     return str(wrong.value)
@@ -78,7 +78,7 @@ def test_what_is_no_number_is_told(given, name, value):
 def test_the_dock_is_a_vertex_of_the_graph(given):
     given['dock_vertex'] = DOCK
     assert read_settings(GRAPH).dock_vertex == DOCK
-    assert read_settings(None).dock_vertex == DOCK, 'the graph comes later'
+    assert read_settings(None).dock_vertex == DOCK, 'the graph may come later'
     given['dock_vertex'] = 48
     assert message() == ('~dock_vertex is 48, which is no vertex of the graph: set it to the id of '
                          'the dock, or to 0 if there is none.')

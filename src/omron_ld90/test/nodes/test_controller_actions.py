@@ -1,4 +1,4 @@
-"""A goal of an action is one command; its end is the goal's end, told in the robot's words."""
+"""A goal of an action is one command. Its result has the robot's words."""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
@@ -21,7 +21,7 @@ R = ExecuteCommandResult
 
 
 class Handle:
-    """A goal as actionlib hands it over; `calls` is what is done with it, in order."""
+    """A goal as actionlib passes it; `calls` lists the calls on it, in order."""
 
     def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz',
                  known_epoch: int = 0) -> None:
@@ -42,13 +42,13 @@ class Handle:
 
     @property
     def ended(self) -> Tuple[str, int, str, str]:
-        """How it ended, its outcome and message, and the text of its status."""
+        """Its final state, outcome, message, and the text of its status."""
         how, result, text = self.calls[-1]
         return how, result.outcome, result.message, text
 
 
 class Server:
-    """In place of actionlib's."""
+    """Replaces actionlib's server."""
 
     last: Server
 
@@ -64,7 +64,7 @@ class Server:
 
 
 class Old:
-    """In place of OldMessages: `why` each message is too old; stops are not."""
+    """Replaces OldMessages: `why` is the reason why messages are too old; stops never are."""
 
     def __init__(self) -> None:
         self.why: Optional[str] = None
@@ -78,7 +78,7 @@ class Old:
 
 
 class Bench:
-    """The action, and a robot's client that does what it is told to."""
+    """The action, and a client of the robot that the test controls."""
 
     def __init__(self) -> None:
         self.old = Old()
@@ -94,25 +94,25 @@ class Bench:
         if self.refusal:
             raise self.refusal
         self.given.append((text, giver, options))
-        return text  # as if it were the execution
+        return text  # stands for the execution
 
     def _cancel(self, execution: object, canceller: Giver) -> None:
         self.cancelled.append((execution, canceller))
 
     def give(self, *words: Any, **more: Any) -> Handle:
-        """A goal comes."""
+        """A goal arrives."""
         handle = Handle(f'goal {len(self.given)}', *words, **more)
         self.server.on_goal(handle)
         return handle
 
     def end(self, handle: Handle, result: Result) -> None:
-        """The command of a goal ends; what is to be told is told."""
+        """The command of a goal ends, and its result is reported."""
         text = handle.get_goal().command
         next(options for given, _, options in self.given if given == text)['on_end'](result)
         self.told()
 
     def told(self) -> None:
-        """Waits until all that was to be told is told."""
+        """Waits until all results have been reported."""
         self.commands._calls.close(10.0)
         self.commands._calls = controller_actions.CallQueue('again')
 
@@ -165,7 +165,7 @@ def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, o
     handle = bench.give('goto 12')
     assert handle.ended == ('set_rejected', outcome, message, str(error))
     bench.server.on_cancel(handle)
-    assert bench.cancelled == bench.commands._handles() == [], 'nothing of it is left'
+    assert bench.cancelled == bench.commands._handles() == [], 'nothing may be left of the goal'
 
 
 @pytest.mark.parametrize('why', [LATCHED, WAITED])

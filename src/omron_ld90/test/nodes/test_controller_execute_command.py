@@ -1,4 +1,4 @@
-"""How a command ended is told by an outcome of its own."""
+"""Each way in which a command can end has its own outcome."""
 from __future__ import annotations
 
 from omron_arcl import Outcome

@@ -1,4 +1,4 @@
-"""Commands that the robot's help list lacks are named, and sent."""
+"""Commands that the robot's help list lacks are named in a warning, and sent."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""What is known of the motion outlives the process, and is published."""
+"""The state of the motion survives the process, and is published."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -79,7 +79,7 @@ def test_on_a_disk_without_room_the_newest_memory_takes_the_room_of_the_one_befo
 
 def test_a_memory_that_could_not_be_replaced_is_not_there_when_the_disk_has_room_again(
         on_small_disk, warned, monkeypatch):
-    """With it a restarted controller would let a program go on past the stop of a person."""
+    """With the old file, a restarted controller would let a program pass the stop of a person."""
     def act(disk):
         path = str(disk.folder / 'motion.json')
         file = MotionFile(path)
@@ -99,7 +99,7 @@ def test_a_memory_that_could_not_be_replaced_is_not_there_when_the_disk_has_room
 
 def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_counts(
         on_small_disk, warned):
-    """No giver goes on by an epoch that may be long over."""
+    """No giver may continue by an epoch that may have ended long ago."""
     def act(disk):
         path = str(disk.folder / 'motion.json')
         file = MotionFile(path)

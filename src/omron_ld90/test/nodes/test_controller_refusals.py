@@ -1,4 +1,4 @@
-"""What came to nothing is told in a sentence."""
+"""A failed command gives one clear message."""
 from __future__ import annotations
 
 import pytest

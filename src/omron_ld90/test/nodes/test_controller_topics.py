@@ -1,4 +1,4 @@
-"""What comes by topic is carried out once, for its sender; what is not, is told."""
+"""A command by topic is carried out once, for its sender; a refused one is reported."""
 from __future__ import annotations
 
 import math
@@ -19,13 +19,13 @@ FLEET = 'The fleet drives the robot.'
 
 
 class Bench:
-    """The topics, and all that they lead to; it is its own OldMessages, Refusals and MoveBase."""
+    """The topics with everything behind them; it replaces OldMessages, Refusals and MoveBase."""
 
     def __init__(self, monkeypatch: Any) -> None:
         self.heard: Dict[str, Callable[[Any], None]] = {}
         self.watched: List[str] = []
-        self.old: Optional[str] = None         # why what comes is too old, unless it is a stop
-        self.driven_by: Optional[str] = None   # why no click may move the robot
+        self.old: Optional[str] = None  # reason why messages are too old, except stops
+        self.driven_by: Optional[str] = None  # reason why no click may move the robot
         self.busy = False
         self.given: List[Tuple[str, str]] = []
         self.forwarded: List[Tuple[PoseStamped, str]] = []
@@ -36,7 +36,7 @@ class Bench:
 
     def _subscribe(self, topic: str, kind: type, callback: Callable, **_: Any) -> None:
         assert TOPICS[topic] is kind
-        assert topic in self.watched, 'else a message from before could come first'
+        assert topic in self.watched, 'otherwise an earlier message could come first'
         self.heard[topic] = callback
 
     def watch(self, topic: str) -> None:

@@ -1,4 +1,4 @@
-"""What is kept of where the robot drove."""
+"""The recorded path of the robot."""
 from __future__ import annotations
 
 from geometry_msgs.msg import PoseStamped

@@ -1,4 +1,4 @@
-"""A cloud becomes a scan with the location nearest to it in time."""
+"""A cloud becomes a scan with the location that is nearest to it in time."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Every launch file: documented arguments, the contract's arguments, and what they expand to."""
+"""Each launch file: documented arguments, the interface's arguments, and the resulting nodes."""
 from __future__ import annotations
 
 import re
@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[4]
 LAUNCH_FILES = sorted([*ROOT.glob('launch/*.launch'), *ROOT.glob('src/*/launch/*.launch')])
 PLACES = {file.name: file for file in LAUNCH_FILES}
 REFUSALS = (RLException, LoadException, XmlParseException)
-#: Arguments without a default: what a user would give.
+#: Values for arguments without a default, as a user would give them.
 GIVEN = {
     'edit.launch': ['map_file:=/nowhere/site.map', 'graph_file:=/nowhere/graph.yaml'],
     'editor_rviz.launch': ['map_file:=/nowhere/site.map'],
@@ -72,7 +72,7 @@ def test_a_simulated_robot_begins_anew_whatever_its_ros_master_remembers(name, i
 @pytest.mark.parametrize('given, expected', [
     (None, '[${severity}] [${time}] ${node}: ${message}'), ('${message}', '${message}')])
 def test_of_two_robots_every_line_on_the_screen_tells_whose_it_is(monkeypatch, given, expected):
-    """As do those of a fleet, see fleet_bringup; a user's own form is kept."""
+    """The lines of a fleet do the same, see fleet_bringup; a user's own format is kept."""
     monkeypatch.delenv('ROSCONSOLE_FORMAT', raising=False)
     if given:
         monkeypatch.setenv('ROSCONSOLE_FORMAT', given)
@@ -101,7 +101,7 @@ def test_the_interface_reference_has_every_argument_with_its_default_and_meaning
         default, meaning = rows[arg.get('name')]
         assert meaning == arg.get('doc')
         set_to = arg.get('default', arg.get('value'))
-        if set_to is None or not set_to.startswith('$(eval'):  # those are told in words
+        if set_to is None or not set_to.startswith('$(eval'):  # these are printed as text
             assert default == {None: 'required', '': 'empty'}.get(set_to, f'`{set_to}`')
 
 
@@ -127,7 +127,7 @@ def test_the_full_stack_starts_the_robot_its_simulator_and_the_visualisation():
     assert set(nodes) >= {f'/omron_ld90/{name}' for name in (
         'ld90_sim', 'omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
         'map_visualisation', 'robot_state_publisher', 'goal_sender')}
-    assert '/omron_ld90/rviz' not in nodes, 'without a display RViz stays out'
+    assert '/omron_ld90/rviz' not in nodes, 'without a display RViz must not start'
 
 
 def test_rviz_starts_where_there_is_a_display(monkeypatch):
@@ -178,7 +178,9 @@ BRIDGE, ROUTES = '/omron_ld90/omron_edges_to_vertices', '/omron_ld90/route_visua
 
 
 def graph_and_dock(*given: str):
-    """What the bridge, and what shows its routes, get for these arguments of the full stack."""
+    """The graph and the dock of the bridge, and of the nodes that show its routes, for these
+    arguments.
+    """
     _, parameters = expand('full_stack.launch', *given)
     bridge, shown = ((parameters[f'{node}/graph_file'], parameters[f'{node}/dock_vertex'])
                      for node in (BRIDGE, ROUTES))
@@ -271,7 +273,7 @@ def test_another_robot_name_moves_every_node():
     assert {name.split('/')[1] for name in nodes} == {'robot7'}
 
 
-#: Topics of RViz's tools, by the program that has them.
+#: Topics of RViz's tools, by the program that subscribes to them.
 TOOLS = {
     'omron_controller': ('move_base_simple/goal', 'initialpose'), 'goal_sender': ('clicked_point',),
     'route_visualisation': ('move_base_simple/goal',), 'vda5050_vehicle': ('initialpose',),
@@ -279,7 +281,7 @@ TOOLS = {
 
 
 def tools_of(name: str, *given: str):
-    """What the topics of tools are called in the end, by node."""
+    """The final names of the tools' topics, by node."""
     called = {}
     for path, node in expand(name, *given)[0].items():
         namespace = path.rsplit('/', 1)[0]

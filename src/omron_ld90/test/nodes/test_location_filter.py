@@ -1,4 +1,4 @@
-"""Each location goes out once, young, and never from the future."""
+"""Each location is published once, while it is recent, and never from the future."""
 from __future__ import annotations
 
 import rospy

@@ -1,4 +1,4 @@
-"""A motion as nav_msgs/Odometry: which frame each half is in, and where its variances stand."""
+"""A motion as nav_msgs/Odometry: the frame of each half, and the places of the variances."""
 from __future__ import annotations
 
 import pytest

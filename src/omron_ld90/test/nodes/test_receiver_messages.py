@@ -1,4 +1,4 @@
-"""From replies to messages: SI units, NaN where unmeasured, what the robot does as a number."""
+"""Replies become messages: SI units, NaN if unmeasured, the robot's activity as a number."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Where a robot is shown to be going: by what it does, typed, not by its words."""
+"""The displayed destination of a robot depends on its typed activity, not on its status text."""
 from __future__ import annotations
 
 import pytest

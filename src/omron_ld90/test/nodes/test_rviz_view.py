@@ -1,4 +1,4 @@
-"""RViz opens on the map, wherever and however large it is."""
+"""RViz opens with the map in view, wherever the map is and however large it is."""
 from __future__ import annotations
 
 import fnmatch
@@ -26,7 +26,7 @@ SHIPPED = (REPOSITORY / 'rviz/omron_ld90.rviz').read_text()
 
 
 def room(west: int, south: int, east: int, north: int) -> MapDocument:
-    """A map that holds the two opposite corners of a room, in mm."""
+    """A map that contains the two opposite corners of a room, in mm."""
     return MapDocument.from_bytes(
         f'2D-Map\nNumPoints: 2\nDATA\n{west} {south}\n{east} {north}\n'.encode())
 
@@ -43,7 +43,7 @@ def test_a_map_that_is_larger_or_elsewhere_is_put_into_the_middle(west, south, e
     assert view.shows(west / 1000, south / 1000, east / 1000, north / 1000 + 1.0)
     assert view.x == pytest.approx((west + east) / 2000, abs=0.01)
     assert min(WIDTH / view.scale - (east - west) / 1000,
-               HEIGHT / view.scale - (north - south) / 1000) < 2.5, 'no larger than needed'
+               HEIGHT / view.scale - (north - south) / 1000) < 2.5, 'the view is larger than needed'
 
 
 def test_only_the_view_is_changed():
@@ -79,7 +79,7 @@ def test_a_view_that_is_not_from_above_is_left_alone():
 
 @pytest.fixture
 def site(tmp_path) -> tuple:
-    """A map that the shipped view does not show, and where its configuration is written."""
+    """A map outside the shipped view, and the path for its RViz configuration."""
     room(0, 0, 90000, 90000).save(str(tmp_path / 'site.map'))
     return str(tmp_path / 'site.map'), tmp_path / 'site.rviz'
 

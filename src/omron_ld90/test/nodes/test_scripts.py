@@ -1,4 +1,4 @@
-"""What a user's first command says when it cannot go on."""
+"""The messages of a user's first command when it cannot continue."""
 from __future__ import annotations
 
 import os
@@ -29,7 +29,8 @@ def taken_port():
 
 @pytest.fixture
 def free_port():
-    with socket.socket() as holder:  # bound, but no program listens: no other program gets it
+    # bound, but no program listens: no other program can use the port
+    with socket.socket() as holder:
         holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         holder.bind(('127.0.0.1', 0))
         yield holder.getsockname()[1]
@@ -47,7 +48,7 @@ def test_a_taken_port_is_named_with_the_way_out(
 
 
 def test_who_has_a_port_is_not_connected_to(taken_port, free_port, tmp_path):
-    """A connection to the port of another run takes the place of that run's robot."""
+    """A connection to the port of another run would take the place of that run's robot."""
     run(f'outgoing_port:={taken_port.getsockname()[1]}', f'arcl_port:={free_port}',
         folder=tmp_path)
     taken_port.setblocking(False)
@@ -65,7 +66,7 @@ def test_an_argument_that_is_none_is_refused(tmp_path):
     ((), 'multimaster:=true needs peer:=ADDRESS'),
     (('peer:=127.0.0.9', 'fleet_manager:=true'), 'fleet_manager:=true would be a second master'),
     (('peer:=127.0.0.9', 'vda5050:=true'), 'vda5050:=true would be a second master'),
-    (('peer:=nobody.invalid',), 'there is no way to peer:=nobody.invalid')])
+    (('peer:=nobody.invalid',), 'there is no network route to peer:=nobody.invalid')])
 def test_a_robot_gets_one_master_and_its_ros_master_is_joined_with_somebody(
         arguments, problem, tmp_path, monkeypatch):
     monkeypatch.delenv('ROS_IP', raising=False)
@@ -132,7 +133,7 @@ def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
     (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
     stamp = tmp_path / 'stamp'
     stamp.touch()
-    os.utime(stamp, (time.time() + 60.0,) * 2)   # later than all folders
+    os.utime(stamp, (time.time() + 60.0,) * 2)  # later than all folders
     (tmp_path / file).touch()
     os.utime(tmp_path / file, (time.time() + 120.0,) * 2)
     newer = subprocess.run(

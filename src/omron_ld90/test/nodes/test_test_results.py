@@ -1,4 +1,4 @@
-"""How scripts/test.sh adds up results: a second try counts, is named, and hides no failure."""
+"""scripts/test.sh adds up results: a second try counts, is named, and hides no failure."""
 from __future__ import annotations
 
 import subprocess
@@ -68,6 +68,6 @@ def test_the_ten_slowest_tests_of_each_kind_are_named(tmp_path):
 
 def test_the_longest_test_starts_first_and_an_unknown_one_by_its_time_limit(tmp_path):
     seconds = tmp_path / 'seconds'
-    seconds.write_text('5 route\n70 click\n')  # pose has a limit of 60 s
+    seconds.write_text('5 route\n70 click\n')  # the test pose has a limit of 60 s
     assert results('longest-first', str(seconds), 'route', 'click', 'pose').stdout.split() == [
         'click', 'pose', 'route']

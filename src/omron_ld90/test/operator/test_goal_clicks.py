@@ -1,4 +1,4 @@
-"""What a click on the map means."""
+"""The goal that a click on the map selects."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Is the fleet driving the robot, and which route is to be seen?"""
+"""Tells if the fleet manager drives the robot, and which route to show."""
 from __future__ import annotations
 
 import pytest

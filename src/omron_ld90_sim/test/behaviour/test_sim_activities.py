@@ -1,4 +1,4 @@
-"""Drives and docking, from the first to the last line that is told of them."""
+"""Drives and docking, with all lines that the robot sends about them."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -20,7 +20,7 @@ from omron_map import MapDocument
 @pytest.mark.parametrize('path', [None, *MAPS], ids=lambda path: path.stem if path else 'room')
 def test_no_fault_and_no_task_makes_the_robot_break_a_limit(path: Optional[Path]) -> None:
     if path and not path.exists():
-        pytest.skip(f'{path.name} is not here')
+        pytest.skip(f'{path.name} does not exist')
     document = MapDocument.load(str(path)) if path else room()
     first, goals = document.goals[0], document.goals
     rig = Rig(document, start=(first.x, first.y, 0.0), seed=6)
@@ -31,7 +31,7 @@ def test_no_fault_and_no_task_makes_the_robot_break_a_limit(path: Optional[Path]
         if random.rand() < 0.2:
             faults.inject(random.choice(['estop press', 'lost', 'motors off', 'block', 'unblock',
                                          'reboot 1']))
-        else:       # on its feet again, with a new client if need be
+        else:  # recovers, with a new client if necessary
             faults.inject('estop release')
             client, true = rig.client(), rig.robot.true_pose
             client.send('enableMotors', f'localizeToPoint {true.x} {true.y} {true.theta}')
@@ -60,7 +60,7 @@ def test_the_robot_comes_to_rest_within_its_arrival_error() -> None:
     driven = rig.robot.odometer.trip[0]
     client.send('goto West')
     client.until('Arrived')
-    assert rig.robot.odometer.trip[0] == driven, 'near enough already'
+    assert rig.robot.odometer.trip[0] == driven, 'the robot was already near enough'
 
 
 def test_a_robot_kept_from_its_last_turn_has_not_arrived() -> None:

@@ -1,4 +1,4 @@
-"""The executive: scripts on the clock, and what ends them."""
+"""The executive: scripts that run on the clock, and events that end them."""
 from __future__ import annotations
 
 from typing import List

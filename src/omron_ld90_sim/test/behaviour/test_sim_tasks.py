@@ -1,4 +1,4 @@
-"""Tasks by themselves, in lists and beside a drive: what they do and what of it is told."""
+"""Tasks by themselves, in lists and during a drive: their effects and their lines."""
 from __future__ import annotations
 
 import pytest

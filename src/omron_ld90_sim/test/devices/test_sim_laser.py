@@ -1,4 +1,4 @@
-"""The laser: what it sees from where, held against the true geometry."""
+"""The laser: its ranges, compared with the true geometry."""
 from __future__ import annotations
 
 import math
@@ -37,7 +37,8 @@ def test_every_ray_ends_at_the_nearest_wall(pose: Pose) -> None:
     floor = Floor.from_map(document)
     ranges, expected = laser.scan(floor, pose), true_ranges(document, pose)
     assert np.isfinite(ranges).all()
-    # a ray along a wall may end in one of its cells, so hits are held against walls, not ranges
+    # A ray along a wall may end in one of the wall's cells, so hits are compared with walls, not
+    # ranges.
     assert np.percentile(np.abs(ranges - expected), 90) < 2.0 * floor.resolution
     near = Floor(np.empty((0, 2)), np.asarray(document.lines, float), np.empty((0, 4)), [], 20,
                  np.empty((0, 2)))
@@ -48,7 +49,7 @@ def test_240_degrees_up_to_15_metres() -> None:
     walls = np.array([[x, -20000.0, x, 20000.0] for x in (-14900.0, 15100.0)])
     floor = Floor(np.empty((0, 2)), walls, np.empty((0, 4)), [], 20, np.empty((0, 2)))
     ahead = laser.scan(floor, Pose(0.0, 0.0, 0.0))
-    assert np.isinf(ahead[laser.RAYS // 2]), 'the wall ahead is 15.1 m away'
+    assert np.isinf(ahead[laser.RAYS // 2]), 'the wall ahead must be 15.1 m away'
     back = laser.scan(floor, Pose(0.0, 0.0, 180.0))
     assert back[laser.RAYS // 2] == pytest.approx(14900.0, abs=20.0)
     hits = laser.points(Pose(0.0, 0.0, 180.0), back)

@@ -6,7 +6,7 @@ from typing import List
 
 
 class Talk:
-    """A client on a socket; every wait is limited."""
+    """A client on a socket; every wait has a time limit."""
 
     def __init__(self, port: int, password: str = 'adept') -> None:
         self.sock = socket.create_connection(('127.0.0.1', port), timeout=60.0)
@@ -39,5 +39,5 @@ class Talk:
 
 
 def to_the_end(sock: socket.socket, size: int = 4096) -> bytes:
-    """Everything that comes until the connection ends."""
+    """Everything that arrives until the connection ends."""
     return b''.join(iter(lambda: sock.recv(size), b''))

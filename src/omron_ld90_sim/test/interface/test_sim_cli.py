@@ -1,4 +1,4 @@
-"""The program: what it serves, and what it says when it cannot."""
+"""The program: its services, and its error messages."""
 from __future__ import annotations
 
 import json

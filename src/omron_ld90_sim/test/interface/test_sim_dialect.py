@@ -1,4 +1,4 @@
-"""Robots that are less exact than an LD-90: what the fault `dialect` switches."""
+"""Robots that are less exact than an LD-90: the switches of the fault `dialect`."""
 from __future__ import annotations
 
 from typing import List
@@ -19,7 +19,7 @@ def speaking(*switches: str, start: str = ROOM, coding: str = 'utf-8') -> Rig:
 
 
 def login(rig: Rig) -> bytes:
-    """All that a client gets up to its first command."""
+    """Everything that a client receives up to its first command."""
     session = rig.server.connect()
     session.receive(b'adept\n')
     return bytes(session.output)

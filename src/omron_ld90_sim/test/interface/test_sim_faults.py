@@ -40,7 +40,7 @@ def test_the_emergency_stop_ends_the_drive_and_motors_stay_off_after_its_release
     me.send('enableMotors')
     assert me.until('Motors are') == ['Motors enabled', 'Stopping', 'Stopped', 'Motors are enabled']
     rig.clock.advance(rig.clock.now + 60.0)
-    assert me.lines() == [], 'the goal is not resumed'
+    assert me.lines() == [], 'the goal must not be resumed'
 
 
 def test_motors_off_without_the_button() -> None:

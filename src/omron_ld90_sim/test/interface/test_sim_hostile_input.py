@@ -1,4 +1,4 @@
-"""For all that a client may send, the robot goes on and answers in whole lines."""
+"""Whatever bytes a client sends, the robot continues and answers in whole lines."""
 from __future__ import annotations
 
 import contextlib
@@ -19,12 +19,12 @@ WORDS = [*NUMBERS, '12', 'West', '"East side"', '"', '""',
          '"open', '$X', '$g$', 'Round', 'Greeting', 'Laser_1', 'move', 'wait', 'goto', 'gotoPoint',
          'deltaHeading', 'setHeading', 'localizeAtGoal', 'say', 'pause', 'movementParametersTemp',
          'Section', 'Files', 'Docking', 'AutoDock', 'true', '../x.map', '\x00', '\t', 'Goal', '|']
-ENDING = {'shutdown', 'quit', 'extioremove'}     # those that end the connection
+ENDING = {'shutdown', 'quit', 'extioremove'}  # commands that end the connection
 NAMES = sorted(name for name in {row.name for row in TABLE.values()} if name.lower() not in ENDING)
 LINES = st.builds(lambda name, words: ' '.join([name, *words]), st.sampled_from(NAMES),
                   st.lists(st.sampled_from(WORDS), max_size=5))
 FAULTS = [line.split()[0] for line in help_text().splitlines()]
-RIG = Rig()     # one robot for all examples: what they leave behind is part of the test
+RIG = Rig()  # one robot for all examples: the effects of earlier examples are part of the test
 
 
 @settings(max_examples=3 * settings.default.max_examples)

@@ -1,4 +1,4 @@
-"""Session logs: reproducible, readable, and served again."""
+"""Session logs: reproducible, readable, and usable for a replay."""
 from __future__ import annotations
 
 import io
@@ -55,7 +55,7 @@ def run_and_log(seed: int) -> str:
 def test_two_runs_with_one_seed_give_the_same_log() -> None:
     first = run_and_log(7)
     assert first == run_and_log(7)
-    assert first != run_and_log(8), 'the seed means something'
+    assert first != run_and_log(8), 'another seed must change the log'
     assert 'Arrived at 12' in first and 'DockingState: Docked' in first
 
 
@@ -84,7 +84,7 @@ def test_a_recorded_session_is_served_again_with_its_timing() -> None:
     session = ReplayServer(clock, read_log(LOG.splitlines())).connect()
     assert lines_of(session) == ['Enter password:']
     clock.advance(5.0)
-    assert lines_of(session) == [], 'the client has not said anything yet'
+    assert lines_of(session) == [], 'the client has not sent anything yet'
     session.receive(b'any password\r\n')
     assert lines_of(session) == ['Welcome to the server.', 'Commands:', 'End of commands']
     session.receive(b'GOTO 12\n')

@@ -1,4 +1,4 @@
-"""Runs of the whole program, over sockets: what a seed decides, and what it does not."""
+"""Runs of the whole program over sockets: what the seed determines, and what it does not."""
 from __future__ import annotations
 
 import socket
@@ -14,11 +14,11 @@ from omron_ld90_sim.interface.recording import Transfer, read_log
 
 PROGRAM = [sys.executable, '-c',
            'import sys; from omron_ld90_sim.interface.cli import main; sys.exit(main())']
-BEGIN = 10.0        # s on the robot's clock, when the connection stands on any machine
+BEGIN = 10.0  # s on the robot's clock, at which the connection exists on any machine
 
 
 def recorded_drive(folder: Path, seed: int) -> List[Transfer]:
-    """What the program's log holds of a drive whose beginning and end it knows itself."""
+    """The part of the program's log about a drive; the drive itself has a known begin and end."""
     folder.mkdir()
     room, log = folder / 'room.map', folder / 'session.log'
     room.write_text(ROOM)
@@ -55,7 +55,7 @@ def test_two_runs_of_the_program_with_one_seed_write_the_same_log(tmp_path: Path
         first, again, other = pool.map(recorded_drive, folders, seeds)
     assert len([each for each in first if each.text.startswith('RangeDeviceGetCurrent')]) > 20
     assert first == again
-    assert first != other, 'the seed means something'
+    assert first != other, 'another seed must change the log'
 
 
 def test_a_client_that_asks_often_does_not_change_what_the_robot_does() -> None:

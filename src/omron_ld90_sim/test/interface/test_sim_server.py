@@ -1,5 +1,4 @@
-"""Which client receives what, the outgoing link, and which clients are left or dropped; without
-sockets."""
+"""Which client receives what, the outgoing link, and which clients are dropped; without sockets."""
 from __future__ import annotations
 
 from sim_builders import Client, Rig
@@ -73,7 +72,7 @@ def test_status_lines_are_sent_at_their_interval() -> None:
     link = Client(rig, rig.server.connect_outgoing())
     OutgoingLink(rig.server, link.session)
     rig.clock.advance(1.05)
-    assert len(link.lines()) == 10, 'never faster than 100 ms'
+    assert len(link.lines()) == 10, 'the interval must be at least 100 ms'
 
 
 def test_a_silent_listener_is_left_after_the_timeout() -> None:
@@ -85,7 +84,7 @@ def test_a_silent_listener_is_left_after_the_timeout() -> None:
     rig.clock.advance(4.5)
     link.send('')
     rig.clock.advance(9.0)
-    assert not link.session.closed, 'a newline is enough to stay'
+    assert not link.session.closed, 'a newline must keep the connection open'
     rig.clock.advance(11.0)
     assert link.session.closed
 

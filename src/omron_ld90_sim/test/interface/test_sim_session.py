@@ -54,7 +54,8 @@ def test_empty_lines_before_the_password_are_ignored() -> None:
 
 @pytest.mark.parametrize('negotiation', [
     b'\xff\xfb\x1f\xff\xfd\x03',
-    # as a terminal program opens: window size, speed, type, environment, echo, no go-ahead
+    # the options that a terminal program sends first: window size, speed, type, environment, echo,
+    # no go-ahead
     b'\xff\xfb\x1f\xff\xfb\x20\xff\xfb\x18\xff\xfb\x27\xff\xfd\x01\xff\xfb\x03\xff\xfd\x03'])
 def test_telnet_negotiation_is_stripped_from_the_password(negotiation: bytes) -> None:
     together, apart = Rig().server.connect(), Rig().server.connect()
@@ -84,7 +85,7 @@ def test_what_is_typed_slowly_comes_back_until_its_line_ends() -> None:
     client = rig.client()
     for typed in (b'que', b'ryMotors'):
         client.session.receive(typed)
-        assert not client.session.output, 'the server looks once in a cycle'
+        assert not client.session.output, 'the server must look only once in a cycle'
         rig.clock.advance(rig.clock.now + 0.1)
         assert bytes(client.session.output) == typed
         client.session.output.clear()

@@ -49,7 +49,7 @@ def test_a_fleet_runs_in_one_process(map_file: Path) -> None:
 
 def test_the_clock_can_be_made_faster_and_slower(map_file: Path) -> None:
     def passes(robot: Simulator, seconds: float) -> float:
-        """How much time passes for us until so much has passed for the robot."""
+        """The real seconds that pass until the robot's clock has advanced by `seconds`."""
         begin, until = time.monotonic(), robot.loop.clock.now + seconds
         while robot.loop.clock.now < until:
             time.sleep(0.001)
@@ -60,11 +60,11 @@ def test_the_clock_can_be_made_faster_and_slower(map_file: Path) -> None:
         before = robot.loop.clock.now
         fast = passes(robot, 6.0)
         robot.set_speed(1.0)
-        assert robot.loop.clock.now >= before + 6.0, 'its time does not go back'
+        assert robot.loop.clock.now >= before + 6.0, 'its time must not go back'
         slow = passes(robot, 0.6)
         with pytest.raises(ValueError, match="'0' is not a number from 0.1 to 20"):
             robot.set_speed(0)
-    assert fast < 6.0, 'much less than the minute that it would have taken'
+    assert fast < 6.0, 'it must take much less than the minute at speed 0.1'
     assert slow > 0.5
 
 

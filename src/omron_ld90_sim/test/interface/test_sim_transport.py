@@ -1,4 +1,4 @@
-"""Real sockets: clients, the outgoing connection, and how they end."""
+"""Real sockets: clients, the outgoing connection, and their ends."""
 from __future__ import annotations
 
 import errno
@@ -94,7 +94,7 @@ def test_a_client_that_never_reads_holds_nobody_up_and_is_dropped(
         deaf.connect(('127.0.0.1', robot.port))
         deaf.sendall(b'adept\n')
         other.send('goto 12')
-        with pytest.raises(OSError):    # dropped: what it sends then is answered with a reset
+        with pytest.raises(OSError):  # dropped: data that it sends then is answered with a reset
             for _ in range(100_000):
                 deaf.sendall(b'help\n' * 10)
         deaf.close()
@@ -126,7 +126,7 @@ def test_a_client_that_vanishes_leaves_the_robot_driving(map_file: Path) -> None
         gone.send('goto 12')
         gone.until('Going to 12')
         gone.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack('ii', 1, 0))
-        gone.close()                    # with a reset, not with a good-bye
+        gone.close()  # with a reset instead of a regular close
         assert other.until('Arrived')[-1] == 'Arrived at 12'
 
 
@@ -144,11 +144,11 @@ def test_a_program_without_a_free_file_descriptor_waits_before_it_listens_again(
         with monkeypatch.context() as full:
             full.setattr(socket.socket, 'accept', accept)
             with closing(socket.socket()) as client:
-                # the port may close before this is through
+                # the port may close before this call has finished
                 client.connect_ex(('127.0.0.1', robot.port))
                 assert refused.wait(20.0)
                 for _ in range(20):
-                    robot.inject('unblock')     # rounds of the loop
+                    robot.inject('unblock')  # each call takes a cycle of the loop
         assert len(calls) == 1
         with closing(connected(robot.port)) as client:
             client.send('queryMotors')
@@ -156,7 +156,7 @@ def test_a_program_without_a_free_file_descriptor_waits_before_it_listens_again(
 
 
 def connected(port: int) -> Talk:
-    """A client, as soon as the port is open."""
+    """A client, connected as soon as the port is open."""
     end = time.monotonic() + 20.0
     while True:
         try:

@@ -1,4 +1,4 @@
-"""The moving base keeps its limits and its distance at every step."""
+"""The moving base respects its limits and its distance to obstacles at every step."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -27,7 +27,7 @@ def random_pairs(floor: Floor, planner: Planner, near: Tuple[float, float], coun
     connected = label(floor.planning_clearance >= planner.drive_clearance, connectivity=1)
     part = connected == connected[floor.planning_cell(*near)]
     cells = np.argwhere(part & (floor.planning_clearance >= planner.turn_clearance))
-    assert len(cells) > 100, 'hardly any room around that goal'
+    assert len(cells) > 100, 'there is hardly any room around that goal'
     random = np.random.RandomState(5)
     for _ in range(count):
         start, goal = floor.planning_points(cells[random.randint(len(cells), size=2)])
@@ -38,7 +38,7 @@ def random_pairs(floor: Floor, planner: Planner, near: Tuple[float, float], coun
 @pytest.mark.parametrize('path', MAPS, ids=lambda path: path.stem)
 def test_between_random_poses_the_body_touches_nothing(path: Path) -> None:
     if not path.exists():
-        pytest.skip(f'{path.name} is not here')
+        pytest.skip(f'{path.name} does not exist')
     document = MapDocument.load(str(path))
     floor = Floor.from_map(document)
     planner = Planner(floor)
@@ -82,12 +82,12 @@ def test_the_robot_brakes_for_a_goal_from_metres_away() -> None:
 def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
     rig = Rig(start=(-3000.0, 2200.0, 0.0))
     client = rig.client()
-    client.send('goto 12')      # round the end of the wall
+    client.send('goto 12')  # around the end of the wall
     while abs(rig.robot.base.rotation) < 30.0 or rig.robot.base.speed < 300.0:
         rig.clock.advance(rig.clock.now + STEP)
     start = rig.robot.base.speed
     rig.robot.press_estop()
-    client.send('stop')         # must not weaken it
+    client.send('stop')  # a second stop must not weaken the first one
     steps = []
     while not rig.robot.base.still:
         before = rig.robot.base.speed, rig.robot.base.rotation
@@ -96,4 +96,5 @@ def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
     braked, spun = np.abs(steps).max(axis=0) / STEP
     assert spun <= LD90_LIMITS.rotation_acceleration + 1e-6
     assert braked <= LD90_LIMITS.emergency_deceleration + 1e-6
-    assert len(steps) * STEP < start / LD90_LIMITS.deceleration, 'no faster than any stop'
+    assert len(steps) * STEP < start / LD90_LIMITS.deceleration, (
+        'it must stop faster than with normal braking')

@@ -1,4 +1,4 @@
-"""Goals that change on the way, and robots that meet."""
+"""Goals that change during the drive, and robots that meet."""
 from __future__ import annotations
 
 import math
@@ -72,8 +72,8 @@ def test_two_robots_head_on_in_a_corridor_pass_or_give_up_but_never_touch(width:
     while left.robot.activity or right.robot.activity:
         left.clock.advance(left.clock.now + STEP)
         nearest = min(nearest, gap(left.robot.true_pose, right.robot.true_pose))
-        assert left.clock.now < 120.0, 'they wait for each other for ever'
-    assert nearest > 100.0, f'they came as near as {nearest:.0f} mm'
+        assert left.clock.now < 120.0, 'the robots wait for each other for ever'
+    assert nearest > 100.0, f'the robots came as near as {nearest:.0f} mm'
     end = 'Arrived at point' if width > 2200.0 else 'Error: Failed going to goal'
     assert one.lines() == two.lines() == ['Going to point', end]
 
@@ -94,7 +94,7 @@ def test_robots_in_a_crowd_never_touch() -> None:
             rigs[0].clock.advance(rigs[0].clock.now + STEP)
             poses = [rig.robot.true_pose for rig in rigs]
             nearest = min(nearest, *(gap(poses[i], poses[j]) for i, j in ((0, 1), (0, 2), (1, 2))))
-    assert nearest > 20.0, f'they came as near as {nearest:.0f} mm'
+    assert nearest > 20.0, f'the robots came as near as {nearest:.0f} mm'
     for inspector in inspectors:
         inspector.check()
     lines = [line for client in clients for line in client.lines()]

@@ -1,4 +1,4 @@
-"""Ways on a floor: found where there is one, refused where there is none."""
+"""Paths on a floor: found if there is one, refused if there is none."""
 from __future__ import annotations
 
 import math
@@ -77,7 +77,7 @@ def test_a_corridor_of_900_mm_with_a_bend_can_be_driven() -> None:
     while not base.still:
         base.step()
         outline = LD90_BODY.corners(base.pose)
-        assert floor.clearance_at(outline).min() > 0.0, f'touched at {base.pose}'
+        assert floor.clearance_at(outline).min() > 0.0, f'collision at {base.pose}'
     assert base.pose.distance_to(0.0, 3500.0) < 1.0
 
 

@@ -1,4 +1,4 @@
-"""Goals of ROS actions: nothing is lost on the way to a server, and each goal ends once."""
+"""Goals of ROS actions: no goal is lost on the way to a server, and each goal ends once."""
 from __future__ import annotations
 
 from typing import Any, Callable, List, Tuple
@@ -14,7 +14,7 @@ from vda5050_vehicle.nodes.action_goals import PATIENCE, ActionGoals  # noqa: E4
 
 
 class Connections:
-    """An end of a topic."""
+    """One end of a topic."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -38,7 +38,7 @@ class Handle:
         self._on_transition(self)
 
     def comes_to(self, state: int) -> None:
-        """What actionlib knows of it by the server's statuses."""
+        """The state that actionlib knows from the server's statuses."""
         self._state = state
 
     def get_comm_state(self) -> int:
@@ -52,7 +52,7 @@ class Handle:
 
 
 class Client:
-    """As actionlib.ActionClient; `heard` is what its server hears, if it is connected."""
+    """Replaces actionlib.ActionClient; `heard` is what its server receives, if it is connected."""
 
     ns = 'lift'
 
@@ -89,7 +89,7 @@ class Bench:
         self.goals = ActionGoals(lambda *end: self.ends.append(end), lambda: self.now)
 
     def statuses(self, count: int) -> None:
-        """The server publishes so many, and each is seen."""
+        """The server publishes the given number of statuses, and each is received."""
         for _ in range(count):
             self.client.last_status_msg = object()
             self.goals.check()
@@ -178,16 +178,16 @@ def test_a_goal_ends_when_its_server_is_gone(bench):
 def test_what_got_lost_is_not_waited_for_for_ever(bench, state, told):
     bench.client.connect()
     bench.send()
-    bench.statuses(100)  # it may take its time
+    bench.statuses(100)  # the server may take its time
     bench.client.handles[0].comes_to(state)
     bench.statuses(STATUSES_WAITED + 1)
-    assert bench.ends == [], 'it may be on its way'
+    assert bench.ends == [], 'the goal may still be on its way'
     bench.statuses(1)
     assert bench.ends == [('up', False, told)]
 
 
 def test_cancelling_all_is_owed_until_the_server_can_hear_it(bench):
-    """An adapter that was killed under way cancels before its connections are made."""
+    """An adapter that was killed during a drive cancels before its connections are made."""
     bench.goals.cancel_all(bench.client)
     assert bench.client.heard == []
     bench.client.pub_cancel.count = 1  # it does not wait for the rest
@@ -203,6 +203,6 @@ def test_cancelling_all_ends_what_waits_and_leaves_what_comes_after_it(bench):
     assert [name for name, *_ in bench.ends] == ['before']
     bench.client.connect()
     bench.goals.check()
-    assert bench.client.heard == ['cancel all']  # the goal must not overtake it
+    assert bench.client.heard == ['cancel all']  # the goal must not overtake the cancellation
     bench.goals.check()
     assert bench.client.heard == ['cancel all', 'goal after']

@@ -1,4 +1,4 @@
-"""The adapter is killed and comes back: the order is there, nothing is done twice."""
+"""The adapter is killed and restarts: the order is still there, and nothing is done twice."""
 from __future__ import annotations
 
 import json
@@ -23,7 +23,7 @@ def test_the_order_goes_on_where_the_robot_drives_its_route():
     routes = list(lab.robot.routes)
     lab = lab.restarted()
     assert lab.nodes == ['12', '14', '32']
-    assert lab.robot.routes == routes, 'nothing is sent before the robot was heard'
+    assert lab.robot.routes == routes, 'nothing may be sent before the robot has reported'
     lab.drive(2)
     assert lab.status('later') == 'RUNNING'
     lab.end_action('later')
@@ -67,7 +67,7 @@ def test_started_actions_have_failed_and_are_never_run_again():
     assert (lab.status('a'), lab.status('b'), lab.status('instant')) == (
         'FAILED', 'WAITING', 'FAILED')
     assert lab.started == []
-    assert not lab.robot.routes, 'the robot was to stand for it: a master decides'
+    assert not lab.robot.routes, 'the vehicle had to stand for the action, so a master must decide'
     assert lab.errors == ['actionError']
     lab.act('stopPause')
     assert lab.robot.route == (1,)
@@ -134,7 +134,7 @@ def test_a_failure_is_not_forgotten():
     lab.wait(5.0)
     assert lab.errors == ['driveError']
     assert lab.state['errors'][0]['errorDescription'] == 'emergency stop'
-    assert not lab.state['paused'], 'no pause was given'
+    assert not lab.state['paused'], 'there was no pause'
 
 
 def test_a_stop_that_was_owed_is_given():
@@ -217,4 +217,4 @@ def test_a_journal_file_is_a_log_and_an_unfinished_line_is_of_nothing_that_was_d
     assert JournalFile(path).read(RouteDrive) == known
     file = JournalFile(path)
     file.write(known, known)
-    assert len(path.read_text().splitlines()) == 1, 'each run begins it anew'
+    assert len(path.read_text().splitlines()) == 1, 'each run must begin it anew'

@@ -1,4 +1,4 @@
-"""What is known of the robot's motion, from topics and signals of the vehicle file."""
+"""Knowledge of the robot's motion, from topics and from signals of the vehicle file."""
 from __future__ import annotations
 
 import pytest
@@ -51,7 +51,7 @@ def test_motion_that_was_told_once_holds_until_another_is_told(watch, topics):
     tell(topics, 'motion', Motion(epoch=8, state=Motion.DRIVING))
     assert (watch.view().standing, watch.view().epoch) == (False, 8)
     tell(topics, 'motion', Motion(epoch=8, state=Motion.UNKNOWN))
-    assert watch.view().standing is None, 'the velocity decides'
+    assert watch.view().standing is None, 'the velocity must decide'
 
 
 def test_a_velocity_is_known_with_its_time_and_not_for_long(watch, topics):

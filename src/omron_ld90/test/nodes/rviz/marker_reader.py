@@ -1,4 +1,4 @@
-"""Markers as their subscribers get them: what was published is written and read again."""
+"""Markers as their subscribers get them: serialised and read again."""
 from __future__ import annotations
 
 import io
@@ -13,14 +13,14 @@ def received(message: Marker) -> Marker:
 
 
 def drawn(array: MarkerArray) -> List[Marker]:
-    """The markers of a complete array, which begins by taking away what was shown before."""
+    """The markers of a complete array, which begins by deleting all earlier markers."""
     first, *markers = _sent(array, MarkerArray()).markers
     assert first.action == Marker.DELETEALL, 'the array does not begin with DELETEALL'
     return markers
 
 
 def of(array: MarkerArray, namespace: str) -> List[Marker]:
-    """Those of one namespace."""
+    """The markers of one namespace."""
     return [marker for marker in drawn(array) if marker.ns == namespace]
 
 

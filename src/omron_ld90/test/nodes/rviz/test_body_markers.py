@@ -1,4 +1,4 @@
-"""The body that the shipped URDF describes, as markers; and what a URDF may get wrong."""
+"""The body of the shipped URDF as markers; and errors in a URDF."""
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree

@@ -1,4 +1,4 @@
-"""Texts for RViz are made of letters that it has."""
+"""Texts for RViz contain only letters that its font has."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Messages written by numpy are, byte for byte, the messages that rospy would write."""
+"""Messages serialised by numpy have the same bytes as those serialised by rospy."""
 from __future__ import annotations
 
 import io
@@ -26,7 +26,7 @@ HEADER = Header(seq=7, stamp=genpy.Time(12, 34), frame_id='map')
 
 def written(message) -> bytes:
     buffer = io.BytesIO()
-    buffer.write(b'before')  # a message is written behind others
+    buffer.write(b'before')  # a message is written after others
     message.serialize(buffer)
     return buffer.getvalue()
 

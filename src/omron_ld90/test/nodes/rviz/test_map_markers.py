@@ -1,4 +1,4 @@
-"""What each marker of the map looks like, and where it stands."""
+"""The look and the place of each marker of the map."""
 from __future__ import annotations
 
 import math
@@ -44,7 +44,7 @@ def test_points_and_lines_are_in_metres():
     shown = document(data=b'2D-Map\nResolution: 40\nLINES\n0 0 60 -41\nDATA\n-20 0\n')
     points, lines = map_markers.points(shown, 'map'), map_markers.lines(shown, 'map')
     assert points.array[:, :2].tolist() == [[-0.02, 0.0]]
-    assert points.scale.x == 0.04, 'a point is as large as its cell'
+    assert points.scale.x == 0.04, 'a point must be as large as its cell'
     assert lines.array[:, :2].tolist() == [[0.0, 0.0], [0.06, -0.041]]
 
 

@@ -1,4 +1,4 @@
-"""What of the graph and the route is drawn, and in which colour."""
+"""The parts of the graph and the route that are drawn, and their colours."""
 from __future__ import annotations
 
 import io
@@ -33,7 +33,7 @@ def picture(graph) -> GraphPicture:
 
 
 def seen(array) -> dict:
-    """Where (x, rounded) the route is seen to begin and end, by what its colour says."""
+    """The begin and the end (x, rounded) of the route as drawn, by its colour."""
     result = {}
     for marker in of(array, 'route'):
         xs = [point.x for point in marker.points]
@@ -71,7 +71,7 @@ def test_each_vertex_shows_its_id_and_the_dock_and_the_ends_have_more_rings(pict
 
 
 def test_an_id_that_the_map_shows_already_is_not_drawn_twice(picture):
-    named = {'1': (0.1, 0.0), '2': (0.0, 0.0), 'charger': (8.0, 2.0)}  # 2 stands elsewhere
+    named = {'1': (0.1, 0.0), '2': (0.0, 0.0), 'charger': (8.0, 2.0)}  # vertex 2 is elsewhere
     array = picture.graph_markers(named)
     assert [marker.text for marker in of(array, 'vertex_ids')] == ['2', '3']
 

@@ -1,4 +1,4 @@
-"""The line of words about a robot, and what is to be seen of one that is gone."""
+"""The status line of a robot, and the display of a robot that no longer reports."""
 from __future__ import annotations
 
 import math

@@ -48,7 +48,7 @@ def test_calls_are_made_in_their_order_by_a_thread_of_their_own(calls):
 def test_whoever_adds_a_call_does_not_wait_for_it(calls):
     go_on = held_up(calls)
     made = []
-    calls.add(lambda: made.append(1))  # were it made here, it would be by now
+    calls.add(lambda: made.append(1))  # if the call were made here, it would have returned by now
     assert made == []
     go_on.set()
     calls.close()
@@ -89,4 +89,4 @@ def test_closing_waits_no_longer_than_it_is_told(calls):
     assert made == []
     go_on.set()
     calls._thread.join(10.0)
-    assert made == [1], 'what was queued is made all the same'
+    assert made == [1], 'queued calls must still be made'

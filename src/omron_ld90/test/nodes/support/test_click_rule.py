@@ -1,4 +1,4 @@
-"""A click moves the robot unless a fleet drives it."""
+"""A click moves the robot, except when a fleet manager drives it."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""How a command ended, by the goal that it was."""
+"""The end of a command, identified by its goal."""
 from __future__ import annotations
 
 import threading
@@ -14,7 +14,7 @@ from omron_ld90_msgs.msg import ExecuteCommandResult
 
 
 class DoneGoal:
-    """A goal's handle, when it is done."""
+    """A goal's handle when the goal is done."""
 
     def __init__(self, status: int, result=None, text: str = '') -> None:
         self.get_terminal_state = lambda: status
@@ -41,7 +41,7 @@ def test_the_empty_result_of_a_goal_that_actionlib_refused_is_no_success(status)
 
 
 class Server:
-    """A controller, as far as actionlib's client shows it."""
+    """A controller, as far as actionlib's client sees it."""
 
     def __init__(self) -> None:
         ends = SimpleNamespace(get_num_connections=lambda: 1)
@@ -83,7 +83,7 @@ def test_what_got_lost_on_its_way_is_not_waited_for_for_ever(server, state, lost
     for _ in range(STATUSES_WAITED + 1):
         server.last_status_msg = object()
         commands.check()
-    assert not results, 'it may be on its way'
+    assert not results, 'the goal may still be on its way'
     server.last_status_msg = object()
     commands.check()
     assert heard.wait(5.0 if lost else 0.1) is lost

@@ -1,4 +1,4 @@
-"""Only map_visualisation of the same namespace says which map is displayed."""
+"""Only map_visualisation of the same namespace decides which map is displayed."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -15,7 +15,7 @@ OURS = rospy.resolve_name('map_visualisation')
 
 @pytest.fixture
 def told() -> list:
-    """What was called back: documents and paths."""
+    """The arguments of the callbacks: documents and paths."""
     return []
 
 

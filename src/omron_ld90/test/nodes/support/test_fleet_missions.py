@@ -1,4 +1,4 @@
-"""A click on a robot of a fleet is one mission, of whose end people are told once."""
+"""A click on a robot of a fleet requests one mission; its end is reported once."""
 from __future__ import annotations
 
 import time
@@ -15,7 +15,7 @@ from omron_ld90.operator.notices import Notice, Severity
 
 
 class Topics:
-    """In place of ROS: what is published, and which topics have subscribers."""
+    """Replaces ROS: published messages, and the topics that have subscribers."""
 
     def __init__(self) -> None:
         self.supervisors = 1
@@ -138,7 +138,7 @@ def test_an_end_that_was_missed_is_asked_for(topics, missions, told, monkeypatch
     missions.send(TARGET)
     id = topics.requests[0].request_id
     missions.ask()
-    assert topics.asked == 0, 'there was news a moment ago'
+    assert topics.asked == 0, 'a message arrived a moment ago'
     now += 2 * SILENCE
     missions.ask()
     assert told == [], 'the fleet manager does not answer yet'

@@ -1,4 +1,4 @@
-"""One node alone keeps its memory in a file."""
+"""Only one node keeps its memory in a file."""
 from __future__ import annotations
 
 import subprocess

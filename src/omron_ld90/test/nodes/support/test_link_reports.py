@@ -1,4 +1,4 @@
-"""A link's changes on `link_state`, in /diagnostics, and in the log."""
+"""Changes of a link on `link_state`, in /diagnostics, and in the log."""
 from __future__ import annotations
 
 from typing import Any, List
@@ -18,7 +18,7 @@ ROBOT = '10.0.0.5:7171'
 
 
 class Topic(list):
-    """What was published."""
+    """The published messages."""
 
     publish = list.append
 
@@ -81,7 +81,7 @@ def test_a_link_that_stays_as_it_is_is_logged_once(logged):
 
 
 def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
-    """A user who presses Ctrl-C is not told of a link that is down."""
+    """A user who presses Ctrl-C gets no warning about a link."""
     said: List[str] = []
     warned: List[str] = []
     monkeypatch.setattr(rospy, 'loginfo', lambda text, *arguments: said.append(text % arguments))
@@ -89,7 +89,7 @@ def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
     reporter = LinkReporter(LinkState.OUTGOING)
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'connection reset'))
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
-    monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() comes later
+    monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() becomes true later
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'closed by us'))
     assert warned == [f'Link "outgoing" to {ROBOT} is down: connection reset.']
     assert said[1:] == [f'Link "outgoing" to {ROBOT} is closed, because this node ends.']

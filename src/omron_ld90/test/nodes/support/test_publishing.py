@@ -1,4 +1,4 @@
-"""Lines go out byte for byte; a message that cannot be serialised ends no topic."""
+"""Lines are published byte for byte; a message that cannot be serialised ends no topic."""
 from __future__ import annotations
 
 import struct

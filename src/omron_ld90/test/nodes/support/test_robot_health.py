@@ -1,4 +1,4 @@
-"""What /diagnostics says of the robot, from the lines it sends."""
+"""The robot's entry in /diagnostics, from the lines it sends."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""A route's report read by numpy says what rospy would read, and has an end."""
+"""A route report read by numpy is the same as read by rospy; its length is limited."""
 from __future__ import annotations
 
 import io

@@ -1,4 +1,4 @@
-"""The commands' transcripts, and what holds for all commands."""
+"""The commands' transcripts, and rules for all commands."""
 from __future__ import annotations
 
 import pytest
@@ -23,8 +23,8 @@ EVENTS = ('Fault: ', 'FaultCleared: ', 'Stopping', 'Stopped', 'Interrupted: ', '
           'WaitState: Waiting 10 seconds ', 'Configuration changed', 'Shutting down server',
           'Status: fooled you', 'PayloadUpdate: ', 'extIOInputUpdate', 'extIOOutputUpdate')
 
-# what a real robot's help list says of commands, and their shortcuts (ARCL manual I617-E-02
-# p. 131-133, where a robot's transcript does not say otherwise)
+# commands and their shortcuts in a real robot's help list (ARCL manual I617-E-02 p. 131-133, unless
+# a robot's transcript says otherwise)
 HELP = """\
 analogInputList          Lists the named analog inputs
 analogInputQueryRaw          Queries the state of an analog input by raw
@@ -57,7 +57,7 @@ getConfigSectionValues          Gets the values in a section of the config
            quit          closes this connection to the server
 """.splitlines()
 
-# the syntax of commands that cannot do without arguments, as the manual has it
+# the syntax of commands that need arguments, as in the manual
 SYNTAX = """\
 analogInputQueryRaw <name>
 analogInputQueryVoltage <name>

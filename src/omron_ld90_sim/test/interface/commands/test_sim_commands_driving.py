@@ -1,4 +1,4 @@
-"""What becomes of drives: from the dock, replaced, stopped, failed; patrols on their way."""
+"""Drives: from the dock, replaced, stopped, failed; and patrols."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""External I/O: which clients hear of an update, and what removing a set does."""
+"""External I/O: which clients receive an update, and the effect of removing a set."""
 from __future__ import annotations
 
 from sim_builders import Rig

@@ -1,7 +1,7 @@
 """Transcripts: reading and changing the configuration (form as in `transcripts_state`)."""
 from __future__ import annotations
 
-SECTIONS = [        # both maps of real robots have these, in this order
+SECTIONS = [  # the maps of both real robots have these sections, in this order
     'Log Config', 'ARCL server setup', 'A/V Config', 'Connection timeouts', 'Destination Drawing',
     'Feedback', 'Outgoing ARCL commands', 'Outgoing ARCL connection setup',
     'Payload Present Messages and Behavior', 'Robot joystick goal button', 'Language/Location',

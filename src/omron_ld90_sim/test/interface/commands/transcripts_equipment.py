@@ -15,7 +15,7 @@ TRIP_COUNTS = ['CompletedJobs', 'CompletedJobSegments', 'CancelledJobs', 'Cancel
 LONG_INPUT = '0xffcdffabffefabffefabffefaffdefabcdefabcdefabcdefabcdefabcdef'
 ADD = 'extioadd example 69 37'
 ADDED = 'extIOAdd: example added with 69 input(s) and 37 output(s)'
-# command lines, then what comes; a line in slashes is a regular expression
+# command lines, then the answer; a line in slashes is a regular expression
 IMMEDIATE: Dict[str, List[List[str]]] = {
     'extIOAdd': [[ADD, 'eda EXAMPLE 1 1', 'eda more 5000 0'], [
         ADDED, 'CommandError: eda EXAMPLE 1 1',

@@ -1,6 +1,6 @@
 """Transcripts: the connection itself, status, infos and range devices.
 
-Command lines, then what comes at once; a line in slashes is a regular expression.
+Each has command lines, then the immediate answer; a line in slashes is a regular expression.
 """
 from __future__ import annotations
 
