@@ -1,4 +1,4 @@
-"""All that can happen to a fleet, by name: to robots, to messages, by people, to the disk."""
+"""All events that can happen to a fleet, by name: of robots, messages, people and the disk."""
 from __future__ import annotations
 
 import math
@@ -16,17 +16,19 @@ from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)
 DOCKS = (24, 25)
-SAME = 3  # instead of a robot's rank: the one of the event before
+SAME = 3  # in place of a robot's rank: the robot of the previous event
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
-_CLOCK = 3.0  # s, more than a report is ever under way
+_CLOCK = 3.0  # s by which a wrong clock is ahead; more than the longest delay of a report
 _CHARGES = (0.05, 0.2, 0.5, 0.9)
-_CHARGING = 0.05  # of the battery, in a second in the dock
+_CHARGING = 0.05  # share of the battery that is charged per second in the dock
 
 
 def yard() -> Graph:
-    """Two rows of vertices joined like a ladder, with a spur at each of the upper ones; at the ends
-    of two of them robots charge."""
+    """Returns a graph like a ladder: two rows of vertices, with a spur at each upper vertex.
+
+    The ends of two spurs are docks.
+    """
     places: Dict[int, Tuple[float, float]] = {}
     ends: Dict[int, Tuple[int, int]] = {}
     for k in range(5):
@@ -48,10 +50,12 @@ Act = Callable[['Chaos', str, int], None]
 
 
 class Event(NamedTuple):
-    """Something happens to a robot, when that moment has come.
+    """One event of a life.
 
-    robot  -- its rank: 0 to 2, those that drive come first; or SAME
-    number -- how much or which one, as the act has it
+    act    -- name of the method of `Chaos` that does it
+    moment -- `now`, `order` (when an order is sent) or `plan` (while the planner works)
+    robot  -- rank of the robot, 0 to 2, driving robots first; or SAME
+    number -- parameter of the act, for example which edge or how long
     pause  -- s before the next event
     """
 
@@ -63,7 +67,7 @@ class Event(NamedTuple):
 
 
 class Chaos:
-    """A fleet in the yard to which things happen; the promises are checked all the time."""
+    """Lets events happen to a fleet in the yard, while `Promises` checks the fleet all the time."""
 
     def __init__(self, fleet: SupervisedFleet) -> None:
         self.fleet = fleet
@@ -77,8 +81,7 @@ class Chaos:
         self._foreign = 10 ** 8
 
     def hide(self, robot: str, number: int) -> None:
-        """Before anything was heard of a robot: it is switched off, and not where it is to begin.
-        """
+        """Switches a robot off before its first report, and puts it onto an unexpected vertex."""
         agv = self.fleet.agvs[robot]
         taken = {one.visited[-1] for one in self.fleet.agvs.values()}
         vertex = [one for one in VERTICES if one not in taken][number % (len(VERTICES) - 3)]
@@ -86,7 +89,7 @@ class Chaos:
         self.silence(robot, number)
 
     def run(self, seconds: float) -> None:
-        """Lets time pass, in which what was to last for a while ends."""
+        """Simulates the given virtual seconds; temporary faults end when their time is over."""
         self._until(lambda: False, seconds)
 
     def _until(self, condition: Callable[[], bool], seconds: float) -> None:
@@ -112,7 +115,7 @@ class Chaos:
         self._ends.append((self.fleet.now + _seconds(number), what))
 
     def happen(self, event: Event) -> None:
-        """Waits for the moment, at most a few seconds, and lets it happen."""
+        """Waits at most 3 s for the event's moment, then lets the event happen."""
         fleet = self.fleet
         if event.robot != SAME:
             self._robot = sorted(ROBOTS, key=lambda r: not fleet.agvs[r].is_driving)[event.robot]
@@ -127,7 +130,7 @@ class Chaos:
     # -- missions ---------------------------------------------------------------------------------
 
     def request(self, robot: str, number: int) -> None:
-        """A mission: every third one for this robot, some with stays; ids come again."""
+        """Requests a mission; every fourth is for this robot, some have dwells, ids are reused."""
         vertices = [VERTICES[(number * k + k) % len(VERTICES)] for k in range(1, 2 + number % 3)]
         dwell = (None, None, 0.0, 2.0, -1.0)[number % 5]
         request = Request(
@@ -140,8 +143,10 @@ class Chaos:
         self._send(request)
 
     def repeat(self, _: str, number: int) -> None:
-        """A request of before comes again, as one that was under way for long: one whose id was
-        given to another since, if there is one."""
+        """Sends an earlier request again, as a message that was delayed for long.
+
+        It prefers a request whose id a later request has used.
+        """
         requests = self.requests[:-4] or self.requests
         if requests:
             self._send(requests[-1 - number % len(requests)])
@@ -155,19 +160,19 @@ class Chaos:
         assert before == after or not fleet.is_disk_full
 
     def cancel(self, robot: str, number: int) -> None:
-        """A robot's mission, or another one, is cancelled."""
+        """Cancels the robot's mission; without one, an open mission."""
         self._command(Command.CANCEL, robot, number)
 
     def pause(self, robot: str, number: int) -> None:
-        """A robot's mission, or another one, is paused."""
+        """Pauses the robot's mission; without one, an open mission."""
         self._command(Command.PAUSE, robot, number)
 
     def resume(self, robot: str, number: int) -> None:
-        """A robot's mission, or another one, is to go on."""
+        """Resumes the robot's mission; without one, an open mission."""
         self._command(Command.RESUME, robot, number)
 
     def release(self, robot: str, number: int) -> None:
-        """A robot's mission, or another one, is to end its stay."""
+        """Ends the dwell of the robot's mission; without one, of an open mission."""
         self._command(Command.RELEASE, robot, number)
 
     def _command(self, command: Command, robot: str, number: int) -> None:
@@ -193,39 +198,39 @@ class Chaos:
     # -- robots -----------------------------------------------------------------------------------
 
     def stall(self, robot: str, number: int) -> None:
-        """It stands for a while."""
+        """Makes the robot stand still for a while."""
         self.fleet.agvs[robot].stalled = _seconds(number)
 
     def slow_down(self, robot: str, number: int) -> None:
-        """It is slower, or as fast as ever."""
+        """Sets the robot's speed to 30 % or back to 100 %."""
         self.fleet.agvs[robot].pace = (0.3, 1.0)[number % 2]
 
     def brake_late(self, robot: str, number: int) -> None:
-        """It needs room to stop."""
+        """Sets the robot's braking distance to 1 m or 0 m."""
         self.fleet.agvs[robot].braking = (1.0, 0.0)[number % 2]
 
     def switch_off(self, robot: str, number: int) -> None:
-        """It is switched off, and on again without a memory."""
+        """Switches the robot off, and on again without a memory of its route."""
         self.promises.blamed.add(robot)
         self.fleet.agvs[robot].forget()
         self.silence(robot, number)
 
     def refuse(self, robot: str, number: int) -> None:
-        """It refuses the next orders."""
+        """Makes the robot refuse its next 1 to 4 orders."""
         self.promises.blamed.add(robot)
         self.fleet.agvs[robot].refusing = 1 + number % 4
 
     def emergency_stop(self, robot: str, number: int) -> None:
-        """Its emergency stop is pressed for a while."""
+        """Presses the robot's emergency stop for a while."""
         self.fleet.agvs[robot].emergency = True
         self._later(number, lambda: setattr(self.fleet.agvs[robot], 'emergency', False))
 
     def change_battery(self, robot: str, number: int) -> None:
-        """It finds its battery fuller or emptier than before."""
+        """Sets the charge of the robot's battery."""
         self._charges[robot] = _CHARGES[number % 4]
 
     def leave_graph(self, robot: str, number: int) -> None:
-        """It cannot tell for a while where it is."""
+        """Makes the robot lose its position for a while: it is off the graph."""
         self.promises.blamed.add(robot)
         agv = self.fleet.agvs[robot]
         agv.fail(Reason(ReasonCode.OFF_GRAPH, 'off the graph'))
@@ -233,17 +238,21 @@ class Chaos:
         self._later(number, lambda: setattr(agv, 'off_graph', False))
 
     def take_over(self, robot: str, _: int) -> None:
-        """A person stops it; no more than that, for what they drive into is not ours."""
+        """Lets a person take over the robot.
+
+        The person stops it and does not drive it: the fleet manager cannot prevent that a person
+        drives one robot into another.
+        """
         self.promises.blamed.add(robot)
         self.fleet.agvs[robot].fail(TAKEN_OVER)
 
     def fail(self, robot: str, _: int) -> None:
-        """It cannot drive on."""
+        """Lets the robot's route fail."""
         self.promises.blamed.add(robot)
-        self.fleet.agvs[robot].fail(Reason(ReasonCode.OTHER, 'something lies in its way'))
+        self.fleet.agvs[robot].fail(Reason(ReasonCode.OTHER, 'an object blocks the path'))
 
     def drive_by_hand(self, robot: str, _: int) -> None:
-        """Another program gives it a route to the end of its edge."""
+        """Lets another program order the robot to the end of its current edge."""
         agv = self.fleet.agvs[robot]
         if agv.is_driving and robot not in self.fleet.lost:
             self.promises.driven_by_hand(robot, agv.edges[agv.current])
@@ -251,9 +260,10 @@ class Chaos:
             agv.order(self._foreign, (agv.edges[agv.current],))
 
     def carry(self, robot: str, number: int) -> None:
-        """A person carries a robot that is out of service to where there is room.
+        """Lets a person carry a robot that is out of service to a place far from all others.
 
-        The robot tells at once where it is: the fleet manager cannot know of one that does not.
+        The robot reports its new place at once: the fleet manager cannot know of a robot that is
+        carried in silence.
         """
         fleet, agv = self.fleet, self.fleet.agvs[robot]
         edges = sorted(fleet.graph.edges)
@@ -276,28 +286,29 @@ class Chaos:
     # -- messages ---------------------------------------------------------------------------------
 
     def reports_come_late(self, robot: str, number: int) -> None:
-        """When they come sooner again, the new ones overtake the old."""
+        """Sets the delay of the robot's reports. If it gets shorter, new reports overtake old ones.
+        """
         self.fleet.late[robot] = _DELAYS[number % 4]
 
     def orders_come_late(self, robot: str, number: int) -> None:
-        """They are under way for a while."""
+        """Sets the delay of orders to the robot."""
         self.fleet.orders_late[robot] = _DELAYS[number % 4]
 
     def set_clock(self, robot: str, number: int) -> None:
-        """The clock of its computer is ahead for a while."""
+        """Sets the clock of the robot's computer ahead for a while."""
         self.fleet.clocks[robot] = _CLOCK
         self._later(number, lambda: self.fleet.clocks.update({robot: 0.0}))
 
     def silence(self, robot: str, number: int) -> None:
-        """Nothing goes to it or comes from it."""
+        """Cuts all messages to and from the robot for a while."""
         self.fleet.silent[robot] = self.fleet.now + _seconds(number)
 
     def deafness(self, robot: str, number: int) -> None:
-        """It goes on reporting, and no order reaches it."""
+        """Loses all orders to the robot for a while; its reports still arrive."""
         self.fleet.deaf[robot] = self.fleet.now + _seconds(number)
 
     def lose_link(self, robot: str, number: int) -> None:
-        """It drives on, and its computer does not know where, for a while."""
+        """Cuts the link between the robot and its computer for a while; the robot drives on."""
         self.promises.blamed.add(robot)
         self.fleet.lose_link(robot)
         self._later(number, lambda: self.fleet.find_link(robot))
@@ -305,12 +316,12 @@ class Chaos:
     # -- the fleet --------------------------------------------------------------------------------
 
     def close(self, _: str, number: int) -> None:
-        """Some edges are closed, or none."""
+        """Closes some edges, or opens all of them."""
         self.promises.closed()
         self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
 
     def change_graph(self, robot: str, number: int) -> None:
-        """A graph without the edge behind a robot, or without another one, or with all edges."""
+        """Uses a graph without the edge behind a robot, without another edge, or with all edges."""
         agv = self.fleet.agvs[robot]
         edge = 0
         if number % 3 == 0 and agv.current:
@@ -322,7 +333,8 @@ class Chaos:
                            [e for e in YARD.edges.values() if e.id != edge]))
 
     def _used(self) -> Set[int]:
-        """Edges that no graph may lack, as robots are on them, or may drive there yet."""
+        """Returns the edges that each graph must have: robots are on them or may still drive them.
+        """
         fleet = self.fleet
         used: Set[int] = set()
         for name, agv in fleet.agvs.items():
@@ -332,7 +344,7 @@ class Chaos:
         return set(map(abs, used))
 
     def use(self, graph: Graph) -> None:
-        """A graph comes into force. The supervisor then begins as after a restart."""
+        """Puts a graph into force. The supervisor then begins as after a restart."""
         self.fleet.graph = graph
         for agv in self.fleet.agvs.values():
             agv.graph = graph
@@ -340,26 +352,26 @@ class Chaos:
         self.fleet.restart()
 
     def stop_all(self, _: str, __: int) -> None:
-        """A person stops the fleet."""
+        """Lets a person stop the fleet."""
         supervisor = self.fleet.supervisor
         actions = supervisor.stop_fleet(self.fleet.now)
         self.promises.stop()
         self.fleet.do(actions)
 
     def resume_all(self, _: str, __: int) -> None:
-        """A person lets the fleet go on."""
+        """Lets a person release the fleet stop."""
         self.promises.stopped = None
         self.fleet.do(self.fleet.supervisor.resume_fleet(self.fleet.now)[1])
 
     def take_out(self, robot: str, _: int) -> None:
-        """A person takes a robot out of service."""
+        """Lets a person take a robot out of service."""
         self.promises.blamed.add(robot)
         actions = self.fleet.supervisor.take_out(robot, self.fleet.now)
         self.promises.take_out(robot)
         self.fleet.do(actions)
 
     def bring_in(self, robot: str, _: int) -> None:
-        """A person puts a robot back into service, one that cannot work if there is one."""
+        """Lets a person bring a robot into service; if this one works, one that does not."""
         robots = self.fleet.supervisor.robots
         if robots[robot].works:
             robot = next((name for name in ROBOTS if not robots[name].works), robot)
@@ -369,17 +381,20 @@ class Chaos:
         self.fleet.do(actions)
 
     def die(self, _: str, number: int) -> None:
-        """The supervisor dies at one of its next commits, in the midst of acting on it."""
+        """Lets the supervisor die at one of its next commits, after 0 to 2 of its actions."""
         self.fleet.dies_after = number // 6 % 3
         self.fleet.crash_at = self.fleet.commits + self.fleet.journal.commits + number % 6
 
     def restart(self, _: str, __: int) -> None:
-        """The supervisor dies now."""
+        """Lets the supervisor die and start again now."""
         self.fleet.restart()
 
     def hang(self, _: str, number: int) -> None:
-        """The supervisor hangs for a while; maybe a person stops the fleet past it, and then it is
-        killed or goes on."""
+        """Lets the supervisor hang for 2 s.
+
+        Depending on `number`, a person stops the fleet meanwhile, with stop orders that bypass
+        the supervisor. Afterwards the supervisor is killed or continues.
+        """
         fleet, is_stopped, is_killed = self.fleet, number % 4 > 0, number % 4 > 1
         hears = not fleet.loss and not any(
             until > fleet.now for until in (*fleet.deaf.values(), *fleet.silent.values())
@@ -397,14 +412,17 @@ class Chaos:
             self.stop_all('', 0)
 
     def fill_disk(self, _: str, number: int) -> None:
-        """Nothing can be stored for a while, unless the supervisor dies and its disk is mended."""
+        """Lets all writes to the disk fail for a while, or until the supervisor is restarted."""
         self.fleet.disk_fails()
         self._later(number, lambda: self.fleet.disk_fails(False))
 
     # -- the end ----------------------------------------------------------------------------------
 
     def end(self) -> None:
-        """All trouble is over; people have done their part. Now every mission ends, and truly."""
+        """Ends all faults, brings all robots into service, and checks that each mission ends.
+
+        It also checks that the state in which each mission ended is true.
+        """
         fleet, limit = self.fleet, self.fleet.now + 100.0
         fleet.disk_fails(False)
         for at_end in (fleet.silent, fleet.deaf, fleet.late, fleet.orders_late, fleet.clocks):
@@ -435,7 +453,7 @@ class Chaos:
             self._check_end(request)
 
     def _resume_what_was_stopped_past_it(self) -> None:
-        """A stop past the supervisor may have been under way for long."""
+        """Releases a fleet stop. A stop that bypassed the supervisor may come late."""
         if self.fleet.supervisor.is_stopped:
             self.resume_all('', 0)
 
@@ -449,7 +467,7 @@ class Chaos:
         return not self.fleet.supervisor.book.open
 
     def _check_end(self, request: Request) -> None:
-        """Is the state in which a mission ended true?"""
+        """Checks that the state in which a mission ended is true."""
         stored = self.promises.stored(request.id, request.stamp)
         told = self.promises.told(request)
         assert stored is not None or told in (None, MissionState.REFUSED), f'{request} is lost'
@@ -480,13 +498,13 @@ def _named(*acts: Act) -> Dict[str, Act]:
 PEOPLE = _named(
     Chaos.repeat, Chaos.cancel, Chaos.pause, Chaos.resume, Chaos.release, Chaos.stop_all,
     Chaos.resume_all, Chaos.take_out, Chaos.bring_in, Chaos.carry)
-"""What people do, by its name."""
+"""The actions of people, by name."""
 TROUBLE = _named(
     Chaos.stall, Chaos.slow_down, Chaos.brake_late, Chaos.switch_off, Chaos.refuse,
     Chaos.emergency_stop, Chaos.change_battery, Chaos.leave_graph, Chaos.take_over, Chaos.fail,
     Chaos.drive_by_hand, Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence,
     Chaos.deafness, Chaos.lose_link, Chaos.set_clock, Chaos.close, Chaos.change_graph, Chaos.die,
     Chaos.restart, Chaos.hang, Chaos.fill_disk)
-"""What goes wrong, by its name."""
+"""The faults of robots, messages and programs, by name."""
 ACTS = {**_named(Chaos.request), **PEOPLE, **TROUBLE}
-"""What an event names."""
+"""All acts, by the name that an `Event` gives."""

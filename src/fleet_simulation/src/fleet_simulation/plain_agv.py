@@ -1,6 +1,6 @@
-"""A simple AGV for tests of the supervisor: it obeys routes as the route protocol says.
+"""A simple AGV for tests of the supervisor. It obeys orders as the route protocol requires.
 
-It shares no code with `agv_sim`, so that neither hides a mistake of the other.
+It shares no code with `agv_sim`. Therefore a mistake in one cannot hide a mistake in the other.
 """
 from __future__ import annotations
 
@@ -24,32 +24,36 @@ LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
 CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 
 _AT_END = 1e-6  # m
-_NEAR = 0.3     # m from a vertex at which a route may begin there
-_JUST_LEFT = 0.5  # m behind a vertex up to which a route may begin with the edge before it
+_NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
+_JUST_LEFT = 0.5  # m past a vertex within which a route may begin with the edge before the vertex
 
 
 class Agv:
-    """One AGV.
+    """One AGV. Tests set these attributes to cause faults:
 
-    It stands still for `stalled` s, drives with `pace` of its speed, and refuses the next
-    `refusing` orders; with `emergency` set it fails and refuses, and with `off_graph` it refuses,
-    too, and does not tell where it is. Within `near` m of a vertex it is at that, and begins on no
-    other edge than one that leads away.
+    stalled   -- s for which it stands still
+    pace      -- factor on its speed
+    refusing  -- number of its next orders that it refuses
+    emergency -- if True, its route fails, and it refuses orders
+    off_graph -- if True, it refuses orders and reports no pose
+    near      -- m from a vertex within which it counts as standing there; if a test changes it, a
+                 route near a vertex must begin with an edge that leads away from the vertex
+    braking   -- m that it needs to stop
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
         self.graph, self.kind = graph, kind
         self.edge = graph.edges_from(vertex)[0]
-        """Signed id of the edge on which it is."""
+        """Signed id of the edge on which the AGV is."""
         self.arc = 0.0
-        """m of that edge that lie behind it."""
+        """m from the start of this edge to the AGV."""
         self.route_id = 0
         self.edges: Tuple[int, ...] = ()
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = NO_REASON
         self._refused: Optional[RouteRefusal] = None
-        self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
+        self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
         self.stalled = 0.0
         self.emergency = False
         self.off_graph = False
@@ -59,26 +63,26 @@ class Agv:
         self.braking = 0.0
         self.travelled = 0.0
         self.visited: List[int] = [vertex]
-        """Vertices at which it was, in order."""
+        """Ids of the visited vertices, in order."""
 
     @property
     def position(self) -> Tuple[float, float]:
-        """x, y in m."""
+        """The position x, y in m, in the frame of the graph."""
         x, y = self.graph.curve(self.edge).point_at(self.arc)
         return float(x), float(y)
 
     @property
     def is_driving(self) -> bool:
-        """Has it anything to drive?"""
+        """Whether the AGV has a route that is not finished."""
         return self.phase is Phase.RUNNING
 
     @property
     def news(self) -> object:
-        """What of its report is told at once where it changes."""
+        """The part of the report that is sent at once when it changes."""
         return self.route_id, self.edges, self.current, self.phase, self.reason
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """It thinks about no order: it refuses at once."""
+        """Returns no refusals: `order` returns each refusal at once."""
         return []
 
     def __str__(self) -> str:
@@ -88,7 +92,10 @@ class Agv:
     # -- orders -----------------------------------------------------------------------------------
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Takes up a route, or a change of its route, or refuses it, as often as it comes."""
+        """Accepts a new route or a change of the route, or returns the refusal.
+
+        A repeated order gets the same answer again.
+        """
         if not edges:
             self.forget()
             self.route_id = route_id
@@ -101,12 +108,12 @@ class Agv:
         return self._refused
 
     def refuse(self, route_id: int, edges: Tuple[int, ...], reason: Reason) -> RouteRefusal:
-        """Its computer refuses an order for it; the same order is refused again."""
+        """Returns the refusal of an order by the AGV's computer; a repetition is refused, too."""
         self._refused = RouteRefusal(route_id, edges, reason)
         return self._refused
 
     def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
-        """Is that the last order that it refused, and would refuse again?"""
+        """Whether this order is the last one that was refused; it would be refused again."""
         refused = self._refused
         return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
 
@@ -117,7 +124,7 @@ class Agv:
             return Reason(ReasonCode.OFF_GRAPH, 'the robot is off the graph')
         if self.refusing:
             self.refusing -= 1
-            return Reason(ReasonCode.OTHER, 'it does not want to')
+            return Reason(ReasonCode.OTHER, 'the test makes the robot refuse')
         try:
             check_route(self.graph, edges)
         except TrajectoryGraphError as error:
@@ -127,8 +134,8 @@ class Agv:
                 return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} has failed')
             kept = self.edges[:self.current + 1]
             if edges[:len(kept)] != kept:
-                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} must go on with the '
-                                                       'edges done and the current one')
+                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} must begin with its '
+                                                       'completed edges and the current one')
             if edges == kept and self._cannot_brake():
                 return CANNOT_BRAKE
             if self.phase is Phase.COMPLETE and self.current < len(edges):
@@ -151,7 +158,10 @@ class Agv:
         return NO_REASON
 
     def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, float]]:
-        """Index of the edge, the edge, and the arc at which a new route begins here."""
+        """Returns where a new route begins: index of the edge, the edge, and m from its start.
+
+        Returns None if the route does not begin where the AGV is.
+        """
         first = edges[0]
         length = self.graph.curve(self.edge).length
         if first == self.edge and (length - self.arc > self.near or self.near == _NEAR):
@@ -169,13 +179,12 @@ class Agv:
         return None
 
     def _cannot_brake(self) -> bool:
-        """Does it drive on to another edge, and is it too near the end of this one to stop there?
-        """
+        """Whether the AGV would drive on to another edge and is too near this one's end to stop."""
         return (self.is_driving and self.current + 1 < len(self.edges)
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
-        """How far (m) it is from where edge `first` begins, on its own edge; 0: there."""
+        """Returns the distance (m) on the current edge to the start of edge `first`; 0: there."""
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0
@@ -183,7 +192,7 @@ class Agv:
     # -- driving ----------------------------------------------------------------------------------
 
     def drive(self, seconds: float) -> None:
-        """Drives along its route for so long, or stands."""
+        """Advances the AGV by the given virtual time, in s."""
         self._drive(seconds)
         if self.arc <= _NEAR:
             self._visit(self.graph.start_vertex(self.edge).id)
@@ -230,19 +239,19 @@ class Agv:
         return self.pace * (self.kind.drives_at(speed) or self.kind.speed)
 
     def forget(self) -> None:
-        """It is switched off and on again: it stands where it is and knows of no route."""
+        """Switches the AGV off and on again: it stands where it is and has no route."""
         self.route_id, self.edges, self.current, self._to_begin = 0, (), 0, 0.0
         self.phase, self.reason = Phase.STOPPED, NO_REASON
 
     def fail(self, reason: Reason) -> None:
-        """Ends its route."""
+        """Lets a running route fail for this reason."""
         if self.phase is Phase.RUNNING:
             self.phase, self.reason = Phase.FAILED, reason
 
     # -- reports ----------------------------------------------------------------------------------
 
     def report(self, stamp: float) -> Report:
-        """What it tells."""
+        """Returns the AGV's report, with this stamp."""
         rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
         states = ((EdgeState.COMPLETE,) * self.current
                   + (rest,) * (len(self.edges) - self.current))
@@ -262,9 +271,9 @@ class Agv:
 
 
 class LostLink:
-    """What a robot's computer tells of it while the link between them is down.
+    """A robot's computer while the link between it and the robot is down.
 
-    commands_only -- locations come as before: the robot has a link of its own for them
+    commands_only -- only the link for commands is down; locations still come by another link
     """
 
     def __init__(self, agv: Agv, now: float, commands_only: bool = False) -> None:
@@ -277,11 +286,11 @@ class LostLink:
         self._stop: Optional[int] = None
 
     def report(self, now: float) -> Report:
-        """What is known of the robot at `now`."""
+        """Returns the computer's report on the robot at the time `now`."""
         return replace(self._told, stamp=now) if self._commands_only else self._told
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """A stop is owed to the robot; nothing else can be taken up."""
+        """Keeps a stop until the link is back; refuses each other order."""
         if edges:
             same = (route_id, edges) == (self._told.route_id, self._told.edges)
             return None if same else self._agv.refuse(
@@ -293,7 +302,7 @@ class LostLink:
         return None
 
     def end(self) -> None:
-        """The robot is told to stop."""
+        """Restores the link: the robot's route fails, and the robot gets the owed stop."""
         self._agv.fail(LOST_LINK)
         if self._stop is not None:
             self._agv.order(self._stop, ())

@@ -1,7 +1,7 @@
-"""What docs/explanation/fleet.md promises, checked while things happen to a fleet.
+"""Checks the promises of docs/explanation/fleet.md while events happen to a fleet.
 
-What is true is read from the robots, the network and the journal's file; what the supervisor
-believes must never be less than that.
+The true state comes from the robots, the orders under way and the journal file. The supervisor's
+allocations must always include all places that a robot can really occupy or reach.
 """
 from __future__ import annotations
 
@@ -21,32 +21,42 @@ from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
 from trajectory_graph import Graph
 
-STOPS_WITHIN = 3.5  # s after which a robot to which nothing is wrong has heard that it is to stop
+STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
 
 
 @dataclass
 class Word:
-    """What a person said; a word that was on no disk yet is forgotten where the supervisor dies."""
+    """A command of a person. If it is not stored when the supervisor dies, it may be lost.
+
+    since -- virtual time of the command, in s
+    """
 
     since: float
     is_stored: bool = False
     is_past: bool = False
-    """It was said past the supervisor, which is to find it in what robots report."""
+    """The command bypassed the supervisor, which has to detect it from the robots' reports."""
 
 
 @dataclass
 class Rest:
-    """A robot whose mission was cancelled or paused; `refused`: orders that it refused before."""
+    """A robot whose mission was cancelled or paused.
+
+    refused -- number of orders that the robot had refused before
+    """
 
     word: Word
     refused: int
 
 
 class Promises:
-    """Watches a fleet on a graph of straight edges, of which `graph` has all that there ever are.
+    """Watches a fleet; raises AssertionError when a promise is broken.
 
-    A person may have moved the robots that are `carried`; only those that are `blamed` may need
-    one.
+    graph   -- has all edges that any graph of this life has; all are straight
+    stopped -- the fleet stop in force, if any
+    out     -- by robot: the command that took it out of service
+    resting -- by robot: its mission was cancelled or paused, and its route is to end
+    blamed  -- robots to which a fault happened; only these may need a person
+    carried -- robots that a person may have moved
     """
 
     def __init__(self, fleet: SupervisedFleet, graph: Graph) -> None:
@@ -65,10 +75,10 @@ class Promises:
         self._db = sqlite3.connect(os.path.join(fleet._folder.name, 'journal.sqlite'))
         fleet.watcher = self
 
-    # -- what people say --------------------------------------------------------------------------
+    # -- commands of people -----------------------------------------------------------------------
 
     def stop(self, is_past: bool = False) -> None:
-        """A person stopped all robots, maybe past the supervisor."""
+        """A person stopped all robots; `is_past`: the stop bypassed the supervisor."""
         self.stopped = Word(self.fleet.now, is_past=is_past)
 
     def take_out(self, name: str) -> None:
@@ -76,7 +86,7 @@ class Promises:
         self.out[name] = Word(self.fleet.now)
 
     def rest(self, name: str) -> None:
-        """The mission that a robot serves is now cancelled or paused."""
+        """The mission of a robot was cancelled or paused."""
         if len(self._may_drive(name)) > 1:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
@@ -92,14 +102,14 @@ class Promises:
                 self.blamed.add(other)
 
     def closed(self) -> None:
-        """A person closed edges: only what robots were given by now may still lead there."""
+        """A person closed edges; only routes that robots already have may still lead there."""
         self._given = {name: set(map(abs, robot.record.held))
                        for name, robot in self.fleet.supervisor.robots.items()}
 
-    # -- what happens -----------------------------------------------------------------------------
+    # -- observed events --------------------------------------------------------------------------
 
     def sends(self, order: SendRoute) -> None:
-        """An order goes out now."""
+        """Checks an order that the supervisor sends now."""
         if not order.edges:
             return
         fleet, name = self.fleet, order.robot
@@ -119,24 +129,24 @@ class Promises:
                 f'{order} though its mission is cancelled or paused: {fleet.picture()}')
         more = [edge for edge in self._left_of(order) if edge not in had]
         if fleet.is_disk_full:
-            assert order.repeated or not more, f'{order} is on no disk: {fleet.picture()}'
+            assert order.repeated or not more, f'{order} is not stored: {fleet.picture()}'
         if fleet.closed:
             closed = set(fleet.closed) & {abs(edge) for edge in more} - self._given[name]
             assert not closed, f'{order} leads over {closed}, which is closed: {fleet.picture()}'
         mission = fleet.supervisor.book.of_robot(name)
         if more and mission is not None and mission.dwell_until is not None:
             assert fleet.now >= mission.dwell_until or mission.state is not MissionState.ACTIVE, (
-                f'{order} though it is to stay where it is: {fleet.picture()}')
+                f'{order} though it dwells at a destination: {fleet.picture()}')
         here = self._possible(name, more)
         for other, agv in fleet.agvs.items():
             if other == name or other in self.carried:
                 continue
             room = (here.distance(self._possible(other, self._may_drive(other)))
                     - agv.kind.radius - fleet.agvs[name].kind.radius - fleet.clearance)
-            assert room > -1e-6, f'{order} is too near to what {other} has: {fleet.picture()}'
+            assert room > -1e-6, f'{order} is too near to the places of {other}: {fleet.picture()}'
 
     def grants(self, name: str, edge: int) -> None:
-        """An edge is granted to a robot now; the program that asked for it does not matter."""
+        """Checks an edge that is granted to a robot now, regardless of the program that asked."""
         supervisor = self.fleet.supervisor
         robot = supervisor.robots[name]
         is_inside = robot.position is not None and robot.position.vertex is None
@@ -149,7 +159,7 @@ class Promises:
             assert not is_wrong, f'{name} is granted {edge}, but {why}: {self.fleet.picture()}'
 
     def tells(self, status: Status) -> None:
-        """A status is told now: it is on the disk, and what was at an end stays there."""
+        """Checks a published status: it is stored, and an ended mission keeps its state."""
         key = status.request_id, status.stamp
         before = self._told.get(key)
         if before is not None and before.state is not MissionState.REFUSED:
@@ -162,15 +172,15 @@ class Promises:
         else:
             history = self._history(*key)
             assert (status.state, status.robot, status.reached) in history, (
-                f'{status} is told, but on the disk is {history}')
+                f'{status} is published, but stored is {history}')
         self._told[key] = status
 
     def restarted(self) -> None:
-        """The supervisor has begun anew: what was stored is as it was."""
+        """Checks that the restarted supervisor knows all stored commands."""
         supervisor = self.fleet.supervisor
         stopped = self.stopped
         if stopped is not None and not (stopped.is_past or supervisor.is_stopped):
-            assert not stopped.is_stored, 'the stop is forgotten'
+            assert not stopped.is_stored, 'the stored fleet stop was lost'
             self.stopped = None
         for name, word in list(self.out.items()):
             outage = supervisor.robots[name].outage
@@ -182,7 +192,7 @@ class Promises:
                 del self.resting[name]
 
     def stepped(self) -> None:
-        """One step of time is over: what is true of the fleet now?"""
+        """Checks each robot after one time step."""
         fleet = self.fleet
         for name in [name for name in self.resting if len(self._may_drive(name)) <= 1]:
             del self.resting[name]
@@ -220,10 +230,10 @@ class Promises:
         if self.stopped is not None and fleet.now - since > STOPS_WITHIN:
             assert not agv.edges, f'{name} did not stop: {fleet.picture()}'
 
-    # -- what is true -----------------------------------------------------------------------------
+    # -- the true state ---------------------------------------------------------------------------
 
     def _left_of(self, order: SendRoute) -> Sequence[int]:
-        """What of an order a robot has not driven yet, or can still begin with."""
+        """Returns the edges of an order that the robot has not completed and may still drive."""
         agv, edges = self.fleet.agvs[order.robot], order.edges
         if order.route_id == agv.route_id:
             return edges[agv.current:]
@@ -233,7 +243,7 @@ class Promises:
         return edges[edges.index(agv.edge) + is_over:]
 
     def _comes_by(self, name: str, first: int) -> bool:
-        """Is or comes a robot to where an edge begins?"""
+        """Whether a robot is, or will come, to the start of edge `first`, or is on that edge."""
         agv, start = self.fleet.agvs[name], self._lines[abs(first)].coords[0 if first > 0 else -1]
         ahead = [*(agv.edges[agv.current:] if agv.is_driving else ()),
                  *(edge for order in self.fleet.under_way(name) for edge in order.edges[
@@ -243,7 +253,8 @@ class Promises:
                 abs(first) == abs(agv.edge))
 
     def _may_drive(self, name: str) -> Set[int]:
-        """Signed ids of the edges that a robot is driving, or may by an order under way to it."""
+        """Returns the signed ids of the edges that a robot drives, or may drive by an order that
+        is under way to it."""
         agv = self.fleet.agvs[name]
         edges = set(agv.edges[agv.current:]) if agv.is_driving else set()
         for order in self.fleet.under_way(name):
@@ -252,7 +263,7 @@ class Promises:
         return edges
 
     def _possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:
-        """Where a robot is, and the edges but what lies behind it."""
+        """Returns the robot's position and these edges, without the driven part of its own edge."""
         agv = self.fleet.agvs[name]
         lines: List[BaseGeometry] = [Point(agv.position)]
         for edge in edges:
@@ -268,21 +279,21 @@ class Promises:
             (id, stamp))]
 
     def _history(self, id: int, stamp: float) -> List[Tuple[int, str, int]]:
-        """States, robots and destinations reached that a mission ever had on the disk."""
+        """Returns all stored states of a mission in order: state, robot, reached destinations."""
         return [row for serial in self._serials(id, stamp)[-1:] for row in self._db.execute(
             'SELECT state, robot, reached FROM change WHERE serial = ? ORDER BY rowid', (serial,))]
 
     def accepted(self, id: int, stamp: float) -> int:
-        """How often a request became a mission."""
+        """Returns how many missions the journal has for a request."""
         return len(self._serials(id, stamp))
 
     def told(self, request: Request) -> Optional[MissionState]:
-        """The state of a request that was told last."""
+        """Returns the state of a request that was published last; None: none was."""
         status = self._told.get((request.id, request.stamp))
         return None if status is None else status.state
 
     def stored(self, id: int, stamp: float) -> Optional[Tuple[MissionState, str, int]]:
-        """State, robot and destinations reached of a mission, as they are on the disk."""
+        """Returns the last stored state, robot and number of reached destinations of a mission."""
         for state, robot, reached in self._history(id, stamp)[-1:]:
             return MissionState(state), robot, reached
         return None

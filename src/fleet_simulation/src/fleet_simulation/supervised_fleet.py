@@ -1,7 +1,8 @@
 """The virtual world: a supervisor, the real planner and simulated robots in one process.
 
-Messages are carried by this module: they may come late, twice, or not at all. Time is virtual: the
-planner answers after a stated latency and is bounded by rounds, so a run depends on its seed only.
+This module delivers all messages; they may come late, twice, or not at all. Time is virtual: the
+planner answers after a given latency, and its work is limited by a number of rounds. Therefore a
+run depends only on its seed, not on the speed of the computer.
 """
 from __future__ import annotations
 
@@ -55,7 +56,7 @@ STEP = 0.1  # s
 
 
 class _CountingJournal(Journal):
-    """Counts how often something was really written."""
+    """A journal that counts its completed writes."""
 
     commits = 0
 
@@ -68,68 +69,69 @@ class _CountingJournal(Journal):
 
 
 class Watcher(Protocol):
-    """An observer of all that happens to a fleet."""
+    """An observer of a fleet; the world calls it when something happens."""
 
     def sends(self, order: SendRoute) -> None:
-        """An order goes out now."""
+        """The supervisor sends an order now."""
 
     def tells(self, status: Status) -> None:
-        """A status is told now."""
+        """The supervisor publishes a mission status now."""
 
     def stepped(self) -> None:
-        """One step of time is over."""
+        """One time step is over."""
 
     def restarted(self) -> None:
-        """The supervisor has begun anew."""
+        """The supervisor has restarted."""
 
 
 class VirtualRobot(Protocol):
-    """What the world asks of a robot, whichever it is."""
+    """The interface that each simulated robot has for the world."""
 
     graph: Graph
     kind: RobotType
 
     @property
     def position(self) -> Tuple[float, float]:
-        """x, y in m."""
+        """The position x, y in m, in the frame of the graph."""
 
     @property
     def is_driving(self) -> bool:
-        """Has it anything to drive?"""
+        """Whether the robot has a route that is not finished."""
 
     def drive(self, seconds: float) -> None:
-        """Lets time pass."""
+        """Advances the robot by the given virtual time, in s."""
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Takes up a route, or refuses it at once."""
+        """Gives the robot an order; returns a refusal if the robot refuses it at once."""
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """The orders that it refused since the last call, after some thought."""
+        """Returns the refusals since the last call that `order` did not return."""
 
     def report(self, stamp: float) -> Report:
-        """What it tells."""
+        """Returns the robot's report, with this stamp."""
 
     @property
     def news(self) -> object:
-        """What of its report is told at once where it changes."""
+        """The part of the report that is sent at once when it changes."""
 
 
 class LinkedRobot(Protocol):
-    """What reaches the robot, or its computer, through the network."""
+    """The end of the network at the robot: the robot, or its computer without a link to it."""
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Takes up a route, or refuses it at once."""
+        """Gives an order; returns a refusal if it is refused at once."""
 
     def report(self, now: float) -> Report:
-        """What is told of the robot."""
+        """Returns the report on the robot, with the stamp `now`."""
 
 
 class Rhythm(NamedTuple):
-    """How often things happen, in virtual s; 0: in every step.
+    """Periods of repeated actions, in virtual s; 0: in every step.
 
-    driving, standing -- between two reports of a robot without news
-    supervisor        -- between two looks at the clock while nothing comes
-    room              -- between two looks at how near robots are to each other
+    driving    -- between two reports of a driving robot if nothing changes
+    standing   -- between two reports of a standing robot if nothing changes
+    supervisor -- between two ticks of the supervisor if no message comes
+    room       -- between two checks of the distances between robots
     """
 
     driving: float = 0.0
@@ -139,7 +141,7 @@ class Rhythm(NamedTuple):
 
 
 class Spent(NamedTuple):
-    """Seconds of this computer's time, by what they were used for."""
+    """Seconds of processor time, by the part that used them."""
 
     world: float
     supervisor: float
@@ -147,16 +149,21 @@ class Spent(NamedTuple):
 
 
 Body = TypeVar('Body', bound=VirtualRobot)
-_PLANNERS_KEPT = 4  # closures and learned times come and go
-_TOGETHER = 1e-6    # s: what is nearer than that in time happens at once
+_PLANNERS_KEPT = 4  # one planner per set of closed edges and learned driving times is kept
+_TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
 
 class VirtualFleet(Generic[Body]):
-    """Robots {name: (type, vertex)} on a graph; `parking` ids of vertices, None: all of them.
+    """A fleet on a graph, with its supervisor and planner.
 
-    make     -- a robot of a name, a type and a vertex
-    settings -- of all robots, or of each by its name
-    switches -- the order of use is changed while robots are late
+    robots   -- by name: type, and id of the vertex on which the robot begins
+    make     -- creates a robot from its name, type and vertex
+    loss     -- probability (0..1) that a message is lost
+    repeats  -- probability (0..1) that a message that is not lost comes twice
+    planning -- s until the planner answers
+    settings -- of all robots, or of each robot by its name
+    parking  -- ids of the vertices on which robots may be parked; None: all vertices
+    switches -- whether the order of robots on shared places may change while robots are late
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -181,39 +188,40 @@ class VirtualFleet(Generic[Body]):
         self.random = Random(seed)
         self.loss, self.repeats, self.planning = loss, repeats, planning
         self.rounds = 0
-        """In which plans are improved."""
+        """Rounds in which the planner improves each plan."""
         self._parking = tuple(graph.vertices) if parking is None else tuple(parking)
         self._folder = tempfile.TemporaryDirectory()
         self.now = 0.0
         self.silent: Dict[str, float] = {}
+        """By robot: time until which no report comes from it and no order reaches it."""
         self.deaf: Dict[str, float] = {}
-        """Until when no order reaches a robot, which goes on reporting."""
+        """By robot: time until which no order reaches it. It still reports."""
         self.late: Dict[str, float] = {}
-        """s that reports of a robot are under way."""
+        """By robot: s by which its reports and refusals are delayed."""
         self.clocks: Dict[str, float] = {}
-        """s by which a robot's clock is ahead."""
+        """By robot: s by which its clock is ahead."""
         self.ages: Dict[str, float] = {}
-        """How old the last report of each robot seemed when it came, s."""
+        """By robot: age of its last report on arrival, in s; negative if its clock is ahead."""
         self.orders_late: Dict[str, float] = {}
-        """s that orders to a robot are under way; none overtakes another."""
+        """By robot: s by which orders to it are delayed. No order overtakes another."""
         self.lost: Dict[str, LinkedRobot] = {}
-        """Robots to which their computers have lost the link."""
+        """By robot: its computer, if this has lost the link to the robot."""
         self.closed: Tuple[int, ...] = ()
         self.crash_at: Optional[int] = None
-        """With this commit the supervisor dies, before anything is done that relies on it."""
+        """Number of the commit at which the supervisor dies, before the actions that follow it."""
         self.dies_after = 0
-        """So many of the actions that follow that commit are done nevertheless."""
+        """Number of the actions after that commit that are performed before the supervisor dies."""
         self.hangs = False
-        """The supervisor does nothing; what comes in waits for it."""
+        """Whether the supervisor hangs. Messages to it wait until it continues."""
         self.commits = 0
         self.watcher: Optional[Watcher] = None
         self.statuses: List[Status] = []
         self.notes: List[str] = []
         self.sent: List[SendRoute] = []
         self.refused = dict.fromkeys(robots, 0)
-        """How many orders each robot did not take up."""
+        """By robot: number of orders that it refused."""
         self.nearest = math.inf
-        """The least room (m) that any two robots left each other beyond the clearance."""
+        """Smallest free space (m) between two robots so far, minus the clearance."""
         self._to_robots: List[SendRoute] = []
         self._under_way: List[Tuple[float, SendRoute]] = []
         self._reports: List[Tuple[float, str, Report]] = []
@@ -221,7 +229,7 @@ class VirtualFleet(Generic[Body]):
         self._answers: List[Tuple[float, int, Outcome]] = []
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
         self.plans: List[float] = []
-        """s of this computer's time that each plan took."""
+        """s of processor time that each plan took."""
         self._supervising = self._stepping = self._planning_time = 0.0
         self._told: Dict[str, Tuple[float, object]] = {}
         self._ticks_at = self._looks_at = 0.0
@@ -236,27 +244,27 @@ class VirtualFleet(Generic[Body]):
                                         lambda: 1e9 + self.now)
         self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         self.is_disk_full = False
-        # How fast this computer is must not decide what happens.
+        # No time limit for switching: the speed of the computer must not change the results.
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now,
                                      switching=switching)
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:
-        """Ends the world; its journal goes with it."""
+        """Ends the world and deletes its journal."""
         self.journal.close()
         self._folder.cleanup()
 
     def disk_fails(self, fails: bool = True) -> None:
-        """From now on nothing can be written, or everything again."""
+        """Makes the journal read-only, as on a full disk; with `fails` False, writable again."""
         self.is_disk_full = fails
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
     def restart(self) -> None:
-        """The supervisor dies, with all messages to and from it, and comes back.
+        """Kills the supervisor, loses all messages to and from it, and starts it again.
 
-        What is under way to robots longer than a step still reaches them. A full disk has room
-        again, for without one no supervisor begins.
+        Delayed orders that are already under way still reach the robots. The disk can be written
+        again, because no supervisor starts with a full disk.
         """
         self.commits += self.journal.commits
         self.journal.close()
@@ -266,19 +274,22 @@ class VirtualFleet(Generic[Body]):
         if self.watcher is not None:
             self.watcher.restarted()
 
-    # -- what users do ----------------------------------------------------------------------------
+    # -- actions of users, and queries ------------------------------------------------------------
 
     def request(self, id: int, *destinations: int, **more: Any) -> None:
         """Sends a mission."""
         self.do(self.supervisor.request(Request(id, destinations, **more), self.now))
 
     def close(self, *edges: int) -> None:
-        """Closes these edges only."""
+        """Closes these edges, and opens all others."""
         self.closed = edges
         self.do(self.supervisor.close_edges(edges, self.now))
 
     def bring_in(self, name: str) -> str:
-        """A person brings a robot in, once more where it is to stop first; why not, or nothing."""
+        """Brings a robot into service, as a person does; returns the problem, or an empty text.
+
+        If the robot has to stop first, it tries once more 3 s later.
+        """
         for _ in range(2):
             problem, actions = self.supervisor.bring_in(name, self.now)
             self.do(actions)
@@ -288,49 +299,52 @@ class VirtualFleet(Generic[Body]):
         return problem
 
     def state(self, id: int) -> MissionState:
-        """The state of a mission."""
+        """Returns the state of a mission."""
         mission = self.supervisor.book.find(id)
-        assert mission is not None, f'mission {id} is lost'
+        assert mission is not None, f'mission {id} is not known'
         return mission.state
 
     def told(self, id: int) -> List[MissionState]:
-        """The states of a request that were told, each once."""
+        """Returns the published states of a mission in order, without immediate repetitions."""
         states = [status.state for status in self.statuses if status.request_id == id]
         return [s for k, s in enumerate(states) if k == 0 or states[k - 1] != s]
 
     def robot_of(self, id: int) -> str:
-        """The robot that a mission was last with."""
+        """Returns the name of the robot to which a mission was last assigned."""
         mission = self.supervisor.book.find(id)
         assert mission is not None
         return mission.robot
 
     def reached(self, id: int) -> int:
-        """How many destinations of a mission are visited."""
+        """Returns the number of visited destinations of a mission."""
         mission = self.supervisor.book.find(id)
         assert mission is not None
         return mission.reached
 
     def under_way(self, name: str) -> List[SendRoute]:
-        """Orders that have not reached a robot yet, and still may."""
+        """Returns the orders to a robot that have not arrived yet and may still arrive."""
         return [order for order in (*(late for _, late in self._under_way), *self._to_robots)
                 if order.robot == name]
 
     # -- time -------------------------------------------------------------------------------------
 
     def run(self, seconds: float) -> None:
-        """Lets so much time pass."""
+        """Simulates the given virtual time, in s."""
         for _ in range(round(seconds / STEP)):
             self.step()
 
     def run_until(self, condition: Callable[[], bool], limit: float = 300.0) -> None:
-        """Until something is so."""
+        """Simulates until the condition holds; fails after `limit` virtual s."""
         begun = self.now
         while not condition():
             assert self.now - begun < limit, self.picture()
             self.step()
 
     def run_until_done(self, *ids: int, limit: float = 600.0) -> float:
-        """Until these missions are at an end; the time that it took."""
+        """Simulates until these missions have ended; returns the virtual time, in s.
+
+        Fails after `limit` virtual s.
+        """
         begun = self.now
         while any(self.state(id).is_open for id in ids):
             assert self.now - begun < limit, self.picture()
@@ -338,7 +352,7 @@ class VirtualFleet(Generic[Body]):
         return self.now - begun
 
     def step(self) -> None:
-        """One step of all robots."""
+        """Simulates one time step: robots, messages, supervisor and planner."""
         begun, before = time.thread_time(), self._supervising + self._planning_time
         self.now += STEP
         self._deliver_orders()
@@ -363,11 +377,11 @@ class VirtualFleet(Generic[Body]):
 
     @property
     def spent(self) -> Spent:
-        """What the run took so far of this computer's time."""
+        """The processor time of the run so far."""
         return Spent(self._stepping, self._supervising, self._planning_time)
 
     def _has_to_tell(self, name: str, robot: Body) -> bool:
-        """Has a robot news, or has it told nothing for long?"""
+        """Returns whether a robot reports now: its report changed, or the period is over."""
         news = robot.news
         last, before = self._told.get(name, (-math.inf, None))
         pause = self.rhythm.driving if robot.is_driving else self.rhythm.standing
@@ -377,7 +391,10 @@ class VirtualFleet(Generic[Body]):
         return True
 
     def _supervise(self) -> None:
-        """The supervisor hears what has arrived by now, and looks at the clock."""
+        """Gives the supervisor all messages that have arrived by now, then its tick.
+
+        Does nothing if no message has arrived and the next tick is not due.
+        """
         arrivals = chain((at for at, *_ in self._refusals), (at for at, *_ in self._reports),
                          (at for at, *_ in self._answers))
         if self.now < self._ticks_at and all(at > self.now for at in arrivals):
@@ -407,7 +424,7 @@ class VirtualFleet(Generic[Body]):
         self.do(self._timed(self.supervisor.tick, self.now))
 
     def _timed(self, act: Callable[..., List[Action]], *arguments: Any) -> List[Action]:
-        """What the supervisor answers; the time that it takes is counted."""
+        """Calls the supervisor, adds up its processor time, and returns its actions."""
         begun = time.thread_time()
         actions = act(*arguments)
         self._supervising += time.thread_time() - begun
@@ -446,7 +463,7 @@ class VirtualFleet(Generic[Body]):
         self._refusals += [(at, name, refusal, stamp)] * self._copies()
 
     def do(self, actions: Sequence[Action]) -> None:
-        """Does what the supervisor wants done, unless it dies first."""
+        """Performs the supervisor's actions, unless the supervisor is to die at this commit."""
         if self.crash_at is not None and self.commits + self.journal.commits >= self.crash_at:
             self.crash_at = None
             self._perform(actions[:self.dies_after])
@@ -502,14 +519,14 @@ class VirtualFleet(Generic[Body]):
             f'{-room[least]:.3f} m too near: {self.picture()}')
 
     def picture(self) -> str:
-        """Everything that a failing test should show."""
+        """Returns the state of the fleet as text, for the message of a failing test."""
         lines = [f'{self.now:.1f} s']
         for name, agv in self.agvs.items():
             robot = self.supervisor.robots[name]
             client, record = robot.client, robot.record
-            lines.append(f'{name}: {agv}; known: {robot.outage} '
+            lines.append(f'{name}: {agv}; supervisor: outage {robot.outage} '
                          f'{robot.why} place {record.position} ahead {record.ahead} order '
-                         f'{client.order} waits '
+                         f'{client.order} waits for '
                          f'{self.supervisor.plan_executor.waits_for.get(name)!r}')
         for mission in self.supervisor.book.open:
             lines.append(str(mission))
@@ -517,32 +534,38 @@ class VirtualFleet(Generic[Body]):
             lines.append(f'unserved {self.supervisor.plan_executor.plan.unserved}')
             lines += [f'{name}: {[d.edge for d in plan.drives]} from {plan.base}'
                       for name, plan in self.supervisor.plan_executor.plan.plans.items()]
-        lines.append(f'asked {self.supervisor.plan_executor.is_planning}; {self.notes[-5:]}')
+        lines.append(f'is planning: {self.supervisor.plan_executor.is_planning}; last notes: '
+                     f'{self.notes[-5:]}')
         return '\n'.join(lines)
 
 
 class SupervisedFleet(VirtualFleet[Agv]):
-    """The world of the tests: plain AGVs, and what can be done to them."""
+    """The virtual world of the tests, with plain AGVs that can lose their link."""
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
                  **more: Any) -> None:
         super().__init__(graph, robots, lambda _, kind, vertex: Agv(graph, kind, vertex), **more)
 
     def lose_link(self, name: str, commands_only: bool = False) -> None:
-        """A robot's computer loses the link to it: it drives on as it was told, and no node knows
-        where. Its route fails; a stop is obeyed once the link is back."""
+        """Cuts the link between a robot and its computer.
+
+        The robot continues its route, and no node knows where it is. The computer reports the
+        route as failed. The robot obeys a stop when the link is back.
+
+        commands_only -- only the link for commands is cut; locations still come by another link
+        """
         if name not in self.lost:
             self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)
 
     def find_link(self, name: str) -> None:
-        """The link is there again."""
+        """Restores the link between a robot and its computer."""
         link = self.lost.pop(name, None)
         if isinstance(link, LostLink):
             link.end()
 
 
 def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
-    """Ids of the vertices and edges on which a robot may be, by its allocation."""
+    """Returns the ids of the vertices and of the edges in a robot's allocation."""
     allocation = fleet.supervisor.robots[name].client.allocation
     vertices = {vertex for vertex in (allocation.vertex,) if vertex is not None}
     edges = {abs(hold.edge) for hold in allocation.holds}
