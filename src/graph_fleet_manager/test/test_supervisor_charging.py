@@ -170,7 +170,8 @@ def test_a_robot_that_finds_no_dock_says_why():
     charge(fleet, a=0.2)
     fleet.request(1, 1)
     fleet.run(3.0)
-    assert view_of(fleet, 'a').waits_for == 'a dock: the fleet file and the graph have none for its type'
+    assert view_of(fleet, 'a').waits_for == (
+        'a dock: the fleet file and the graph have none for its type')
     assert fleet.statuses[-1].reason == 'a must charge first'
     fleet = yard({'a': 4})
     fleet.close(5)
