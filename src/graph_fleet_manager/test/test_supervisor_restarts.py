@@ -5,9 +5,11 @@ import pytest
 from fleet_builders import AGV, corridor, ladder
 
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from graph_fleet_manager.interlocking.interlocking import Interlocking
 from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage, Sign
+from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import EdgeState
@@ -52,6 +54,18 @@ def test_a_robot_that_stays_until_released_is_released_before_the_first_tick_aft
     assert fleet.reached(1) == 1
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_allocations_in_the_journal_never_exclude_each_other():
+    """If a robot is granted what another one has left, that is stored together with the grant."""
+    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 2), 'c': (AGV, 3)})
+    for id, (vertex, robot) in enumerate(((8, 'a'), (10, 'b'), (12, 'c')), 1):
+        fleet.request(id, vertex, robot=robot)
+    while fleet.supervisor.book.open:
+        fleet.step()
+        robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.journal.robots(), None, fleet.now)
+        stored = Interlocking(fleet.supervisor.network.geometry, fleet.clearance, robots, int)
+        assert [stored.excluding(name) for name in robots] == ['', '', ''], fleet.picture()
 
 
 @pytest.mark.parametrize('restarts', [1, 3])

@@ -190,6 +190,10 @@ class Promises:
         for name, rest in list(self.resting.items()):
             if not rest.word.is_stored:
                 del self.resting[name]
+        for name in self.fleet.agvs:
+            other = supervisor.interlocking.excluding(name)
+            assert not other or {name, other} & self.blamed, (
+                f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
 
     def stepped(self) -> None:
         """Checks each robot after one time step."""

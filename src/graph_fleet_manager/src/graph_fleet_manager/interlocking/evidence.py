@@ -69,7 +69,6 @@ class Evidence:
         self._age = 0.0          # s for which the robot may have moved on from its last location
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
         self._is_moved = False   # by another giver than the fleet manager, as last reported
-        self._drove = False      # a route that it was given here, as last reported
         self._strays = 0         # number of consecutive locations that were outliers
         self._absent_since = -math.inf
 
@@ -88,11 +87,13 @@ class Evidence:
 
     # -- changes ----------------------------------------------------------------------------------
 
-    def see(self, report: Report, graph: Graph, is_covered: bool, is_obedient: bool) -> None:
+    def see(self, report: Report, graph: Graph, is_covered: bool, is_obedient: bool,
+            drives: bool) -> None:
         """Evaluates the location in a report.
 
         is_covered  -- the robot is on a place that it was granted
         is_obedient -- the robot drives a route that it was given here, or it drives nothing
+        drives      -- it drives that route, or has just come to its end
         """
         self.clock_is_off = report.is_ahead
         self.foreign = () if is_obedient else report.left
@@ -106,10 +107,7 @@ class Evidence:
             return
         before, self.location = self.location, point
         has_moved = before is None or math.dist(before, point) > TREMBLE
-        drives = is_obedient and report.is_running
-        arrives = is_obedient and self._drove and not report.is_failed
-        self._is_moved = before is not None and has_moved and not (drives or arrives)
-        self._drove = drives
+        self._is_moved = before is not None and has_moved and not drives
         self.reach = 0.0
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)

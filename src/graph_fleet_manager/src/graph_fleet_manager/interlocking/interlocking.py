@@ -12,6 +12,7 @@ from typing import (
     AbstractSet,
     Callable,
     Dict,
+    Iterable,
     Iterator,
     List,
     Mapping,
@@ -27,6 +28,7 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area, are_nearer
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
 from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
+from graph_fleet_manager.interlocking.claims import Claim, ClaimIndex
 from graph_fleet_manager.interlocking.orders import Sending
 from graph_fleet_manager.interlocking.route_client import NewId, RouteClient
 
@@ -84,18 +86,6 @@ class InterlockedRobot(Protocol):
         """Has the robot stopped reporting, so that it may have forgotten its route?"""
 
 
-class Claim(NamedTuple):
-    """A place of the site's geometry that a robot may be on.
-
-    forward -- for an edge: the robot drives it in the edge's own direction
-    cleared -- for an edge: the fraction of it, in driving direction, that lies behind the robot
-    """
-
-    place: int
-    forward: bool = True
-    cleared: float = 0.0
-
-
 @dataclass(frozen=True)
 class Grant:
     """The edges that are granted, and why the next one is not (None: all are granted)."""
@@ -144,10 +134,13 @@ class Interlocking:
         self._robots = robots
         self._new_id = new_id
         self._known: Dict[str, Allocation] = {}
-        self._claims: Dict[RobotType, Dict[int, List[Tuple[str, Claim]]]] = {}
+        self._holds = ClaimIndex(geometry, clearance)
+        self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
+        self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
+        self.stored(robots)
 
     # -- grants -----------------------------------------------------------------------------------
 
@@ -168,6 +161,7 @@ class Interlocking:
             if refusal is not None:
                 break
             granted.append(asked.edge)
+            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if granted:
             robot.client.extend(granted, self._new_id, renew)
         return Grant(tuple(granted), refusal)
@@ -193,6 +187,24 @@ class Interlocking:
         if refusal is None:
             robot.client.try_again(self._new_id, count)
         return refusal
+
+    # -- the journal ------------------------------------------------------------------------------
+
+    @property
+    def to_store(self) -> AbstractSet[str]:
+        """Names of the robots that have left places on which grants rest, but not in the journal.
+
+        They must be stored together with these grants. Otherwise allocations would exclude each
+        other after a restart.
+        """
+        return self._to_store
+
+    def stored(self, names: Iterable[str]) -> None:
+        """The allocations of these robots are in the journal now."""
+        for name in names:
+            if name in self._robots:
+                self._stored.put(name, self._robots[name].client.allocation)
+        self._to_store.difference_update(names)
 
     # -- orders that are sent ---------------------------------------------------------------------
 
@@ -221,9 +233,9 @@ class Interlocking:
 
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""
-        before = self._known.pop(name, None)
-        if before is not None:
-            self._drop(name, before)
+        self._known.pop(name, None)
+        self._holds.remove(name)
+        self._stored.remove(name)
         self._with_areas.discard(name)
         self._unknown.discard(name)
 
@@ -241,7 +253,7 @@ class Interlocking:
         robot, own = self._robots[name], self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
             return ''
-        for claim in self._claims_of(own):
+        for claim in self._holds.claims_of(own):
             other = self.holder(robot, claim)
             if other:
                 return other
@@ -257,7 +269,8 @@ class Interlocking:
                 continue
             distance = kind.reach + allocation.kind.reach + self._clearance
             near = self._places_near(area, distance)
-            if any(_meets(near.get(claim.place), claim) for claim in self._claims_of(allocation)):
+            claims = self._holds.claims_of(allocation)
+            if any(_meets(near.get(claim.place), claim) for claim in claims):
                 return other
             if any(are_nearer(area.line, its.line, distance + area.radius + its.radius)
                    for its in allocation.areas):
@@ -266,24 +279,10 @@ class Interlocking:
 
     def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
         """Name of a robot that holds a place which excludes this claim of `robot`; empty: none."""
-        exclusions = self._geometry.exclusions
         kind = robot.type
-        for other_kind, claims in self._claims.items():
-            conflicts = exclusions.at(kind.reach + other_kind.reach + self._clearance)
-            first, last = conflicts.starts[claim.place:claim.place + 2]
-            for row in range(first, last):
-                held = claims.get(int(conflicts.other[row]))
-                if held is None:
-                    continue
-                clears = conflicts.forward if claim.forward else conflicts.backward
-                if claim.cleared and clears[row] <= claim.cleared:
-                    continue
-                mirrored = conflicts.transpose[row]
-                for name, other in held:
-                    clears = conflicts.forward if other.forward else conflicts.backward
-                    if name != robot.name and not (
-                            other.cleared and clears[mirrored] <= other.cleared):
-                        return name
+        other = next(self._holds.excluding(robot.name, kind, claim), '')
+        if other:
+            return other
         for name in self._with_areas:
             if name == robot.name:
                 continue
@@ -302,33 +301,17 @@ class Interlocking:
             self._near[key] = self._geometry.exclusions.near(area.line, distance + area.radius)
         return self._near[key]
 
-    def _claims_of(self, allocation: Allocation) -> List[Claim]:
-        claims = [Claim(self._geometry.edge_place(hold.edge), hold.edge > 0, hold.cleared)
-                  for hold in allocation.holds]
-        if allocation.vertex is not None:
-            claims.append(Claim(self._geometry.index[allocation.vertex]))
-        return claims
-
     def _refresh(self) -> None:
         """Reads each allocation that has changed since the last call."""
         for name, robot in self._robots.items():
-            allocation, before = robot.client.allocation, self._known.get(name)
-            if allocation is before:
+            allocation = robot.client.allocation
+            if allocation is self._known.get(name):
                 continue
-            if before is not None:
-                self._drop(name, before)
             self._known[name] = allocation
-            claims = self._claims.setdefault(allocation.kind, {})
-            for claim in self._claims_of(allocation):
-                claims.setdefault(claim.place, []).append((name, claim))
+            self._holds.put(name, allocation)
             for names, is_one in ((self._with_areas, bool(allocation.areas)),
                                   (self._unknown, allocation.knowledge is Knowledge.UNKNOWN)):
                 (names.add if is_one else names.discard)(name)
-
-    def _drop(self, name: str, allocation: Allocation) -> None:
-        claims = self._claims[allocation.kind]
-        for place in {claim.place for claim in self._claims_of(allocation)}:
-            claims[place] = [held for held in claims[place] if held[0] != name]
 
 
 def _meets(part: Optional[Tuple[float, float]], claim: Claim) -> bool:

@@ -334,7 +334,9 @@ class RouteClient:
             record.position = position_of(report.pose, record.graph, record.near)
         heard = self._follow(report, is_new)
         is_covered = self._covers(report)
-        self.evidence.see(report, record.graph, is_covered, not heard.foreign)
+        drives = report.is_running or bool(heard.passed and not report.is_failed)
+        self.evidence.see(report, record.graph, is_covered, not heard.foreign,
+                          drives and not heard.foreign)
         if self.evidence.lost and is_covered and self._is_after_loss(report):
             self.evidence.leave_lost(record.margin(report.age))
         heard.left = (record.is_standing and self.order is None and record.has_left()

@@ -119,6 +119,7 @@ class Outbox:
     def _store(self, now: float) -> None:
         if now < self._try_at or not (self.trouble or self._is_anything_new):
             return
+        self._stale.update(self._interlocking.to_store)
         missions, stays = self._book.changes, self._book.new_stays(now)
         values = dict(self._values)
         if self.trouble or self._reserved != self.new_id.reserved:
@@ -136,6 +137,7 @@ class Outbox:
         self.trouble = self._interlocking.trouble = ''
         self._try_at, self._stored_at = -inf, now
         self.note_state(_JOURNAL, '', 'The journal can be written again.')
+        self._interlocking.stored(self._stale)
         self._stale.clear()
         self._values.clear()
         self._graph = None

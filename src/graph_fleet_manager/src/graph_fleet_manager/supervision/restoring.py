@@ -97,13 +97,22 @@ def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Ar
         return []
     kept = memory.on(graph)
     held = {abs(edge) for edge in kept.held if _is_kept(abs(edge), graph, before)}
-    areas = [Area(_line(before, edge)) for edge in dict.fromkeys(map(abs, memory.held))
-             if edge in before.edges and edge not in held]
+    areas = [Area(_line(before, edge, begin)) for edge, begin in _parts(memory).items()
+             if abs(edge) in before.edges and abs(edge) not in held]
     position = memory.position
     if position is not None and position.is_on(before) and not (
             kept.position == position and _is_there(position, graph, before)):
         areas.append(Area((position.point(before),)))
     return areas
+
+
+def _parts(memory: Memory) -> Dict[int, float]:
+    """The signed edges that the robot may be on, each with the fraction that lies behind it."""
+    parts = dict.fromkeys(memory.held, 0.0)
+    first = memory.held[0] if memory.cleared[0] < len(memory.edges) else 0
+    if first and memory.held.count(first) == 1:
+        parts[first] = memory.cleared[1]
+    return parts
 
 
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
@@ -120,8 +129,10 @@ def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
     return position.is_on(graph) and position.point(graph) == position.point(before)
 
 
-def _line(graph: Graph, edge: int) -> Tuple[Point, ...]:
+def _line(graph: Graph, edge: int, begin: float) -> Tuple[Point, ...]:
+    """The curve of a signed edge from a fraction of it on."""
     curve = graph.curve(edge)
-    steps = max(int(curve.length / _STEP), 1)
-    points = (curve.point_at(curve.length * k / steps) for k in range(steps + 1))
+    rest = curve.length * (1.0 - begin)
+    steps = max(int(rest / _STEP), 1)
+    points = (curve.point_at(curve.length - rest * k / steps) for k in range(steps + 1))
     return tuple((float(x), float(y)) for x, y in points)
