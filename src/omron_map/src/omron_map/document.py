@@ -108,7 +108,7 @@ class MapDocument:
 
     @property
     def sectors(self) -> Tuple[MapObject, ...]:
-        """Areas that change how the robot drives: all but forbidden areas and homes."""
+        """Areas that change the robot's driving: all areas except forbidden areas and homes."""
         return tuple(obj for obj in self.objects
                      if obj.is_area and obj.kind != 'ForbiddenArea' and not obj.is_home)
 

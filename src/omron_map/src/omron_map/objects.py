@@ -262,7 +262,8 @@ def format_object(obj: MapObject) -> str:
         if not re.fullmatch(r'[^\s"]+', text):
             raise FieldError(f'{text!r}', field, 'one word without quotes')
     if not obj.name and (obj.is_goal or obj.is_dock):
-        raise FieldError('the name is empty', 'name', f'a name, because {obj.kind} is a driving target')
+        raise FieldError('the name is empty', 'name',
+                         f'a name, because {obj.kind} is a driving target')
     for field in ('x', 'y', 'theta'):
         if not abs(getattr(obj, field)) <= _LARGEST:
             raise FieldError(f'{getattr(obj, field)!r}', field, 'a finite number')

@@ -49,9 +49,10 @@ def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
 
 
 def _prune_spurs(graph: ChainGraph) -> None:
-    """Takes out dead ends that hardly leave the widest disc around where they begin.
+    """Removes dead ends that hardly leave the widest disc around their start.
 
-    All of a junction at once: of the two spurs at the end of a corridor neither is its end.
+    All spurs of a junction are removed together: of the two spurs at the end of a corridor, neither
+    is the real end of the corridor.
     """
     while True:
         spurs: Dict[int, List[Chain]] = {}

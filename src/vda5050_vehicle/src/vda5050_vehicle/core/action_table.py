@@ -60,8 +60,8 @@ class Parameter:
             raise WrongAction(self.key, f'{self.key} must be of type {self.type}')
         if isinstance(value, str):
             if len(value) > TEXT_LIMIT or not re.fullmatch(self.pattern, value):
-                raise WrongAction(self.key, f'{self.key} may have {TEXT_LIMIT} characters and '
-                                            f'must match {self.pattern}')
+                raise WrongAction(self.key, f'{self.key} may have up to {TEXT_LIMIT} characters '
+                                            f'and must match {self.pattern}')
         elif isinstance(value, (int, float)) and not self.least <= value <= self.most:
             raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
 

@@ -245,7 +245,7 @@ class InstantActionHandler:
         context, arguments = self._context, action.arguments
         map_id = context.identity.map_id
         if map_id and arguments['mapId'] != map_id:
-            raise WrongAction('mapId', f'the vehicle only has map {map_id!r}; use it')
+            raise WrongAction('mapId', f'the vehicle has only map {map_id!r}; use this map')
         pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
         last_node = str(arguments.get('lastNodeId', ''))
         if last_node and not context.driver.knows(last_node, pose):

@@ -278,7 +278,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._set_passed(drive.passed + 1, 0.0)
 
     def _is_at_end(self, leg: Leg, report: RouteReport) -> bool:
-        """Returns whether the robot is at the leg's end, where its side accepts the leg no more."""
+        """Returns whether the robot is so near to the leg's end that its side refuses the leg."""
         place = self._graph.place_on(report.edge, report.percentage)
         return place is not None and math.dist(place, (leg.x, leg.y)) <= self._abilities.passing
 

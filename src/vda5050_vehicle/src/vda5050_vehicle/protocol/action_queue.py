@@ -44,7 +44,10 @@ class Entry:
 
     @property
     def is_active(self) -> bool:
-        """Whether it was started and has not ended; not INITIALIZING, which means a new try."""
+        """Whether it was started and has not ended.
+
+        INITIALIZING does not count, because the action then waits for a new try.
+        """
         return self.status in (ActionStatus.RUNNING, ActionStatus.PAUSED, ActionStatus.RETRIABLE)
 
     @property
