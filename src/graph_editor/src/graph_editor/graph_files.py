@@ -12,8 +12,8 @@ from trajectory_graph import Graph
 from trajectory_graph.yaml_file import dump_graph
 
 _SEAL = re.compile(r'# made by make_graph, seal ([0-9a-f]{16})')
-SEAL_MEANS = ('# As long as the seal fits what follows, make_graph may replace this file; '
-              'edited, it is kept.')
+SEAL_MEANS = ('# While the seal matches the text below, make_graph may replace this file; an '
+              'edited file is kept.')
 
 
 def write_made_graph(graph: Graph, path: str, comments: Iterable[str], force: bool) -> None:

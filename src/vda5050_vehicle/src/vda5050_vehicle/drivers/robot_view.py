@@ -9,7 +9,7 @@ from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 STANDING_SPEED = 0.02     # m/s
 STANDING_ROTATION = 0.03  # rad/s
-REST = 2.0                # s; a robot that reports only poses stands if it did not move in this time
+REST = 2.0                # s; a robot that reports only poses stands if it has not moved for REST
 
 
 @dataclass(frozen=True)
