@@ -100,7 +100,8 @@ class MqttLink:
 
     def _connect(self, client: mqtt.Client, _userdata: Any, _flags: Any, code: int) -> None:
         if code != 0:
-            self._on_change(False, f'the broker refuses the connection: {mqtt.connack_string(code)}')
+            self._on_change(
+                False, f'the broker refuses the connection: {mqtt.connack_string(code)}')
             return
         client.subscribe([(f'{self._prefix}/{topic}', 0) for topic in INBOUND])
         self._connected.set()
