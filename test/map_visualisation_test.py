@@ -195,7 +195,7 @@ class MapVisualisationTest(unittest.TestCase):
         log = Recorder('/rosout', Log)
         wait_until(log.is_connected, 15.0, 'connection to /rosout')
         change_map = rospy.ServiceProxy(f'{ROBOT}/change_map', LoadMap)
-        for path, words in ((secret, 'no map'), (pipe, 'a pipe'), ('/dev/zero', 'a device'),
+        for path, words in ((secret, 'not a map'), (pipe, 'a pipe'), ('/dev/zero', 'a device'),
                             (folder, 'a folder'), (f'{folder}/a\0b', 'no file can have')):
             self.assertNotEqual(LoadMapResponse.RESULT_SUCCESS, change_map(path).result, path)
             log.wait_for(lambda entry, words=words: words in entry.msg, 15.0, f'{words!r} logged')

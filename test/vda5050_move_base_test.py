@@ -146,7 +146,8 @@ class MoveBase(unittest.TestCase):
         heard = master.count()
         master.checker.restarted()
         kill_node('/trolley/vda5050_vehicle')
-        master.wait(lambda s: errors(s) == [('driveError', 'the adapter was restarted under way')]
+        master.wait(lambda s: errors(s) == [('driveError',
+                                               'the adapter was restarted during the drive')]
                     and not s['driving'], 20, 'a robot that stands, for a reason', after=heard)
         self.assertEqual(self.trolley.goals[begun:], [(2.0, 0.0)])
         self.assertEqual(master.ended(master.act('cancelOrder'))['actionStatus'], 'FINISHED')

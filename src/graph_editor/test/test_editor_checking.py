@@ -86,7 +86,7 @@ def test_a_vertex_without_edges_is_an_error():
 
 
 @pytest.mark.parametrize('forward, backwards, words', [
-    (1.0, 0.0, 'cannot leave here'), (0.0, 1.0, 'cannot come here')])
+    (1.0, 0.0, 'cannot leave this vertex'), (0.0, 1.0, 'cannot reach this vertex')])
 def test_a_vertex_behind_a_one_way_edge_is_told(forward, backwards, words):
     draft, vertex = editing.add_vertex(ring(), 2.0, 4.0)
     draft, _ = editing.connect(draft, 1, vertex, velocity_forward=forward,
@@ -193,7 +193,7 @@ def test_an_edge_that_bends_where_robots_cannot_turn_is_told():
 def test_a_goal_of_the_map_that_is_no_vertex_is_told():
     plan = replace(HALL, places=(Place(PlaceKind.GOAL, 'press 4', 4.0, 4.0),
                                  Place(PlaceKind.GOAL, 'store', 2.1, 1.5)))
-    finding = only(found(ring(), plan), "goal 'press 4' of the map is no vertex")
+    finding = only(found(ring(), plan), "goal 'press 4' of the map has no vertex")
     assert finding.place == (4.0, 4.0)
 
 

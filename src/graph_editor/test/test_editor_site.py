@@ -101,7 +101,7 @@ def test_a_grid_without_free_cells_is_floor_inside_its_outline():
     (('resolution: 0.1\n', ''), 'resolution is missing'),
     (('[-2.0, -1.0, 0.0]', '[-2.0, .inf, 0.0]'), 'numbers'),
     (('[-2.0, -1.0, 0.0]', '[-2.0, -1.0]'), 'line 3: origin must be x, y and yaw'),
-    (('[-2.0, -1.0, 0.0]', '[-2.0, -1.0, 0.5]'), 'turned'),
+    (('[-2.0, -1.0, 0.0]', '[-2.0, -1.0, 0.5]'), 'yaw 0 '),
     (('negate: 0', 'mode: raw'), 'trinary'),
     (('negate: 0', 'negate: maybe'), 'whole number'),
     (('image: hall.pgm', 'image: [1]'), 'image must be a text'),

@@ -31,7 +31,7 @@ def _cell(old: bytes, new: bytes) -> bytes:
 BAD: Dict[str, Bad] = {
     'empty file': Bad(b'', None, None, 'empty'),
     'only blank lines': Bad(b'\n\n', None, None, 'no category'),
-    'another format': Bad(b'image: a.pgm\nresolution: 0.1\n', 1, 'category', 'no map'),
+    'another format': Bad(b'image: a.pgm\nresolution: 0.1\n', 1, 'category', 'not a map'),
     'category of a later version': Bad(_cell(b'2D-Map\n', b'2D-Map-Ex5\n'), 1, 'category',
                                        '2D-Map-Ex5 is not known'),
     'no section': Bad(CELL[:CELL.index(b'LINES\n')], 11, None, 'cut off'),
@@ -61,7 +61,7 @@ BAD: Dict[str, Bad] = {
     'area with a fraction': Bad(_goal(b'Cairn: ForbiddenArea 0 0 0 "" ICON "A" 1 2 3.5 4'), 11,
                                 'to x', '3.5'),
     'quote left open': Bad(_goal(b'Cairn: Goal 20 20 0.000000 "" ICON "North'), 11, None,
-                           'never closed'),
+                           'not closed'),
     'object between sections': Bad(_cell(b'DATA\n', GOAL + b'DATA\n'), 15, 'section', 'Cairn:'),
     'object after the rows': Bad(CELL + GOAL, 20, 'section', 'Cairn:'),
     'point is a word': Bad(_cell(b'40 20\n', b'40 y\n'), 18, 'y', "'y'"),
@@ -110,7 +110,7 @@ ODD: Dict[str, Odd] = {
     'no header': Odd(b'2D-Map\n' + CELL[CELL.index(b'LINES\n'):]),
     'wrong count': Odd(_cell(b'NumPoints: 4', b'NumPoints: 7'), 'NumPoints says 7'),
     'wrong bounds': Odd(_cell(b'\nMinPos: -20 0', b'\nMinPos: -40 0'), 'MinPos says -40 0'),
-    'unsorted': Odd(_cell(b'0 0\n40 20\n', b'40 20\n0 0\n'), 'not in order'),
+    'unsorted': Odd(_cell(b'0 0\n40 20\n', b'40 20\n0 0\n'), 'not sorted'),
     'DATA before LINES': Odd(CELL[:CELL.index(b'LINES\n')] + CELL[CELL.index(b'DATA\n'):]
                              + CELL[CELL.index(b'LINES\n'):CELL.index(b'DATA\n')]),
     'a section that goes on': Odd(_cell(b'40 20\n', b'DATA\n40 20\n')),

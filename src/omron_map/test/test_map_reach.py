@@ -32,7 +32,7 @@ def test_a_robot_gets_through_a_door_that_is_wider_than_itself(gap, cut_off):
 
 def test_the_warning_names_the_line():
     warning, = cut_off_homes(hall(FAR))
-    assert str(warning) == ('line 6: RobotHome is cut off: a robot that starts there gets to no '
+    assert str(warning) == ('line 6: RobotHome is cut off: a robot that starts there reaches no '
                             'goal and no dock')
 
 

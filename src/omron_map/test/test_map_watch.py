@@ -116,13 +116,13 @@ class TestWaitForMap:
         base = path + '.base'
         write(base, b'')
         set_age(path, 1000)
-        with pytest.raises(MapError, match=r'older than what it is made from: .*a\.map\.base'):
+        with pytest.raises(MapError, match=r'older than its source files: .*a\.map\.base'):
             wait_for_map(path, made_from=[base], timeout=0.0, say=lambda text: None)
         with pytest.raises(MapError, match='cannot be read'):
             wait_for_map(path + '.gone', timeout=0.0)
 
     def test_what_the_map_is_made_from_must_be_there(self, path):
-        with pytest.raises(MapError, match=r'no\.yaml: the map is made from this file'):
+        with pytest.raises(MapError, match=r'no\.yaml: the map is created from this file'):
             wait_for_map(path, made_from=['no.yaml'])
 
     def test_it_can_be_given_up(self, path):

@@ -31,12 +31,12 @@ def refusal(path: str) -> str:
 def test_a_pipe_that_nobody_writes_to_is_not_waited_for(tmp_path):
     path = str(tmp_path / 'graph.yaml')
     os.mkfifo(path)
-    assert refusal(path) == f'{path}: this is no regular file.'
+    assert refusal(path) == f'{path}: this is not a regular file.'
 
 
 @pytest.mark.parametrize('path', ['/dev/zero', '/dev/null', '/'])
 def test_a_device_and_a_folder_are_refused(path):
-    assert 'no regular file' in refusal(path)
+    assert 'not a regular file' in refusal(path)
 
 
 @pytest.mark.parametrize('path', ['a\0b.yaml', '\ud800.yaml'])

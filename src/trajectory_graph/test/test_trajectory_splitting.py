@@ -82,7 +82,7 @@ def test_the_command_writes_a_graph_and_says_what_it_did(tmp_path, capsys):
     save_graph(graph_of({1: (0, 0), 2: (5, 0)}, {3: (1, 2)}), old)
     assert split_edges_main(['--longest', '2', str(old), str(new)]) == 0
     assert len(load_graph(new).edges) == 3
-    assert capsys.readouterr().out == f'{new}: 4 vertices and 3 edges, of 2 and 1.\n'
+    assert capsys.readouterr().out == f'{new}: 4 vertices and 3 edges; before: 2 and 1.\n'
 
 
 @pytest.mark.parametrize('longest, file, sentence', [

@@ -77,7 +77,7 @@ def test_a_graph_that_is_saved_and_read_again_is_the_same(tmp_path):
     ('Id: 3,', 'Id: 0,', ', line 2: edge 0: an id must be positive.'),
     ('Id: 3,', 'Id: 3.5,', ", line 2: Id is '3.5', but must be a whole number."),
     ('Id: 3,', 'Id: 99999999999,', ', line 2: Id is 99999999999, but must fit in 32 bits.'),
-    ('Id: 3,', 'Id: 3, Id: 4,', ', line 2: Id stands there twice.'),
+    ('Id: 3,', 'Id: 3, Id: 4,', ', line 2: Id is given twice.'),
     ('X: 4.17', 'X: .nan', ', line 5: vertex 2: x is nan, not a number within 1000000.'),
     ('X: 4.17', 'X: [1]', ', line 5: vertex 2: X must be a number.'),
     ('X: 4.17', 'X: east', ", line 5: vertex 2: X is 'east', but must be a number."),

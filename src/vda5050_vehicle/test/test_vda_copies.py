@@ -33,7 +33,7 @@ def test_a_copy_of_an_order_that_was_driven_long_ago_is_refused():
     lab.receive_order(first)
     lab.wait(1.0)
     assert lab.errors == ['orderError']
-    assert 'was taken before' in lab.state['errors'][0]['errorDescription']
+    assert 'is a copy' in lab.state['errors'][0]['errorDescription']
     assert (lab.state['orderId'], lab.robot.routes, lab.started) == ('back', routes, ['a'])
 
 

@@ -113,7 +113,7 @@ def test_no_state_is_sent_before_the_robot_was_heard_or_is_lost():
     pause = lab.act('stopPause')
     lab.wait(1.0)
     assert lab.states == []
-    lab.see(lost='nothing was heard of where the robot is yet')
+    lab.see(lost='the robot has not reported its pose yet')
     assert lab.errors == ['instantActionError', 'vehicleConnectionError']
     assert lab.status(pause) == 'FAILED'
 

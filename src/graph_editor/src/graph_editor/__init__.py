@@ -1,4 +1,4 @@
-"""Trajectory graphs made from a map, checked against it, and edited in RViz.
+"""Makes trajectory graphs from a map, checks them against the map, and edits them in RViz.
 
-Metres, radians, m/s. `floor`, `making` and `checking` know nothing of ROS; `nodes` do.
+Units are metres, radians and m/s. `floor`, `making` and `checking` do not use ROS; `nodes` do.
 """

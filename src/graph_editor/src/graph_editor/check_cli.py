@@ -1,7 +1,7 @@
-"""The command line of `check_graph`: what is wrong with a graph on its map, one line a finding.
+"""The command line of `check_graph`: it prints the findings about a graph on its map, one per line.
 
-Exit status: 0 when nothing is wrong, 1 when something is (with --strict, warnings count, too), or
-when a file cannot be used; 2 for wrong arguments.
+Exit status: 0 if there are no errors; 1 if there are errors (with --strict also if there are
+warnings), or if a file cannot be used; 2 for wrong arguments.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from trajectory_graph.editing import Draft
 
 
 def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> int:
-    """Run the command and return its exit status; `load` reads what --map names."""
+    """Run the command and return its exit status; `load` reads the map of --map."""
     chosen = _parser().parse_args(arguments)
     try:
         graph = load_graph(chosen.graph)
@@ -48,11 +48,12 @@ def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> in
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='check_graph', description='Checks a trajectory graph against its map: corridors in '
-        'walls, vertices that cannot be reached, bends too sharp, parking in the way, ...')
+        prog='check_graph', description='Checks a trajectory graph against its map. It finds '
+        'corridors in walls, vertices that robots cannot reach, bends that are too sharp, parking '
+        'places that block edges, and more.')
     parser.add_argument('--graph', required=True, metavar='G.yaml', help='graph to check')
     add_site_arguments(parser)
     add_robot_arguments(parser)
-    parser.add_argument('--strict', action='store_true', help='exit status 1 for warnings, too')
-    parser.add_argument('--draw', metavar='OUT.png', help='picture with the findings to draw')
+    parser.add_argument('--strict', action='store_true', help='exit status 1 also for warnings')
+    parser.add_argument('--draw', metavar='OUT.png', help='write a picture with the findings')
     return parser

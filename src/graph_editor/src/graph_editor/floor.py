@@ -1,8 +1,9 @@
-"""The floor of a site: how much room there is around every place. Metres, map frame.
+"""The floor of a site: the free space around each place. Metres, map frame.
 
-The floor is a grid of *clearances*: the distance from a cell's centre to what a robot must not
-touch, and between centres interpolated. Where only the cells of obstacles are known, it is off by
-up to 0.71 of a cell, which is all the margin of a lane; where their places are known, by few mm.
+The floor is a grid of *clearances*. A clearance is the distance from a cell's centre to the nearest
+obstacle; between centres it is interpolated. If only the cells of obstacles are known, its error is
+up to 0.71 of a cell, which equals the margin of a lane. If the positions of obstacles are known,
+the error is a few mm.
 """
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 LARGEST_GRID = 50_000_000  # cells
-EXACT = 1.0  # m of clearance up to which it is worked out from the places of obstacles
+EXACT = 1.0  # m; smaller clearances are computed from the positions of obstacles
 EVERY_NEIGHBOUR = np.ones((3, 3), bool)
 
 
@@ -25,10 +26,10 @@ class Floor:
     """Cells of `resolution` m; row 0 has the lowest y.
 
     occupied  -- (rows, columns) bool: walls, furniture, forbidden areas
-    inside    -- (rows, columns) bool: the part of the map that counts
+    inside    -- (rows, columns) bool: the part of the map that is used
     origin    -- x, y of the lower left corner of cell (0, 0)
-    obstacles -- (N,2): points of obstacles, and of the outlines of areas, at most a cell apart;
-                 None where only cells are known
+    obstacles -- (N,2): points of obstacles and of the outlines of areas, at most one cell apart;
+                 None if only cells are known
     """
 
     occupied: np.ndarray
@@ -39,50 +40,51 @@ class Floor:
 
     @cached_property
     def clearance(self) -> np.ndarray:
-        """(rows, columns) m: distance from each cell's centre to what bounds the floor."""
+        """(rows, columns) m: distance from each cell's centre to an obstacle or the floor's edge.
+        """
         clearance = self._distance_to(~self.inside | self.occupied)
         if self.obstacles is not None and len(self.obstacles):
             near = np.nonzero(clearance < EXACT)
             exact, _ = cKDTree(self.obstacles).query(self.centres(*near))
-            exact[self.occupied[near] & (exact > self.resolution)] = 0.0  # amid an area
+            exact[self.occupied[near] & (exact > self.resolution)] = 0.0  # inside an area
             clearance[near] = np.minimum(exact, self._distance_to(~self.inside)[near])
         return clearance
 
     def _distance_to(self, cells: np.ndarray) -> np.ndarray:
-        """(rows, columns) m: from each cell's centre to that of the nearest of `cells`."""
+        """Returns (rows, columns) m: from each cell's centre to the nearest centre of `cells`."""
         free = np.pad(~cells, 1)
         return (ndimage.distance_transform_edt(free)[1:-1, 1:-1] * self.resolution
                 ).astype(np.float32)
 
     def of_cells(self) -> Floor:
-        """The same as far as its cells tell: rougher, and with smoother walls."""
+        """Returns the floor without exact obstacles: less accurate, but with smoother walls."""
         return replace(self, obstacles=None)
 
     def clearance_at(self, points: np.ndarray) -> np.ndarray:
-        """(N,) clearance, interpolated, at `points` (N,2); 0 outside the grid."""
+        """Returns the interpolated clearances (N,), m, at `points` (N,2); 0 outside the grid."""
         columns, rows = self._grid_coordinates(points)
         return ndimage.map_coordinates(self.clearance, (rows, columns), output=float, order=1,
                                        cval=0.0)
 
     def clearance_of(self, place: Union[np.ndarray, Sequence[float]]) -> float:
-        """The same for one place (x, y)."""
+        """Returns the interpolated clearance, m, at one place (x, y)."""
         return float(self.clearance_at(np.array([place]))[0])
 
     def cells_of(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Rows and columns of the cells that hold `points` (N,2), held to the grid."""
+        """Returns rows and columns of the cells of `points` (N,2), limited to the grid."""
         columns, rows = np.rint(self._grid_coordinates(points)).astype(int)
         height, width = self.occupied.shape
         return np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
 
     def centres(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """(N,2) m: the centres of cells."""
+        """Returns the centres (N,2) of cells, m."""
         return np.column_stack((self.origin[0] + (np.asarray(columns) + 0.5) * self.resolution,
                                 self.origin[1] + (np.asarray(rows) + 0.5) * self.resolution))
 
     def reachable(self, clearance: float, starts: Iterable[Tuple[float, float]]) -> np.ndarray:
-        """Mask of the cells with at least `clearance` that join on to the cells of `starts`.
+        """Returns the mask of cells with at least `clearance` that are connected to `starts`.
 
-        A start that has less clearance itself counts for the nearest cell within 1 m.
+        A start with less clearance is replaced by the nearest suitable cell within 1 m.
         """
         open_cells = self.clearance >= clearance
         parts, _ = ndimage.label(open_cells, EVERY_NEIGHBOUR)
@@ -90,7 +92,10 @@ class Floor:
         return np.isin(parts, sorted(labels)) if labels else np.zeros_like(open_cells)
 
     def part_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
-        """The label in `parts` (rows, columns) nearest to a place, within `reach` m; else 0."""
+        """Returns the label in `parts` that is nearest to a place, within `reach` m; else 0.
+
+        parts -- (rows, columns): the label of each cell; 0: none
+        """
         (row,), (column,) = self.cells_of(np.array([place]))
         (x, y), = self.centres(np.array([row]), np.array([column]))
         if math.dist((x, y), place) > reach + self.resolution:
@@ -112,10 +117,11 @@ class Floor:
 
 
 def inside_outline(occupied: np.ndarray, resolution: float, gap: float) -> np.ndarray:
-    """Mask of what lies inside the outline of the occupied cells, whose gaps are up to `gap` m.
+    """Returns the mask of the cells inside the outline of the occupied cells.
 
-    A disc of diameter `gap` rolls around outside: what it sweeps is outside. The grid is taken to
-    be surrounded by the outside.
+    gap -- largest gap in the outline that counts as closed, m
+    The method moves a disc of diameter `gap` around the outline: all places that the disc covers
+    are outside. Everything around the grid counts as outside.
     """
     border = int(np.ceil(gap / resolution)) + 2
     padded = np.pad(occupied, border)

@@ -1,4 +1,4 @@
-"""Files of made graphs: they say that they were not edited, so that no edit is ever lost."""
+"""The files of made graphs. A seal in the file shows whether it was edited, so no edit is lost."""
 from __future__ import annotations
 
 import hashlib
@@ -12,18 +12,19 @@ from trajectory_graph import Graph
 from trajectory_graph.yaml_file import dump_graph
 
 _SEAL = re.compile(r'# made by make_graph, seal ([0-9a-f]{16})')
-SEAL_MEANS = ('# As long as the seal fits what follows, make_graph may replace this file; '
-              'edited, it is kept.')
+SEAL_MEANS = ('# While the seal matches the text below, make_graph may replace this file; an '
+              'edited file is kept.')
 
 
 def write_made_graph(graph: Graph, path: str, comments: Iterable[str], force: bool) -> None:
-    """Writes a made graph; a file that was not made, or was edited since, stays without `force`.
+    """Writes a made graph.
 
+    Without `force` it does not replace a file that make_graph did not write, or that was edited.
     Raises SiteError.
     """
     if not force and os.path.exists(path) and not is_as_made(path):
         raise SiteError(f'{path} was made or edited by hand and is not overwritten: choose another '
-                        'name, or say --force.')
+                        'name, or give --force.')
     lines = [f'# {comment}' for comment in comments]
     body = '\n'.join(lines + [dump_graph(graph)])
     try:
@@ -33,7 +34,7 @@ def write_made_graph(graph: Graph, path: str, comments: Iterable[str], force: bo
 
 
 def is_as_made(path: str) -> bool:
-    """Is the file just as make_graph wrote it?"""
+    """Returns whether the file is exactly as make_graph wrote it."""
     try:
         with open(path, encoding='utf-8', newline='') as stream:
             first, _, rest = stream.read().partition('\n')

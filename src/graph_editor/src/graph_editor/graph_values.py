@@ -1,8 +1,10 @@
-"""Single values of a graph, for scripts: python3 -m graph_editor.graph_values NAME GRAPH [MAP].
+"""Prints single values of a graph, for scripts.
+
+Usage: python3 -m graph_editor.graph_values NAME GRAPH [MAP]. The values of NAME:
 
 unedited     exit status 0 if the file is as make_graph wrote it
-dock         the dock's vertex id, the lowest of several; nothing where there is none
-edge_widths  what omron_ros_map must be told about edges with no room for a whole corridor
+dock         vertex id of the dock, the lowest of several; an empty line if there is no dock
+edge_widths  widths for omron_ros_map of the edges without space for a whole corridor
 """
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from trajectory_graph import load_graph
 
 
 def main(arguments: List[str]) -> int:
-    """Print the value; exit status 1 with a sentence where there is none to be had."""
+    """Print the value and return 0; return 1, with one sentence, if a file cannot be used."""
     name, graph_file, *rest = arguments
     try:
         if name == 'unedited':

@@ -1,6 +1,6 @@
-"""The command line of `make_graph`: a map in, a trajectory graph out, without a ROS master.
+"""The command line of `make_graph`: it makes a trajectory graph from a map, without a ROS master.
 
-Exit status: 0 when the graph is written, 1 when it could not be made, 2 for wrong arguments.
+Exit status: 0 if the graph is written, 1 if it could not be made, 2 for wrong arguments.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _DEFAULT = MakingOptions()
 
 
 def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> int:
-    """Run the command and return its exit status; `load` reads what --map names."""
+    """Run the command and return its exit status; `load` reads the map of --map."""
     chosen = _parser().parse_args(arguments)
     try:
         options = MakingOptions(
@@ -56,29 +56,31 @@ def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> in
 
 
 def add_site_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options that say which map and how much of it."""
+    """Adds the options for the map and the part of it that is used."""
     parser.add_argument('--map', required=True, metavar='M', help="a robot's .map, the .yaml of a "
                         'ROS map, or topic:/map for a nav_msgs/OccupancyGrid that is published')
-    parser.add_argument('--area', metavar='X1,Y1,X2,Y2', help='the part of the map that counts, m '
+    parser.add_argument('--area', metavar='X1,Y1,X2,Y2', help='the part of the map that is used, m '
                         '(default: inside the scanned outline)')
     parser.add_argument('--outline-gap', type=float, default=SiteOptions.outline_gap, metavar='M',
-                        help='gaps in the outline up to this wide are closed (default %(default)s)')
+                        help='gaps in the outline up to this width are closed (default '
+                        '%(default)s)')
     parser.add_argument('--resolution', type=float, default=SiteOptions.resolution, metavar='M',
-                        help='cells in which a .map is looked at (default %(default)s)')
+                        help='size of the cells into which a .map is divided (default '
+                        '%(default)s)')
 
 
 def add_robot_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options that say how big the robot is, and what its lanes need."""
+    """Adds the options for the size of the robot and the width of its lanes."""
     parser.add_argument('--robot-width', type=float, default=_DEFAULT.robot_width, metavar='M',
                         help='(default %(default)s)')
     parser.add_argument('--robot-length', type=float, default=_DEFAULT.robot_length, metavar='M',
                         help='(default %(default)s)')
     parser.add_argument('--corridor', type=float, default=_DEFAULT.corridor, metavar='M',
-                        help='width of a lane where there is room (default %(default)s)')
+                        help='width of a lane if there is enough space (default %(default)s)')
 
 
 def site_options(chosen: argparse.Namespace) -> SiteOptions:
-    """From the arguments of `add_site_arguments`; raises SiteError."""
+    """Returns the options from the arguments of `add_site_arguments`; raises SiteError."""
     area = None if chosen.area is None else area_of(chosen.area, '--area')
     if not 0.005 <= chosen.resolution <= 0.25:
         raise SiteError(f'--resolution is {chosen.resolution:g}, but must lie in 0.005..0.25 m.')
@@ -88,7 +90,7 @@ def site_options(chosen: argparse.Namespace) -> SiteOptions:
 
 
 def area_of(text: str, option: str) -> Tuple[float, float, float, float]:
-    """Two corners of a rectangle, m, as a person writes them; raises SiteError."""
+    """Returns the two corners of a rectangle, m, in a text of a person; raises SiteError."""
     try:
         x1, y1, x2, y2 = (float(value) for value in text.split(','))
         if not math.isfinite(x1 + y1 + x2 + y2):
@@ -100,12 +102,12 @@ def area_of(text: str, option: str) -> Tuple[float, float, float, float]:
 
 
 def edge_width_option(narrow: Dict[int, float]) -> str:
-    """What `omron_ros_map` must be told about narrow edges."""
+    """Returns the option of `omron_ros_map` for narrow edges."""
     return '--edge-width ' + ','.join(f'{id}={width:.2f}' for id, width in sorted(narrow.items()))
 
 
 def _more_places(chosen: argparse.Namespace) -> List[Place]:
-    """The docks and goals of the command line; raises SiteError."""
+    """Returns the docks and goals of the command line; raises SiteError."""
     places = [_place(PlaceKind.DOCK, f'dock,{text}', f'--dock {text}') for text in chosen.dock]
     return places + [_place(PlaceKind.GOAL, text, f'--goal {text}') for text in chosen.goal]
 
@@ -141,7 +143,7 @@ def _report(output: str, graph: Graph, narrow: Dict[int, float],
              + (f'docks {", ".join(map(str, docks))}' if docks else 'no dock')]
     if narrow:
         lines.append(f'{len(narrow)} edges have no room for a corridor of {options.corridor:g} m; '
-                     f'tell omron_ros_map {edge_width_option(narrow)}')
+                     f'run omron_ros_map with {edge_width_option(narrow)}')
     return lines
 
 
@@ -153,28 +155,28 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--output', required=True, metavar='G.yaml', help='graph to write; a file '
                         'edited by hand is not overwritten')
     parser.add_argument('--force', action='store_true', help='overwrite an existing file')
-    parser.add_argument('--keep-ids', metavar='OLD.yaml', help='graph whose ids stay for what is '
-                        'still there')
-    parser.add_argument('--draw', metavar='OUT.png', help='picture of the result to draw')
+    parser.add_argument('--keep-ids', metavar='OLD.yaml', help='older graph; its vertices and '
+                        'edges keep their ids if they still exist')
+    parser.add_argument('--draw', metavar='OUT.png', help='write a picture of the result')
     parser.add_argument('--dock', action='append', default=[], metavar='X,Y,DEG', help='a dock '
-                        'that the map does not have: where robots stand before they dock, in m, '
-                        'and the heading that faces the station; write --dock=-3,2,180')
+                        'that the map does not have: the position of robots before they dock, in '
+                        'm, and the heading towards the station; write --dock=-3,2,180')
     parser.add_argument('--goal', action='append', default=[], metavar='NAME,X,Y,DEG',
                         help='a goal that the map does not have; DEG may be empty')
     add_robot_arguments(parser)
     parser.add_argument('--margin', type=float, default=_DEFAULT.margin, metavar='M',
-                        help='what stays free beside robot and corridor (default %(default)s)')
+                        help='free space beside robot and corridor (default %(default)s)')
     parser.add_argument('--longest-edge', type=float, default=_DEFAULT.longest_edge, metavar='M',
-                        help='longer lanes are cut (default %(default)s)')
+                        help='lanes that are longer are cut (default %(default)s)')
     parser.add_argument('--reach', type=float, default=_DEFAULT.reach, metavar='M',
-                        help='no floor is farther from the lanes, where a bay helps (default '
-                        '%(default)s)')
+                        help='largest distance of floor from the lanes; bays are added to keep it '
+                        '(default %(default)s)')
     parser.add_argument('--speed', type=float, default=_DEFAULT.speed, metavar='M/S',
-                        help='on wide straight lanes (default %(default)s)')
+                        help='speed on wide straight lanes (default %(default)s)')
     parser.add_argument('--halls', default=_DEFAULT.halls.value,
                         choices=[choice.value for choice in Halls],
-                        help='wide places get lanes down the middle with bays (default), or a '
-                        'lattice of lanes')
+                        help='lanes of wide places: in the middle with bays (default), or a '
+                        'lattice')
     parser.add_argument('--lattice-pitch', type=float, default=_DEFAULT.lattice_pitch, metavar='M',
-                        help='between the lanes of a lattice (default %(default)s)')
+                        help='distance between the lanes of a lattice (default %(default)s)')
     return parser

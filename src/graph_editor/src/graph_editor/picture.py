@@ -1,4 +1,4 @@
-"""A picture of a graph on its site: walls, corridors, lanes, vertices with their ids."""
+"""Draws a picture of a graph on its site: walls, corridors, lanes, vertices with their ids."""
 from __future__ import annotations
 
 import math
@@ -17,7 +17,7 @@ from trajectory_graph import CurveType, Graph
 LARGEST_SIDE = 2000  # px
 PIXELS_PER_METRE = 60.0
 SUPERSAMPLING = 2
-BORDER = 0.6  # m around what is drawn
+BORDER = 0.6  # m around the contents
 PAPER, OUTSIDE, WALL = (255, 255, 255), (236, 237, 242), (20, 20, 20)
 CORRIDOR, LINE, SPLINE = (206, 227, 248), (20, 90, 190), (130, 60, 190)
 VERTEX, PARKING, PLACE, DOCK = (40, 60, 90), (230, 130, 0), (0, 140, 60), (150, 0, 150)
@@ -27,10 +27,11 @@ Pixels = Sequence[Tuple[float, float]]
 
 def draw_graph(site: Site, graph: Graph, path: str, corridor: float,
                findings: Sequence[Finding] = ()) -> None:
-    """Writes the PNG file `path`; raises SiteError when it cannot be written.
+    """Writes the PNG file `path`; raises SiteError if it cannot be written.
 
-    Corridors light blue, lines blue, splines violet; goals green, docks purple, parking orange; a
-    dash tells where a vertex looks. Errors have red rings, warnings orange ones.
+    Corridors are light blue, lines blue, splines violet. Goals are green, docks purple, parking
+    vertices orange. A dash shows the heading of a vertex. Errors have red rings, warnings orange
+    rings.
     """
     sheet = _Sheet(site.floor, graph)
     sheet.corridors(graph, corridor)
@@ -51,7 +52,7 @@ def draw_graph(site: Site, graph: Graph, path: str, corridor: float,
 
 
 class _Sheet:
-    """An image with the map's coordinates."""
+    """An image in the coordinates of the map."""
 
     def __init__(self, floor: Floor, graph: Graph) -> None:
         seen = np.argwhere(floor.inside | floor.occupied)
@@ -72,7 +73,7 @@ class _Sheet:
                         (self._size[1] - (y - self._low[1]) * self._scale).tolist()))
 
     def corridors(self, graph: Graph, corridor: float) -> None:
-        """A broad band along every edge."""
+        """Draws a broad band along every edge."""
         radius = corridor / 2.0 * self._scale
         for id in graph.edges:
             pixels = self._pixels(graph.curve(id).sample(0.1))
@@ -81,7 +82,7 @@ class _Sheet:
                 self._pen.ellipse((x - radius, y - radius, x + radius, y + radius), fill=CORRIDOR)
 
     def walls(self, floor: Floor) -> None:
-        """What is occupied, and what is outside."""
+        """Draws the occupied cells and the cells outside the floor."""
         colours = np.zeros((*floor.occupied.shape, 4), np.uint8)
         colours[~floor.inside] = (*OUTSIDE, 255)
         colours[floor.occupied] = (*WALL, 255)
@@ -95,13 +96,13 @@ class _Sheet:
         self._image.paste(scaled, (int(left), int(top)), scaled)
 
     def line(self, points: np.ndarray, colour: Tuple[int, int, int], width: float) -> None:
-        """A polyline."""
+        """Draws a polyline."""
         self._pen.line(self._pixels(points), fill=colour, width=int(width * SUPERSAMPLING),
                        joint='curve')
 
     def vertex(self, position: Tuple[float, float], theta: float, name: str,
                colour: Tuple[int, int, int]) -> None:
-        """A dot, a dash and a name."""
+        """Draws a vertex: a dot, a dash for the heading, and a name."""
         (x, y), = self._pixels(position)
         radius, dash = 4.5 * SUPERSAMPLING, 11 * SUPERSAMPLING
         self._pen.line((x, y, x + dash * math.cos(theta), y - dash * math.sin(theta)),
@@ -111,14 +112,14 @@ class _Sheet:
                        font=self._font)
 
     def ring(self, position: Tuple[float, float], colour: Tuple[int, int, int]) -> None:
-        """Where a finding is."""
+        """Draws a ring around the place of a finding."""
         (x, y), = self._pixels(position)
         radius = 13 * SUPERSAMPLING
         self._pen.ellipse((x - radius, y - radius, x + radius, y + radius), outline=colour,
                           width=3 * SUPERSAMPLING)
 
     def save(self, path: str) -> None:
-        """Scales down and writes."""
+        """Scales the image down and writes it; raises SiteError."""
         small = self._image.resize((self._size[0] // SUPERSAMPLING, self._size[1] // SUPERSAMPLING),
                                    Image.LANCZOS)
         try:

@@ -1,4 +1,4 @@
-"""The robot that a graph is made for and checked with. Metres."""
+"""The size of the robot for which a graph is made and checked. Metres."""
 from __future__ import annotations
 
 import math
@@ -7,29 +7,29 @@ from dataclasses import dataclass
 from graph_editor.errors import SiteError
 
 NEARLY_STRAIGHT = math.radians(5.0)
-"""A robot that drives straight on where its way bends by less hardly leaves it."""
+"""A robot that drives straight on at a smaller bend hardly leaves its path; rad."""
 
 
 @dataclass(frozen=True)
 class RobotSize:
-    """How big a robot is, and what it shall have free on its way.
+    """The size of a robot, and the width of its lanes.
 
-    Raises SiteError for numbers that fit no robot.
+    Raises SiteError for impossible numbers.
     """
 
     robot_width: float = 0.5
     robot_length: float = 0.7
     corridor: float = 0.9
-    """Floor that a lane gets where there is room for it."""
+    """The width of a lane if there is enough space."""
 
     def __post_init__(self) -> None:
         self._require('robot_width', 'robot_length', 'corridor')
         if self.corridor < self.robot_width:
-            raise SiteError(f'A corridor of {self.corridor:g} m is of no use to a robot '
+            raise SiteError(f'A corridor of {self.corridor:g} m is too narrow for a robot '
                             f'{self.robot_width:g} m wide.')
 
     def _require(self, *names: str) -> None:
-        """These must be sizes of a robot or its site."""
+        """Raises SiteError if one of these attributes is not a possible size."""
         for name in names:
             value = getattr(self, name)
             if not 0.05 <= value <= 1000.0:
@@ -37,5 +37,5 @@ class RobotSize:
 
     @property
     def half_diagonal(self) -> float:
-        """What a robot needs around it to turn on the spot."""
+        """The clearance that a robot needs to turn on the spot."""
         return math.hypot(self.robot_width, self.robot_length) / 2.0

@@ -1,4 +1,4 @@
-"""ROS maps: the `.yaml` file and the image that `map_server` publishes, as an occupancy grid."""
+"""Reads ROS maps, i.e. the `.yaml` file and the image of `map_server`, as occupancy grids."""
 from __future__ import annotations
 
 import math
@@ -19,7 +19,7 @@ _KEYS = ('image', 'resolution', 'origin', 'occupied_thresh', 'free_thresh', 'neg
 
 @dataclass(frozen=True, eq=False)
 class RosMap:
-    """An occupancy grid as map_server makes it of a file.
+    """An occupancy grid, as map_server makes it from a file.
 
     cells  -- (rows, columns) int8: 0 free, 100 occupied, -1 unknown; row 0 has the lowest y
     origin -- x, y in m of the lower left corner
@@ -32,7 +32,7 @@ class RosMap:
 
 @dataclass(frozen=True)
 class _Description:
-    """What the `.yaml` says; thresholds are darkness, 0..1."""
+    """The contents of the `.yaml` file; thresholds are darkness, 0..1."""
 
     image: str
     resolution: float
@@ -44,20 +44,20 @@ class _Description:
 
 
 def load_ros_map(path: str) -> RosMap:
-    """The map that the `.yaml` file `path` describes; raises SiteError."""
+    """Returns the map that the `.yaml` file `path` describes; raises SiteError."""
     try:
         description = _described(path)
     except WrongYaml as wrong:
         where = '' if wrong.line is None else f', line {wrong.line}'
-        raise SiteError(f'{path}{where}: {wrong.problem}; a ROS map gives image, resolution, '
+        raise SiteError(f'{path}{where}: {wrong.problem}; a ROS map needs image, resolution, '
                         'origin, occupied_thresh and free_thresh.') from None
     x, y, yaw = description.origin
     if not 0.0 < description.resolution < math.inf or not abs(x) + abs(y) < math.inf:
         raise SiteError(f'{path}: resolution is {description.resolution:g}, origin {x:g}, {y:g}, '
                         'but both must be numbers, and the resolution positive.')
     if yaw != 0.0 or description.mode != 'trinary':
-        raise SiteError(f'{path}: yaw is {yaw:g} and mode {description.mode}, but only maps that '
-                        'are not turned, of mode trinary, can be used.')
+        raise SiteError(f'{path}: yaw is {yaw:g} and mode {description.mode}, but only maps with '
+                        'yaw 0 and mode trinary can be used.')
     grey = _grey(os.path.join(os.path.dirname(path), description.image), path)
     darkness = grey / 255.0 if description.inverted else 1.0 - grey / 255.0
     cells = np.full(grey.shape, -1, np.int8)
@@ -84,7 +84,7 @@ def _described(path: str) -> _Description:
 
 
 def _grey(image_path: str, path: str) -> np.ndarray:
-    """(rows, columns) 0..255, the lowest row first."""
+    """Returns the grey values (rows, columns), 0..255, with the lowest row first."""
     try:
         with Image.open(image_path) as image:
             columns, rows = image.size

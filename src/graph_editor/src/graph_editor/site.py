@@ -1,6 +1,6 @@
-"""Sites: a floor and the places on it, from a robot's `.map`, a ROS map, or an occupancy grid.
+"""Sites: a floor and its places, from a robot's `.map`, a ROS map, or an occupancy grid.
 
-The only module that knows of `.map`. Metres and radians come out.
+This is the only module that uses `.map` files. Its results are in metres and radians.
 """
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ from graph_editor.ros_map import load_ros_map
 from omron_map import OCCUPIED, MapDocument, OccupancyGrid
 
 CONVERTERS_FENCE = 'omron_ros_map fence'
-"""Description of the areas and lines that a converter made around a graph's corridors."""
+"""The description of areas and lines that a converter has added around a graph's corridors."""
 
 
 class PlaceKind(Enum):
-    """What a place of the map is for."""
+    """The use of a place of the map."""
 
     GOAL = 'goal'
     DOCK = 'dock'
     HOME = 'home'
-    """Where robots may be switched on: the floor is reached from there, but it is no vertex."""
+    """A place at which robots may be switched on; the floor is reached from it, but it is not a
+    vertex."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """A place with a name; heading in rad, None where it does not matter."""
+    """A place with a name; heading in rad, None if any heading is allowed."""
 
     kind: PlaceKind
     name: str
@@ -42,40 +43,43 @@ class Place:
 
     @property
     def position(self) -> Tuple[float, float]:
-        """x, y in m."""
+        """The position x, y, in m."""
         return self.x, self.y
 
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """A floor with the places that are known on it."""
+    """A floor with its known places."""
 
     name: str
-    """The file, or what the map is called."""
+    """The file or the name of the map."""
     floor: Floor
     places: Tuple[Place, ...] = ()
     notes: Tuple[str, ...] = ()
-    """What a person should know about the map, a sentence each."""
+    """Warnings about the map for people, one sentence each."""
 
     @property
     def frame_id(self) -> str:
-        """What the vertices of a graph for this map have as FrameId."""
+        """The FrameId of the vertices of a graph for this map."""
         return f'map/{os.path.splitext(os.path.basename(self.name))[0]}'
 
 
 @dataclass(frozen=True)
 class SiteOptions:
-    """Which part of a map counts, and how finely it is looked at."""
+    """The part of a map that is used, and the size of the cells (m)."""
 
     area: Optional[Tuple[float, float, float, float]] = None
-    """x1, y1, x2, y2: only what lies within counts; None: inside the scanned outline."""
+    """x1, y1, x2, y2, m: the part that is used; None: the part inside the scanned outline."""
     outline_gap: float = 3.0
-    """Gaps in the scanned outline up to this wide are closed."""
+    """m; gaps in the scanned outline up to this width are closed."""
     resolution: float = 0.05
 
 
 def load_site(path: str, options: SiteOptions) -> Site:
-    """The site in a `.map` file, or in the `.yaml` of a ROS map; raises SiteError or MapError."""
+    """Returns the site of a `.map` file or of the `.yaml` of a ROS map.
+
+    Raises SiteError or MapError.
+    """
     if os.path.splitext(path)[1].lower() in ('.yaml', '.yml'):
         grid = load_ros_map(path)
         return site_of_grid(grid.cells, grid.resolution, grid.origin, options, path)
@@ -83,7 +87,10 @@ def load_site(path: str, options: SiteOptions) -> Site:
 
 
 def site_of_document(document: MapDocument, options: SiteOptions) -> Site:
-    """The site of a robot's map: scan points, lines, forbidden areas and lines are obstacles."""
+    """Returns the site of a robot's map.
+
+    Scan points, lines, forbidden areas and forbidden lines are obstacles.
+    """
     pitch = max(1, round(options.resolution * 1000.0))
     grid = OccupancyGrid.from_map(document, pitch, 'both', areas=True)
     occupied = grid.cells == OCCUPIED
@@ -92,14 +99,17 @@ def site_of_document(document: MapDocument, options: SiteOptions) -> Site:
     notes = []
     if any(obj.description == CONVERTERS_FENCE
            for obj in document.forbidden_areas + document.forbidden_lines):
-        notes.append(f'{document.name} holds the fences and goals of a graph already: use the map '
-                     'that they were put into.')
+        notes.append(f'{document.name} already contains the fences and goals of a graph: use the '
+                     'original map without them.')
     floor = Floor(occupied, inside, pitch / 1000.0, origin, _obstacles(document, pitch))
     return Site(document.name, floor, _places(document), tuple(notes))
 
 
 def _obstacles(document: MapDocument, pitch: float) -> np.ndarray:
-    """(N,2) m: scan points, and points at most `pitch` mm apart on lines and around areas."""
+    """Returns points (N,2) of obstacles, m: scan points, and points on lines and around areas.
+
+    pitch -- largest distance between two points on a line, mm
+    """
     sides = [np.hstack((corners, np.roll(corners, -1, axis=0))) for corners in (
         np.asarray(area.rectangle.corners, float) for area in document.forbidden_areas)]
     lines = [line.ends.reshape(1, 4) for line in document.forbidden_lines]
@@ -114,10 +124,10 @@ def _obstacles(document: MapDocument, pitch: float) -> np.ndarray:
 
 def site_of_grid(cells: np.ndarray, resolution: float, origin: Tuple[float, float],
                  options: SiteOptions, name: str = 'map') -> Site:
-    """The site of an occupancy grid (rows from the lowest y; 0..100, -1 unknown) in m.
+    """Returns the site of an occupancy grid (rows from the lowest y; 0..100, -1 unknown), in m.
 
-    What is unknown is no floor. A grid without any free cell knows obstacles only: then the floor
-    is what lies inside their outline.
+    Unknown cells are not floor. A grid without free cells only has obstacles. Its floor is the area
+    inside the outline of the obstacles.
     """
     if cells.size > LARGEST_GRID:
         raise SiteError(f'{name} has {cells.size} cells, but {LARGEST_GRID} is the most.')

@@ -36,12 +36,12 @@ def test_a_graph_is_made_of_a_published_grid():
 
 
 @pytest.mark.parametrize('spoil, words', [
-    (lambda message: message.data.pop(), 'holds 9599'),
+    (lambda message: message.data.pop(), 'has 9599'),
     (lambda message: setattr(message.info, 'width', 0), 'x 0 cells'),
-    (lambda message: setattr(message.info, 'resolution', math.nan), 'no numbers'),
-    (lambda message: setattr(message.info, 'resolution', 0.0), 'no numbers'),
-    (lambda message: setattr(message.info.origin.position, 'x', math.inf), 'no numbers'),
-    (lambda message: setattr(message.info.origin.orientation, 'z', 0.7), 'turned')])
+    (lambda message: setattr(message.info, 'resolution', math.nan), 'not numbers'),
+    (lambda message: setattr(message.info, 'resolution', 0.0), 'not numbers'),
+    (lambda message: setattr(message.info.origin.position, 'x', math.inf), 'not numbers'),
+    (lambda message: setattr(message.info.origin.orientation, 'z', 0.7), 'rotated')])
 def test_a_grid_that_is_wrong_is_refused_in_one_sentence(spoil, words):
     message = grid()
     spoil(message)

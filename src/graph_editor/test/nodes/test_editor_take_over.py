@@ -109,5 +109,5 @@ def test_a_fleet_manager_with_another_graph_is_left_alone(master, session) -> No
     master.providers = ['/graph_server']
     master.parameters['/graph_server/graph_file'] = '/site/other.yaml'
     assert taken_over(session).startswith(
-        'NOT TAKEN OVER: the fleet manager drives on /site/other.yaml')
+        'NOT TAKEN OVER: the fleet manager uses /site/other.yaml')
     assert master.published == []

@@ -1,9 +1,11 @@
-"""The `.map` files of OMRON mobile robots: read, edited and written without loss; seen as grids.
+"""Reads, edits and writes the `.map` files of OMRON mobile robots without loss, and makes grids.
 
-Lengths are millimetres, angles degrees, as in the files. No ROS. Beside what stands here:
-`omron_map.picture` draws maps, `omron_map.grid_files` writes grids for map_server,
-`omron_map.compare` tells what differs between two maps, `omron_map.reach` what is cut off in one;
-they are modules of their own because they load more than reading a map needs.
+Lengths are in millimetres and angles in degrees, as in the files. The package does not use ROS.
+Further modules, which are separate because they load more libraries than reading a map needs:
+- `omron_map.picture` draws maps
+- `omron_map.grid_files` writes grids for map_server
+- `omron_map.compare` finds the differences between two maps
+- `omron_map.reach` finds places of a map that are cut off
 """
 from omron_map.document import MapDocument
 from omron_map.errors import DuplicateName, MapError, MapWarning

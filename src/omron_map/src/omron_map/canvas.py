@@ -1,4 +1,4 @@
-"""A picture with the coordinates of a map: mm in, pixels out; x to the right, y upwards."""
+"""A picture in the coordinates of a map: input in mm, output in pixels; x right, y upwards."""
 from __future__ import annotations
 
 import io
@@ -15,25 +15,25 @@ Place = Union[Sequence[float], np.ndarray]
 
 PAPER: Colour = (255, 255, 255)
 LONG_SIDE = 1600  # px, default
-SUPERSAMPLING = 2  # drawn larger by this, then scaled down: smooth edges without a toolkit
-MARGIN = 500  # mm around what is drawn
+SUPERSAMPLING = 2  # the picture is drawn larger by this factor and scaled down: smooth edges
+MARGIN = 500  # mm around the contents
 TEXT_HEIGHT = 26  # px in a picture of LONG_SIDE
 LEAST_TEXT_HEIGHT = 12
-EDGE = 4  # px that text keeps from the picture's edges
-ARROW_NECK, ARROW_WING = 0.55, 0.2  # of its length: where the head begins, half its width
-#: Fonts with more than Latin letters, where they are installed; else Pillow's own small one.
+EDGE = 4  # px between text and the edges of the picture
+ARROW_NECK, ARROW_WING = 0.55, 0.2  # shares of the length: start of the head, half its width
+#: Fonts with more than Latin letters, if they are installed; otherwise Pillow's own small font.
 FONTS = ('NotoSansCJK-Regular.ttc', 'NanumGothic.ttf', 'DejaVuSans.ttf',
          'LiberationSans-Regular.ttf')
-#: The other layout, for scripts that join letters, crashes with Ubuntu 20.04's Pillow. There this
-#: is a number; newer ones have a class for it.
+#: Pillow's other layout, for scripts that join letters, crashes in Ubuntu 20.04. In that version
+#: the layout is a number; newer versions have a class for it.
 BASIC_LAYOUT: Any = 0
 Font = Union[ImageFont.FreeTypeFont, ImageFont.ImageFont]
 
 
 class Canvas:
-    """Paper that shows the floor from `low` to `high` (x, y in mm) and MARGIN around it.
+    """A picture of the floor from `low` to `high` (x, y in mm) with MARGIN around it.
 
-    `long_side` are the pixels of its longer side. Widths of lines are in pixels.
+    long_side -- length of the longer side, px. The widths of lines are in pixels.
     """
 
     def __init__(self, low: Place, high: Place, long_side: int = LONG_SIDE) -> None:
@@ -50,31 +50,31 @@ class Canvas:
         self._middle = (top + bottom) / 2.0  # from the top of a line of text, px
 
     def pixels_of(self, length: float) -> float:
-        """How many pixels of the finished picture a length in mm takes."""
+        """Returns the length, in pixels of the finished picture, of a length in mm."""
         return length * self._scale / SUPERSAMPLING
 
     def polyline(self, places: np.ndarray, colour: Colour, width: int) -> None:
-        """A line through `places` (N, 2)."""
+        """Draw a line through `places` (N, 2)."""
         self._pen.line(self._pixels(places), fill=colour, width=width * SUPERSAMPLING)
 
     def outline(self, corners: np.ndarray, colour: Colour, width: int) -> None:
-        """A closed line around `corners` (N, 2)."""
+        """Draw a closed line around `corners` (N, 2)."""
         self.polyline(np.concatenate((corners, corners[:1])), colour, width)
 
     def polygon(self, corners: np.ndarray, colour: Colour, opacity: int = 255) -> None:
-        """The area within `corners` (N, 2); an `opacity` below 255 lets what is below shine."""
+        """Fill the area within `corners` (N, 2); an `opacity` below 255 makes it transparent."""
         self._pen.polygon(self._pixels(corners), fill=colour + (opacity,))
 
     def squares(self, centres: np.ndarray, side: float, colour: Colour,
                 least: float = 0.0) -> None:
-        """Squares of `side` mm, at least `least` pixels, around `centres` (N, 2)."""
+        """Draw squares of `side` mm, at least `least` pixels, around `centres` (N, 2)."""
         half = max(side * self._scale, least * SUPERSAMPLING) / 2.0
         for x, y in self._pixels(centres):
             self._pen.rectangle((x - half, y - half, x + half, y + half), fill=colour)
 
     def arrow(self, tail: Place, degrees: float, length: float, colour: Colour,
               width: int) -> None:
-        """An arrow from `tail`, `length` mm long."""
+        """Draw an arrow from `tail` with the given `length` (mm) and direction (degrees)."""
         along = length * np.array((math.cos(math.radians(degrees)),
                                    math.sin(math.radians(degrees))))
         wing = ARROW_WING * np.array((-along[1], along[0]))
@@ -83,7 +83,10 @@ class Canvas:
         self.polygon(np.stack((tail + along, neck + wing, neck - wing)), colour)
 
     def text(self, place: Place, words: str, colour: Colour, left_share: float) -> None:
-        """Text with a white rim, `left_share` of it left of `place`, kept in the picture."""
+        """Draw text with a white rim, inside the picture.
+
+        left_share -- the share of the text that is left of `place`, 0..1
+        """
         words = self._drawable(words)
         if not words.strip():
             return
@@ -91,19 +94,19 @@ class Canvas:
         width = self._width(words)
         edge = EDGE * SUPERSAMPLING
         x = max(min(x - width * left_share, self._image.size[0] - width - edge), edge)
-        rim = 2 * SUPERSAMPLING if self._scalable else 0  # Pillow's own font has none
+        rim = 2 * SUPERSAMPLING if self._scalable else 0  # Pillow's own font does not support it
         self._pen.text((x, y - self._middle), words, fill=colour, font=self._font,
                        stroke_width=rim, stroke_fill=PAPER if rim else None)
 
     def has_room_left_of(self, place: Place, words: str) -> bool:
-        """Does a text that ends at `place` begin in the picture?"""
+        """Returns whether a text that ends at `place` begins inside the picture."""
         (x, _), = self._pixels(place)
         return x - self._width(self._drawable(words)) >= EDGE * SUPERSAMPLING
 
     def write(self, path: str) -> Tuple[int, int]:
-        """Write the picture as a PNG file at once and completely; returns its size in pixels.
+        """Write the picture as a PNG file in one step; returns its size in pixels.
 
-        Raises MapError when it cannot be written.
+        Raises MapError if it cannot be written.
         """
         width, height = self._image.size
         image = self._image.resize((width // SUPERSAMPLING, height // SUPERSAMPLING),
@@ -114,7 +117,7 @@ class Canvas:
         return image.size
 
     def _pixels(self, places: Place) -> List[Tuple[float, float]]:
-        """`places` (N, 2) in mm as pixels; y grows downwards there."""
+        """Converts `places` (N, 2) from mm to pixels, in which y grows downwards."""
         x, y = np.asarray(places, float).reshape(-1, 2).T
         return list(zip(((x - self.low[0]) * self._scale).tolist(),
                         ((self.high[1] - y) * self._scale).tolist()))
@@ -122,14 +125,14 @@ class Canvas:
     def _drawable(self, words: str) -> str:
         if self._scalable:
             return words
-        return words.encode('latin-1', 'replace').decode('latin-1')  # Pillow's own font
+        return words.encode('latin-1', 'replace').decode('latin-1')  # for Pillow's own font
 
     def _width(self, words: str) -> int:
         return _extent(self._font, words)[0]
 
 
 def label_font(size: int) -> Font:
-    """A font for labels of `size` px: the first of FONTS that is installed."""
+    """Returns a font of `size` px for labels: the first of FONTS that is installed."""
     for name in FONTS:
         try:
             return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)
@@ -139,7 +142,7 @@ def label_font(size: int) -> Font:
 
 
 def _extent(font: Any, words: str) -> Tuple[int, int, int]:
-    """Width of `words` in a Font, and their top and bottom from the top of a line, px."""
+    """Returns the width of `words` in a font, and their top and bottom in the line, all in px."""
     if hasattr(font, 'getbbox'):
         _, top, right, bottom = font.getbbox(words)
         return right, top, bottom

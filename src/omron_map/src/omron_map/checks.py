@@ -1,4 +1,4 @@
-"""What is odd about a map but does not stop it from being used."""
+"""Finds strange entries in a map that do not prevent its use, and returns them as warnings."""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, Sequence, Set, Tuple
@@ -17,7 +17,7 @@ from omron_map.tokens import tokenise
 
 def check(records: Sequence[Record], sections: Sequence[Section],
           scans: Sequence[Scan]) -> List[MapWarning]:
-    """Everything odd about a map; `records` are its metadata lines, from line 1 on."""
+    """Returns all warnings about a map; `records` are its metadata lines, from line 1 on."""
     return [*_encoding(records, sections), *_header(scans), *_names(records), *_tails(records),
             *_declarations(records), *_dangling(records)]
 
@@ -26,7 +26,7 @@ def _encoding(records: Sequence[Record], sections: Sequence[Section]) -> Iterato
     if records[0].raw.startswith(BOM):
         yield MapWarning("the file begins with a byte order mark: the vendor's tools refuse it", 1)
     if not sections[-1].raw.endswith(b'\n'):
-        yield MapWarning("the last row has no line end: the vendor's tools lose it")
+        yield MapWarning("the last row has no line end: the vendor's tools ignore this row")
 
 
 def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
@@ -38,7 +38,7 @@ def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
 
 
 def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
-    """Compares what the header says about `rows` with the rows, which are what counts."""
+    """Compares the header's values about `rows` with the rows; only the rows are used."""
     count, low, high, ordered = keys
     found: Dict[str, object] = {count: len(rows)}
     if len(rows):
@@ -49,7 +49,7 @@ def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[Map
             yield MapWarning(f'{scan.name}{key} says {_show(claim)}, the rows say {_show(value)}',
                              scan.header.lines[key])
     if scan.header.values.get(ordered) and not _is_sorted(rows):
-        yield MapWarning(f'{scan.name}{ordered} says true, but the rows are not in order',
+        yield MapWarning(f'{scan.name}{ordered} says true, but the rows are not sorted',
                          scan.header.lines[ordered])
 
 
@@ -58,7 +58,7 @@ def _show(value: object) -> str:
 
 
 def _is_sorted(rows: np.ndarray) -> bool:
-    """Whether rows ascend by their first column, then by the next."""
+    """Returns whether the rows are sorted by their first column, then by the next ones."""
     undecided = np.ones(max(len(rows) - 1, 0), bool)
     for column in rows.T:
         if np.any(undecided & (column[1:] < column[:-1])):
@@ -75,7 +75,7 @@ def _names(records: Sequence[Record]) -> Iterator[MapWarning]:
         name = record.object.key
         if name in first:
             yield MapWarning(f'{record.object} has the name of the '
-                             f'object in line {first[name]}: only that one is found', number)
+                             f'object in line {first[name]}: only that object is found', number)
         first.setdefault(name, number)
 
 
@@ -85,15 +85,15 @@ def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
         if obj is None or not obj.tail:
             continue
         if obj.polygon is None:
-            yield MapWarning(f'{obj} ends in words of unknown meaning: '
+            yield MapWarning(f'{obj} ends with words of unknown meaning: '
                              'they are kept', number)
         elif obj.theta != 0.0:
-            yield MapWarning(f'{obj} is a turned polygon: '
-                             'its rectangle is drawn', number)
+            yield MapWarning(f'{obj} is a rotated polygon: '
+                             'its rectangle is drawn instead', number)
 
 
 def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
-    """Once a file declares a goal or dock type, only the declared ones exist."""
+    """If a file declares goal or dock types, only the declared types exist."""
     declared: Dict[str, Set[str]] = {'goaltype': set(), 'docktype': set()}
     for record in records:
         if record.keyword == 'mapinfo:':

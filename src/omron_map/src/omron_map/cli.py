@@ -1,7 +1,7 @@
-"""`ld_map`: looks into `.map` files and converts them, without ROS.
+"""`ld_map`: shows, checks and converts `.map` files, without ROS.
 
-What a map holds of the robot's configuration is never printed: there are passwords and host
-addresses in it.
+The command never prints the robot's configuration in a map, because it may have passwords and host
+addresses.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     """Run the command and return its exit status."""
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
+        sys.stdout.reconfigure(errors='backslashreplace')  # for letters the terminal cannot show
     try:
         status = options.run(options)
         sys.stdout.flush()
@@ -45,22 +45,22 @@ def main(arguments: Optional[List[str]] = None) -> int:
         return FAILED
     except KeyboardInterrupt:
         return INTERRUPTED
-    except BrokenPipeError:     # the reader has seen enough, as in `ld_map info FILE | head`
+    except BrokenPipeError:     # the reader has closed the pipe, as in `ld_map info FILE | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='ld_map', description='Looks into .map files of LD robots and converts them.',
+        prog='ld_map', description='Shows, checks and converts .map files of LD robots.',
         epilog=EPILOGUE, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
 
-    command = commands.add_parser('check', help='tell whether files load, and what is odd')
+    command = commands.add_parser('check', help='check whether files load; print warnings')
     command.add_argument('files', nargs='+', metavar='FILE')
     command.set_defaults(run=_check)
 
-    command = commands.add_parser('info', help='tell what is in a map')
+    command = commands.add_parser('info', help='show the contents of a map')
     command.add_argument('file', metavar='FILE')
     command.set_defaults(run=_info)
 
@@ -68,18 +68,19 @@ def _parser() -> argparse.ArgumentParser:
         'export', help='write an occupancy grid for map_server: an image and a .yaml beside it')
     command.add_argument('file', metavar='FILE')
     command.add_argument('output', nargs='?', metavar='OUTPUT',
-                         help='image to write, .png or .pgm (default: <FILE>.pgm, here)')
+                         help='image to write, .png or .pgm (default: <FILE>.pgm in the current '
+                              'folder)')
     command.add_argument('--resolution', type=_positive, metavar='MM',
                          help="cell size in mm (default: the map's own)")
     command.add_argument('--use', choices=USES, default='auto',
-                         help='what is occupied (default: points if there are any, else lines)')
+                         help='the occupied cells (default: points if there are any, else lines)')
     command.add_argument('--areas', action='store_true',
                          help='forbidden areas and lines are occupied too')
     command.add_argument('--background', choices=tuple(BACKGROUNDS), default='unknown',
-                         help='what all other cells are (default: unknown)')
+                         help='the value of all other cells (default: unknown)')
     command.set_defaults(run=_export)
 
-    command = commands.add_parser('diff', help='tell what changed from one map to another')
+    command = commands.add_parser('diff', help='show the differences between two maps')
     command.add_argument('old', metavar='OLD')
     command.add_argument('new', metavar='NEW')
     command.set_defaults(run=_diff)
@@ -87,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser('draw', help='draw a picture of a map')
     command.add_argument('file', metavar='FILE')
     command.add_argument('output', nargs='?', metavar='OUTPUT',
-                         help='.png file to write (default: <FILE>.png, here)')
+                         help='.png file to write (default: <FILE>.png in the current folder)')
     command.add_argument('--size', type=_positive, default=LONG_SIDE, metavar='PIXELS',
                          help=f'longer side of the picture (default: {LONG_SIDE})')
     command.set_defaults(run=_draw)
@@ -174,12 +175,12 @@ def _draw(options: argparse.Namespace) -> int:
 
 
 def _beside_us(file: str, suffix: str) -> str:
-    """The name of `file` with another suffix, in the current folder."""
+    """Returns the name of `file` with another suffix, in the current folder."""
     return os.path.splitext(os.path.basename(file))[0] + suffix
 
 
 def _describe(obj: MapObject) -> str:
-    """An object in one line: kind, name and place in metres and degrees."""
+    """Returns an object in one line: kind, name and position in metres and degrees."""
     text = str(obj)
     if obj.is_area:
         box = obj.rectangle
@@ -194,7 +195,7 @@ def _describe(obj: MapObject) -> str:
 
 
 def _changes(old: MapObject, new: MapObject) -> Iterator[str]:
-    """What became of each field that changed."""
+    """Yields a text for each field that changed."""
     if old.kind != new.kind or old.name != new.name:
         yield f'now {new}'
     if (old.x, old.y, old.theta, old.extent) != (new.x, new.y, new.theta, new.extent):

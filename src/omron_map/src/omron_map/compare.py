@@ -1,4 +1,4 @@
-"""What differs between two maps of one place: objects added, removed, changed, and rows."""
+"""Finds the differences between two maps of the same place: objects, points and lines."""
 from __future__ import annotations
 
 from collections import Counter
@@ -14,10 +14,11 @@ from omron_map.sections import sorted_rows
 
 @dataclass(frozen=True)
 class Difference:
-    """What the new map has and the old has not, and the reverse.
+    """The differences between an old and a new map.
 
-    `changed` holds pairs of old and new objects of one name. Of points and lines only the numbers
-    of rows are told.
+    added, removed -- objects that only the new map has, and objects that only the old map has
+    changed        -- pairs of the old and the new object with the same name
+    points_added ... lines_removed -- numbers of rows
     """
 
     added: Tuple[MapObject, ...]
@@ -33,10 +34,10 @@ class Difference:
 
 
 def compare(old: MapDocument, new: MapDocument) -> Difference:
-    """The difference from `old` to `new`.
+    """Returns the difference from `old` to `new`.
 
-    Named objects are paired by name, upper or lower case; the others only when they are equal, so
-    that an unnamed area that moved is one removed and one added.
+    Named objects are paired by name, without regard to case. Unnamed objects are paired only if
+    they are equal, so an unnamed area that moved counts as one removed and one added area.
     """
     removed, added = _unpaired(old, new), _unpaired(new, old)
     successors = {obj.key: obj for obj in reversed(added) if obj.name}
@@ -56,7 +57,7 @@ def compare(old: MapDocument, new: MapDocument) -> Difference:
 
 
 def _unpaired(one: MapDocument, other: MapDocument) -> List[MapObject]:
-    """The objects of `one` that have no equal in `other`, each equal pairing only once."""
+    """Returns the objects of `one` without an equal in `other`; each object pairs only once."""
     left = Counter(other.objects)
     unpaired = []
     for obj in one.objects:
@@ -73,6 +74,6 @@ def _without(objects: List[MapObject], taken: List[MapObject]) -> Tuple[MapObjec
 
 
 def _extra_rows(rows: np.ndarray, others: np.ndarray) -> int:
-    """How many different rows `rows` has that `others` has not."""
+    """Returns the number of different rows that only `rows` has, and not `others`."""
     either = sorted_rows(np.concatenate((rows, others)), once=True)
     return len(either) - len(sorted_rows(others, once=True))

@@ -1,8 +1,9 @@
-"""A `.map` file: every byte as it was, and what it means.
+"""A `.map` file: its original bytes and their meaning.
 
-The file is held as raw lines beside what was read from them. An untouched line is written back from
-its own bytes, so reading and saving without an edit gives the same file (a map's identity is a
-checksum of all its bytes). All lengths are mm, all angles degrees, in the map frame.
+The document keeps the raw lines together with the values read from them. An unchanged line is
+written back from its bytes. So reading and saving without an edit gives the same file. (A map's
+identity is a checksum of all its bytes.) All lengths are in mm and all angles in degrees, in the
+map frame.
 """
 from __future__ import annotations
 
@@ -23,10 +24,10 @@ from omron_map.sections import Section
 
 
 class MapDocument:
-    """A map that can be looked at, edited and saved.
+    """A map that can be read, edited and saved.
 
-    Edits change the document in place and touch only the lines they must; they raise MapError and
-    change nothing when they cannot be done. `name` is what errors call the file.
+    Edits change the document in place, and only the necessary lines. An edit that cannot be done
+    raises MapError and changes nothing. `name` is the name of the file in errors.
     """
 
     def __init__(self, content: Content, name: str) -> None:
@@ -38,9 +39,9 @@ class MapDocument:
 
     @classmethod
     def load(cls, path: str) -> MapDocument:
-        """The map in the regular file `path`; raises MapError, also when it cannot be read.
+        """Returns the map in the regular file `path`; raises MapError.
 
-        Nothing of a file that is no map is read beyond its beginning, or told in the error.
+        Of a file that is not a map only the beginning is read, and the error quotes none of it.
         """
         name = os.fspath(path)
         data = read_regular_file(name, accept=lambda head: check_category(head, name))
@@ -48,21 +49,21 @@ class MapDocument:
 
     @classmethod
     def from_bytes(cls, data: bytes, name: str = 'map') -> MapDocument:
-        """The map whose file holds `data`; raises MapError."""
+        """Returns the map whose file has the contents `data`; raises MapError."""
         return cls(read_content(data, name), name)
 
     def to_bytes(self) -> bytes:
-        """The file's bytes: the same as were read as long as nothing was edited."""
+        """Returns the bytes of the file; without an edit they are the bytes that were read."""
         return b''.join([record.raw for record in self._records]
                         + [section.raw for section in self._sections])
 
     def save(self, path: str, backup: bool = False) -> None:
-        """Write the file `path` at once and completely; `backup` keeps the old as `<path>.bak`."""
+        """Write the file `path` in one step; `backup` keeps the old file as `<path>.bak`."""
         write_file(os.fspath(path), self.to_bytes(), backup)
 
     @property
     def category(self) -> str:
-        """The first line, e.g. `2D-Map`; it says nothing about what the map holds."""
+        """The first line, e.g. `2D-Map`; it does not depend on the contents of the map."""
         return next(r.raw for r in self._records if r.keyword).decode('utf-8-sig').strip()
 
     @property
@@ -107,7 +108,7 @@ class MapDocument:
 
     @property
     def sectors(self) -> Tuple[MapObject, ...]:
-        """Areas that change how the robot drives: all but forbidden areas and homes."""
+        """Areas that change the robot's driving: all areas except forbidden areas and homes."""
         return tuple(obj for obj in self.objects
                      if obj.is_area and obj.kind != 'ForbiddenArea' and not obj.is_home)
 
@@ -129,57 +130,58 @@ class MapDocument:
 
     @property
     def warnings(self) -> Tuple[MapWarning, ...]:
-        """What is odd about the map as it is now, and what edits could not follow."""
+        """The warnings about the present map, and about lines that edits could not change."""
         lines = {id(record): number for number, record in enumerate(self._records, 1)}
         notes = [MapWarning(text, lines[id(record)]) for record, text in self._notes
                  if id(record) in lines]
         return tuple(check(self._records, self._sections, self.scans) + notes)
 
     def find(self, name: str) -> Optional[MapObject]:
-        """The first object called `name`, upper or lower case, or None."""
+        """Returns the first object with this name, without regard to case, or None."""
         return editing.find(self._records, name)
 
     def add(self, obj: MapObject) -> None:
-        """Put `obj` where the vendor's tools would; raises DuplicateName or MapError."""
+        """Add `obj` at the position that the vendor's tools use; raises DuplicateName, MapError."""
         self.add_all([obj])
 
     def add_all(self, objects: Iterable[MapObject]) -> None:
-        """The same for many at once, which takes hardly longer than for one; all or none."""
+        """Add all objects or none; this takes hardly longer than adding one object."""
         editing.add(self.name, self._records, objects)
         self._end_last_row()
 
     def remove(self, obj: MapObject) -> None:
-        """Take `obj` out, and its parameter lines; other lines that name it become warnings."""
+        """Remove `obj` and its parameter lines; other lines that name it cause warnings."""
         self.remove_all([obj])
 
     def remove_all(self, objects: Iterable[MapObject]) -> None:
-        """The same for many at once, all or none."""
+        """Remove all objects or none."""
         self._notes += editing.remove(self.name, self._records, objects)
         self._end_last_row()
 
     def move(self, obj: MapObject, x: float, y: float, theta: Optional[float] = None) -> None:
-        """Place `obj` at x, y (mm) and theta (degrees; None keeps it).
+        """Move `obj` to x, y (mm) and theta (degrees; None keeps it).
 
-        Of an area the centre moves; of a line the from point, and the line is never turned. Goals
-        without heading have no theta.
+        - Area: x, y is the new centre.
+        - Line: x, y is the new from point; the line is never turned.
+        - Goal without heading: theta is ignored.
         """
         editing.move(self.name, self._records, obj, x, y, theta)
         self._end_last_row()
 
     def rename(self, obj: MapObject, new_name: str) -> None:
-        """Give `obj` another name, also where routes and parameters name it.
+        """Rename `obj`, also in routes and parameters that name it.
 
-        Lines that may or may not mean the object are left alone and become warnings.
+        Lines that perhaps mean another object stay as they are and cause warnings.
         """
         self._notes += editing.rename(self.name, self._records, obj, new_name)
         self._end_last_row()
 
     def replace_points(self, points: np.ndarray) -> None:
-        """Put `points` (N, 2), whole mm, in the place of the scan's, and tell so in the header."""
+        """Replace the points of the scan by `points` (N, 2), whole mm, and update the header."""
         self._replace_rows('DATA', points)
 
     def replace_lines(self, lines: np.ndarray) -> None:
-        """Put `lines` (M, 4), whole mm, in the place of the wall lines; points stay."""
+        """Replace the wall lines by `lines` (M, 4), whole mm; the points stay."""
         self._replace_rows('LINES', lines)
 
     def _replace_rows(self, kind: str, rows: np.ndarray) -> None:
@@ -191,16 +193,16 @@ class MapDocument:
             rows = scan_editing.checked_rows(rows, kind)
             present = self.points if kind == 'DATA' else self.lines
             if np.array_equal(rows, scan_editing.checked_rows(present, kind)):
-                return  # also where the file has them in another order, which means nothing
+                return  # the sequence of the rows in the file has no meaning
             self._sections = scan_editing.with_rows(self._sections, kind, rows, end)
-        except FieldError as error:  # its line, if any, is one of the rows and not of the file
+        except FieldError as error:  # its line, if any, counts the rows and not lines of the file
             raise MapError(self.name, error.problem, None, error.field, error.expected) from None
         scan_editing.update_header(self._records, kind, rows, end)
         self.scans = scans_of(read_headers(self._records, self.name), self._sections)
         self._end_last_row()
 
     def _end_last_row(self) -> None:
-        """In an edited file the last row has a line end: the vendor's library loses it else."""
+        """Add a line end to the last row; without it the vendor's library ignores the row."""
         if not self._sections[-1].raw.endswith(b'\n'):
             self._sections[-1] = self._sections[-1].with_final(editing.line_end(self._records))
 

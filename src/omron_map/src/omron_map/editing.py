@@ -1,7 +1,8 @@
-"""Edits of a map's objects: which lines change, and where new ones go.
+"""Edits of a map's objects: the lines that change, and the positions of new lines.
 
-An edit changes the object's `Cairn:` line and, where its name changes, the lines that name it. The
-order is the vendor's: by stored position, then kind, then name. `file` is what errors call the map.
+An edit changes the object's `Cairn:` line. If the name changes, it also changes the lines that name
+the object. The lines are sorted as in the vendor's tools: by stored position, then kind, then name.
+In all functions `file` is the name of the map in errors.
 """
 from __future__ import annotations
 
@@ -17,12 +18,12 @@ from omron_map.reader import Record
 from omron_map.references import find_references, may_name_objects
 from omron_map.text import decode, encode
 
-#: A line that an edit left alone, and what is to be said about it.
+#: A line that an edit did not change, and the text of the warning about it.
 Note = Tuple[Record, str]
 
 
 def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
-    """Insert `objects` in the vendor's order: all, or none where one cannot be."""
+    """Insert `objects` in the vendor's order: all of them, or none if one is refused."""
     known = _by_name(records)
     added = []
     for obj in objects:
@@ -33,7 +34,8 @@ def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
 
 
 def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[Note]:
-    """Take out `objects` and their parameters, all or none; tell which lines still name them."""
+    """Remove `objects` and their parameters, all or none; returns the lines that still name them.
+    """
     gone = set(_indices(file, records, objects))
     lost = {record.object.key: record.object for index, record in enumerate(records)
             if index in gone and record.object is not None and record.object.name}
@@ -53,10 +55,10 @@ def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> Li
 
 def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
          theta: Optional[float]) -> None:
-    """Place `obj` elsewhere."""
+    """Move `obj` to x, y (mm) and theta (degrees; None keeps it)."""
     index, = _indices(file, records, [obj])
     if obj.tail:
-        raise MapError(file, f'{obj} has more than corners and cannot '
+        raise MapError(file, f'{obj} has words after its corners and cannot '
                        'be moved; remove it and add a new one', index + 1)
     if not all(math.isfinite(value) for value in (x, y, theta or 0.0)):
         raise MapError(file, f'{obj} cannot be moved to {x}, {y}, '
@@ -66,7 +68,7 @@ def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
 
 
 def _replace(records: List[Record], index: int, record: Record) -> None:
-    """Put `record` in the place of another: where it belongs, if the objects are in order."""
+    """Replace a record; if the objects are sorted, the new record is inserted in order."""
     if _sorted(records):
         del records[index]
         _insert(records, [record])
@@ -88,7 +90,7 @@ def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
 
 def rename(file: str, records: List[Record], obj: MapObject,
            new_name: str) -> List[Note]:
-    """Change the name of `obj` and of the references that surely mean it."""
+    """Change the name of `obj` and of the references that certainly mean it."""
     index, = _indices(file, records, [obj])
     if not new_name:
         raise MapError(file, f'{obj} cannot lose its name', index + 1)
@@ -97,7 +99,7 @@ def rename(file: str, records: List[Record], obj: MapObject,
     renamed = dataclasses.replace(obj, name=new_name)
     _replace(records, index, _record(file, records, renamed))
     if not obj.name or find(records, obj.name) not in (None, renamed):
-        return []  # another object has the old name too, and keeps what names it
+        return []  # another object also has the old name, and the references mean that object
     for position, record in enumerate(records):
         records[position] = _with_new_reference(record, obj.name, new_name)
     if name_key(new_name) == obj.key:
@@ -106,7 +108,7 @@ def rename(file: str, records: List[Record], obj: MapObject,
 
 
 def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
-    """`record` with only the bytes of the sure references changed."""
+    """Returns `record` with changed bytes in its certain references only."""
     text = decode(record.raw)
     for ref in reversed(find_references(record.keyword, record.text, name)):
         if ref.certain:
@@ -115,18 +117,18 @@ def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
 
 
 def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
-    """The lines that may or may not mean the object `name`."""
+    """Returns the lines that perhaps mean the object `name`."""
     return [(record, f'{record.text.split(None, 1)[0]} {text}') for record in records
             if any(not ref.certain for ref in find_references(record.keyword, record.text, name))]
 
 
 def find(records: List[Record], name: str) -> Optional[MapObject]:
-    """The first object called `name`, upper or lower case, or None."""
+    """Returns the first object with this name, without regard to case, or None."""
     return _by_name(records).get(name_key(name))
 
 
 def _by_name(records: List[Record]) -> Dict[str, MapObject]:
-    """The first object of every name, by its key."""
+    """Returns the first object of each name, by its key."""
     found: Dict[str, MapObject] = {}
     for record in records:
         if record.object is not None:
@@ -135,7 +137,10 @@ def _by_name(records: List[Record]) -> Dict[str, MapObject]:
 
 
 def _indices(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[int]:
-    """Where `objects` are: each itself, else the first that is equal to it; none is twice."""
+    """Returns the index of each object: of the same object, else of the first equal one.
+
+    No index is returned twice. Raises MapError for an object that is not in the map.
+    """
     places: Dict[MapObject, List[int]] = {}
     for index, record in enumerate(records):
         if record.object is not None:
@@ -155,7 +160,7 @@ def _refuse_duplicate(file: str, known: Mapping[str, MapObject], name: str) -> N
     if other is not None:
         raise DuplicateName(
             file, f'there is a {other} already', field='name',
-            expected='a name of its own, upper and lower case being the same')
+            expected='a name that no other object has, without regard to case')
 
 
 def _record(file: str, records: List[Record], obj: MapObject) -> Record:
@@ -167,7 +172,7 @@ def _record(file: str, records: List[Record], obj: MapObject) -> Record:
 
 
 def line_end(records: List[Record]) -> bytes:
-    """The file's own line end."""
+    """Returns the line end that the file uses."""
     return b'\r\n' if records[0].raw.endswith(b'\r\n') else b'\n'
 
 
@@ -177,7 +182,7 @@ def _sorted(records: List[Record]) -> bool:
 
 
 def _insert(records: List[Record], added: List[Record]) -> None:
-    """Put in the records of new objects where they belong."""
+    """Insert the records of new objects in order; at the end if the objects are not sorted."""
     present = [index for index, record in enumerate(records) if record.object is not None]
     if not _sorted(records):
         end = present[-1] + 1
@@ -195,13 +200,13 @@ def _insert(records: List[Record], added: List[Record]) -> None:
 
 
 def _order(record: Record) -> Tuple:
-    """Sort key of a line that is an object."""
+    """Returns the sort key of a line that is an object."""
     assert record.object is not None
     return record.object.order
 
 
 def _after_info(records: List[Record]) -> int:
-    """Behind the header and the active info lines, ahead of all that may follow."""
+    """Returns the index behind the header and the active info lines."""
     places = [index + 1 for index, record in enumerate(records)
               if is_header(record.keyword)
               or (record.keyword.endswith('info:') and not record.keyword.startswith('_'))]

@@ -1,4 +1,4 @@
-"""What can be wrong with a map, as types that carry where it is."""
+"""The errors and warnings of maps, with the position in the file."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from omron_map.text import printable_path
 class MapError(Exception):
     """A map that cannot be read, edited or written; the text is one sentence for people.
 
-    Attributes: `file`, `problem`, and where they apply `line` (from 1), `field`, `expected`.
+    Attributes: `file`, `problem`, and, if they apply, `line` (from 1), `field`, `expected`.
     """
 
     def __init__(self, file: str, problem: str, line: Optional[int] = None,
@@ -33,11 +33,11 @@ class MapError(Exception):
 
 
 class DuplicateName(MapError):
-    """An object of that name is there already: names are looked up without regard to case."""
+    """An object with that name exists already; names are compared without regard to case."""
 
 
 class FieldError(ValueError):
-    """A bad field, raised where the file is not known; the document makes a MapError of it."""
+    """A wrong field, raised by code that does not know the file; it is converted to a MapError."""
 
     def __init__(self, problem: str, field: Optional[str] = None, expected: Optional[str] = None,
                  line: Optional[int] = None) -> None:
@@ -48,13 +48,13 @@ class FieldError(ValueError):
         self.line = line
 
     def in_file(self, file: str, line: Optional[int] = None) -> MapError:
-        """The same error, with the file and the line it was found in."""
+        """Returns the same error as a MapError with the file and the line."""
         return MapError(file, self.problem, self.line or line, self.field, self.expected)
 
 
 @dataclass(frozen=True)
 class MapWarning:
-    """Something odd that does not stop the map from being used; `line` counts from 1."""
+    """A strange entry that does not prevent the use of the map; `line` counts from 1."""
 
     text: str
     line: Optional[int] = None

@@ -1,4 +1,4 @@
-"""Rectangles, which maps store turned about their origin, and what places span."""
+"""Rectangles, which maps store rotated about the map's origin, and bounds of points."""
 from __future__ import annotations
 
 import math
@@ -7,12 +7,12 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-_EDGE = 1e-6  # mm; rounding of the rotation must not take a point off the edge
+_EDGE = 1e-6  # mm; tolerance, so that rounding does not move a point out of a rectangle
 
 
 @dataclass(frozen=True)
 class Extent:
-    """The from and to corner of an area, or the end points of a line, as stored (mm)."""
+    """The from and to corners of an area, or the end points of a line, as stored (mm)."""
 
     from_x: int
     from_y: int
@@ -21,14 +21,14 @@ class Extent:
 
 
 def bounds_of(*places: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
-    """Lowest and highest x, y of arrays (N, 2), or (N, 4) of two points each; None without any."""
+    """Returns the lowest and highest x, y of arrays (N, 2) or (N, 4); None without points."""
     everything = np.concatenate(
         [np.empty((0, 2)), *(np.reshape(block, (-1, 2)) for block in places)])
     return (everything.min(axis=0), everything.max(axis=0)) if len(everything) else None
 
 
 def normalise_degrees(angle: float) -> float:
-    """`angle` in (-180, 180], never -0; nan for what is not finite."""
+    """Returns `angle` in (-180, 180], never -0; NaN if it is not finite."""
     if not math.isfinite(angle):
         return math.nan
     turned = math.fmod(angle, 360.0)
@@ -40,7 +40,7 @@ def normalise_degrees(angle: float) -> float:
 
 
 def _rotation(degrees: float) -> np.ndarray:
-    """Matrix that turns column vectors by `degrees`; exact at quarter turns."""
+    """Returns the matrix that rotates column vectors by `degrees`; exact at quarter turns."""
     quarter, rest = divmod(degrees, 90.0)
     if rest == 0.0:
         c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter) % 4]
@@ -61,10 +61,10 @@ class RotatedRectangle:
 
     @classmethod
     def from_extent(cls, extent: Extent, theta: float) -> RotatedRectangle:
-        """The rectangle that a map stores as `extent` and `theta` (degrees).
+        """Returns the rectangle that a map stores as `extent` and `theta` (degrees).
 
-        The file holds an axis-parallel rectangle in a frame turned by `theta` about the *map's
-        origin*, so its corners are turned about (0, 0), not about its own centre.
+        The file has an axis-parallel rectangle in a frame that is rotated by `theta` about the
+        *map's origin*. So the corners are rotated about (0, 0), not about the rectangle's centre.
         """
         middle = ((extent.from_x + extent.to_x) / 2.0, (extent.from_y + extent.to_y) / 2.0)
         centre_x, centre_y = _rotation(theta) @ middle
@@ -72,7 +72,7 @@ class RotatedRectangle:
                    float(abs(extent.to_y - extent.from_y)), normalise_degrees(theta))
 
     def to_extent(self) -> Extent:
-        """The corners to store beside theta = `yaw`, rounded to whole mm."""
+        """Returns the corners to store together with theta = `yaw`, rounded to whole mm."""
         x, y = (_rotation(-self.yaw) @ (self.centre_x, self.centre_y)).tolist()
         half_width, half_height = self.width / 2.0, self.height / 2.0
         return Extent(round(x - half_width), round(y - half_height),
@@ -80,13 +80,13 @@ class RotatedRectangle:
 
     @property
     def corners(self) -> np.ndarray:
-        """(4, 2) corners in mm, counter-clockwise, beginning with the turned lower left one."""
+        """(4, 2) corners in mm, counter-clockwise, starting with the rotated lower left corner."""
         half = np.array((self.width, self.height)) / 2.0
         around = np.array(((-1, -1), (1, -1), (1, 1), (-1, 1))) * half
         return around @ _rotation(self.yaw).T + (self.centre_x, self.centre_y)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
-        """Which of `points` (N, 2) in mm lie inside; edges count as inside."""
+        """Returns which of `points` (N, 2), mm, are inside; the edges count as inside."""
         own = (np.asarray(points, float) - (self.centre_x, self.centre_y)) @ _rotation(self.yaw)
         half = np.array((self.width, self.height)) / 2.0 + _EDGE
         return np.all(np.abs(own) <= half, axis=-1)

@@ -1,6 +1,6 @@
-"""Occupancy grids as the pair of files that `map_server` and other robots load: image and YAML.
+"""Writes occupancy grids as the two files that `map_server` and other robots load: image and YAML.
 
-The grey values are those of `map_saver`. In the image the top row is the one with the highest y.
+The grey values are those of `map_saver`. The top row of the image has the highest y.
 """
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from omron_map.errors import MapError
 from omron_map.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from omron_map.saving import write_file
 
-#: Grey value of each kind of cell. (255 - 205) / 255 lies just above the threshold of free.
+#: Grey value of each kind of cell. (255 - 205) / 255 is slightly above the threshold of free cells.
 GREY = {FREE: 254, UNKNOWN: 205, OCCUPIED: 0}
 OCCUPIED_THRESHOLD, FREE_THRESHOLD = 0.65, 0.196
 FORMATS = {'.png': 'PNG', '.pgm': 'PPM'}  # Pillow's PPM writes a grey image as binary PGM
 
 
 def export_grid(grid: OccupancyGrid, path: str) -> Tuple[str, str]:
-    """Write `grid` to `path` (.png, .pgm, or the .yaml that goes with a .pgm).
+    """Write `grid` to `path` (.png, .pgm, or the .yaml of a .pgm).
 
-    Returns the paths of the image and of the YAML file beside it, which names the image relative
-    to itself. Both are replaced completely, the image first. Raises MapError.
+    Returns the paths of the image and of the YAML file in the same folder. The YAML file names the
+    image relative to itself. Each file is replaced in one step, the image first. Raises MapError.
     """
     stem, suffix = os.path.splitext(path)
     if suffix in ('', '.yaml'):

@@ -1,7 +1,7 @@
-"""The scan header: what the file says about its points and lines, for each scan source.
+"""The scan header: the file's values about the points and lines of each scan source.
 
-In a file with several scans each key carries the source's name in front, with nothing between. A
-key without a name belongs to the first source: the vendor leaves the name off for `SickLaser`.
+In a file with several scans each key begins with the name of its source, without a separator. A key
+without a name belongs to the first source: the vendor omits the name for `SickLaser`.
 """
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _truth(words: Sequence[Token], key: str) -> bool:
 _COORDINATES = _integers(2, least=-2**31)
 _COUNT = _integers(1, least=0)
 
-#: Every key of a scan's header, in the vendor's order, and how its value is read.
+#: Every key of a scan's header, in the vendor's order, and the reader of its value.
 SCAN_KEYS: Dict[str, Callable[[Sequence[Token], str], Any]] = {
     'Display': _text,
     'MinPos': _COORDINATES,
@@ -59,17 +59,17 @@ SCAN_KEYS: Dict[str, Callable[[Sequence[Token], str], Any]] = {
 
 _SUFFIXES = tuple(f'{key}:'.lower() for key in SCAN_KEYS)
 _OTHER_KEYS = tuple(category.lower() for category in CATEGORIES) + (
-    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # the last is seen in a published map
+    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # a published map has the last one
 
 
 def is_header(keyword: str) -> bool:
-    """Whether a line with this first word (lower case) belongs to the head of the file."""
+    """Returns whether a line with this first word (lower case) belongs to the file's header."""
     return keyword.endswith(_SUFFIXES) or keyword in _OTHER_KEYS
 
 
 @dataclass
 class ScanHeader:
-    """What the header says about one scan source: values and their lines, by key."""
+    """The header's values about one scan source, and their lines, by key."""
 
     source: str
     values: Dict[str, Any] = field(default_factory=dict)
@@ -77,7 +77,7 @@ class ScanHeader:
 
 
 def scan_keys(sources: Sequence[str]) -> Dict[str, Tuple[str, str]]:
-    """Source and key by the first word (lower case) of a line in a file with these sources."""
+    """Returns source and key by the first word (lower case) of a line, for these sources."""
     meanings = {f'{key}:'.lower(): (sources[0], key) for key in SCAN_KEYS}
     for source in reversed(sources):
         meanings.update((f'{source}{key}:'.lower(), (source, key)) for key in SCAN_KEYS)
@@ -85,11 +85,11 @@ def scan_keys(sources: Sequence[str]) -> Dict[str, Tuple[str, str]]:
 
 
 def parse_sources(words: Sequence[Token]) -> List[str]:
-    """The names of the `Sources:` line; raises FieldError when one comes twice."""
+    """Returns the names in the `Sources:` line; raises FieldError if a name is repeated."""
     names = [word.text for word in words]
     lowered = [name.lower() for name in names]
     for name in names:
         if lowered.count(name.lower()) > 1:
-            raise FieldError(f'{printable(name)!r} comes twice', 'Sources',
-                             'a name of its own for each scan')
+            raise FieldError(f'{printable(name)!r} is given twice', 'Sources',
+                             'a different name for each scan')
     return names

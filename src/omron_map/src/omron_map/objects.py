@@ -1,4 +1,4 @@
-"""Map objects: what a `Cairn:` line says.
+"""Map objects: the contents of `Cairn:` lines.
 
     Cairn: <kind> <x> <y> <theta> "<description>" <icon> "<name>" [<from x y> <to x y> [<more>]]
 """
@@ -19,11 +19,11 @@ from omron_map.tokens import Token, quoted
 
 LINE_KINDS = frozenset(
     ('ForbiddenLine', 'Measure', 'PreferredLine', 'ResistedLine', 'DistanceAdjustment'))
-#: Written like areas at the origin, but only configuration: nothing to draw.
+#: These objects look like areas at the origin, but they are configuration and are not drawn.
 CONFIGURATION_KINDS = frozenset(('FeedbackHandler', 'RobotArrivalHandler'))
 HEADING_SUFFIX = 'WithHeading'
 DEFAULT_ICON = 'ICON'
-MAX_LINE_BYTES = 10_000  # exclusive; buffers of the vendor's library
+MAX_LINE_BYTES = 10_000  # exclusive; size of a buffer in the vendor's library
 MAX_LINE_WORDS = 512
 
 _FIELDS = ('kind', 'x', 'y', 'theta', 'description', 'icon', 'name')
@@ -37,9 +37,10 @@ _LARGEST = 2**31 - 1
 class MapObject:
     """One object of a map: x, y in mm and theta in degrees, counter-clockwise, map frame.
 
-    `x`, `y` are the position of point kinds, 0 for areas (see `rectangle`) and the from point for
-    lines. `theta` means nothing for goals without heading. `extent` is there for areas and lines.
-    `tail` holds the words after it as written, e.g. a polygon.
+    x, y   -- points: the position; areas: 0 (see `rectangle`); lines: the from point
+    theta  -- the heading; has no meaning for goals without heading
+    extent -- the corners or end points of areas and lines; None for points
+    tail   -- the words after the extent as written, e.g. a polygon
     """
 
     kind: str
@@ -55,7 +56,7 @@ class MapObject:
     @classmethod
     def goal(cls, name: str, x: float, y: float, heading: Optional[float] = None,
              description: str = '') -> MapObject:
-        """A goal; with a `heading` (degrees) the robot turns to it on arrival."""
+        """Returns a goal; with a `heading` (degrees) the robot turns to it on arrival."""
         if heading is None:
             return cls('Goal', x, y, 0.0, description, name=name)
         return cls('Goal' + HEADING_SUFFIX, x, y, normalise_degrees(heading), description,
@@ -64,20 +65,23 @@ class MapObject:
     @classmethod
     def dock(cls, name: str, x: float, y: float, heading: float,
              kind: str = 'DockLynx') -> MapObject:
-        """A dock's approach pose, from which the robot drives on along `heading` (degrees)."""
+        """Returns a dock: the approach pose from which the robot drives on along `heading`.
+
+        heading -- degrees
+        """
         return cls(kind, x, y, normalise_degrees(heading), name=name)
 
     @classmethod
     def forbidden_area(cls, rectangle: RotatedRectangle, name: str = '',
                        description: str = '') -> MapObject:
-        """A rectangle that the robot must stay out of."""
+        """Returns a rectangle that the robot must not enter."""
         return cls('ForbiddenArea', 0.0, 0.0, normalise_degrees(rectangle.yaw), description,
                    name=name, extent=rectangle.to_extent())
 
     @classmethod
     def forbidden_line(cls, x1: float, y1: float, x2: float, y2: float, name: str = '',
                        description: str = '') -> MapObject:
-        """A line that the robot must not cross."""
+        """Returns a line that the robot must not cross."""
         extent = Extent(round(x1), round(y1), round(x2), round(y2))
         return cls('ForbiddenLine', extent.from_x, extent.from_y, 0.0, description, name=name,
                    extent=extent)
@@ -91,44 +95,45 @@ class MapObject:
 
     @property
     def is_goal(self) -> bool:
-        """A place for `goto`: Goal, StandbyGoal, DoorGoal, with or without heading."""
+        """Whether it is a target of `goto`: Goal, StandbyGoal, DoorGoal, with or without heading.
+        """
         return self.base_kind.endswith('Goal')
 
     @property
     def is_dock(self) -> bool:
-        """A place for `dock`: Dock, DockLynx and the other makes."""
+        """Whether it is a target of `dock`: Dock, DockLynx and the other makes."""
         return self.kind.startswith('Dock')
 
     @property
     def is_home(self) -> bool:
-        """A place where the robot may look for itself after start-up."""
+        """Whether it is a place where the robot may localize itself after start-up."""
         return self.kind == 'RobotHome'
 
     @property
     def is_line(self) -> bool:
-        """A line from the extent's from to its to point."""
+        """Whether it is a line from the extent's from point to its to point."""
         return self.kind in LINE_KINDS
 
     @property
     def is_area(self) -> bool:
-        """A rotated rectangle, see `rectangle`."""
+        """Whether it is a rotated rectangle, see `rectangle`."""
         return (self.extent is not None and not self.is_line
                 and self.kind not in CONFIGURATION_KINDS)
 
     @property
     def has_heading(self) -> bool:
-        """True when `theta` says which way the robot must face here."""
+        """Whether `theta` is the heading that the robot must have here."""
         return (self.kind.endswith(HEADING_SUFFIX) or self.is_dock
                 or (self.is_home and self.extent is None) or self.kind == 'LynxDockTarget')
 
     @property
     def heads_left(self) -> bool:
-        """True when an arrow along the heading points where a name at the left would stand."""
+        """Whether an arrow along the heading points to the left, where a name could be."""
         return self.has_heading and math.cos(math.radians(self.theta)) < -0.8
 
     @property
     def heads_right(self) -> bool:
-        """The same for a name at the right."""
+        """Whether an arrow along the heading points to the right, where a name could be."""
         return self.has_heading and math.cos(math.radians(self.theta)) > 0.8
 
     @property
@@ -140,12 +145,12 @@ class MapObject:
 
     @property
     def label(self) -> str:
-        """The name as people read it, also where the file is not UTF-8: see `omron_map.text`."""
+        """The name for people, even if the file is not UTF-8; see `omron_map.text`."""
         return printable(self.name)
 
     @property
     def key(self) -> str:
-        """The name as it is looked up: see `name_key`."""
+        """The key for a search by name; see `name_key`."""
         return name_key(self.name)
 
     def __str__(self) -> str:
@@ -154,14 +159,14 @@ class MapObject:
 
     @property
     def rectangle(self) -> RotatedRectangle:
-        """An area's place in the map; raises ValueError for points and lines."""
+        """The rectangle of an area in the map frame; raises ValueError for points and lines."""
         if self.extent is None or not self.is_area:
             raise ValueError(f'{self} is not an area')
         return RotatedRectangle.from_extent(self.extent, self.theta)
 
     @property
     def polygon(self) -> Optional[np.ndarray]:
-        """(n, 2) vertices in mm of an area with a well-formed polygon tail, else None."""
+        """(n, 2) vertices, mm, of an area with a well-formed polygon in its tail; else None."""
         if not self.is_area or not all(_INTEGER.fullmatch(word) for word in self.tail):
             return None
         numbers = [int(word) for word in self.tail]
@@ -171,10 +176,10 @@ class MapObject:
 
     @property
     def outline(self) -> np.ndarray:
-        """(n, 2) corners in mm of an area as it is drawn.
+        """(n, 2) corners, mm, of an area for drawing.
 
-        A polygon only where theta is 0, because nothing tells whether its vertices turn with
-        theta; else the rectangle.
+        A polygon is used only if theta is 0, because it is unknown whether its vertices rotate with
+        theta. Otherwise these are the corners of the rectangle.
         """
         polygon = self.polygon
         if polygon is not None and self.theta == 0.0:
@@ -183,29 +188,29 @@ class MapObject:
 
     @property
     def anchor(self) -> Tuple[float, float, float]:
-        """x, y, theta that the vendor's tools sort by: areas and lines by their stored corner."""
+        """x, y, theta by which the vendor's tools sort; of areas and lines: the stored corner."""
         if self.extent is not None:
             return float(self.extent.from_x), float(self.extent.from_y), 0.0
         return self.x, self.y, self.theta
 
     @property
     def order(self) -> Tuple:
-        """Sort key of the vendor's tools."""
+        """The sort key of the vendor's tools."""
         return self.anchor + (self.is_area or self.is_line, self.kind, self.name)
 
 
 def name_key(name: str) -> str:
-    """What names that count as equal have in common: case and encoding make no difference."""
+    """Returns a key that is the same for equal names; case and encoding make no difference."""
     return printable(name).lower()
 
 
 def needs_extent(kind: str) -> bool:
-    """True for the kinds of which it is known that they are areas or lines."""
+    """Returns whether a kind is known to be an area or a line."""
     return kind in ('ForbiddenArea', 'Door') or kind in LINE_KINDS or kind.endswith('Sector')
 
 
 def parse_object(line: str, words: Sequence[Token]) -> MapObject:
-    """The object of the `Cairn:` line `line`, whose words are `words`; raises FieldError."""
+    """Returns the object in the `Cairn:` line with these words; raises FieldError."""
     words = words[1:]
     if len(words) < len(_FIELDS):
         raise FieldError(f'an object with {len(words)} fields', 'Cairn', ', '.join(_FIELDS))
@@ -218,7 +223,7 @@ def parse_object(line: str, words: Sequence[Token]) -> MapObject:
 
 
 def _parse_extent(kind: str, texts: List[str]) -> Tuple[Optional[Extent], int]:
-    """The extent, and how many of `texts` are left over for the tail."""
+    """Returns the extent, and the number of remaining `texts` for the tail."""
     if len(texts) < 4:
         if needs_extent(kind):
             raise FieldError(f'{kind} with {len(texts)} corner coordinates', 'from, to',
@@ -229,11 +234,11 @@ def _parse_extent(kind: str, texts: List[str]) -> Tuple[Optional[Extent], int]:
     except FieldError:
         if needs_extent(kind):
             raise
-        return None, len(texts)  # a kind that is not known: kept as it is
+        return None, len(texts)  # an unknown kind is kept as it is
 
 
 def parse_decimal(text: str, field: str) -> float:
-    """A finite decimal number; raises FieldError."""
+    """Returns a finite decimal number; raises FieldError."""
     value = float(text) if _DECIMAL.fullmatch(text) else math.nan
     if not abs(value) <= _LARGEST:
         raise FieldError(f'{printable(text)!r} is wrong', field, 'a finite decimal number')
@@ -241,23 +246,24 @@ def parse_decimal(text: str, field: str) -> float:
 
 
 def parse_integer(text: str, field: str) -> int:
-    """A whole number of 32 bits; raises FieldError."""
+    """Returns a whole number of 32 bits; raises FieldError."""
     if not _INTEGER.fullmatch(text) or len(text) > 11 or abs(int(text)) > _LARGEST:
         raise FieldError(f'{printable(text)!r} is wrong', field, 'a whole number')
     return int(text)
 
 
 def format_object(obj: MapObject) -> str:
-    """The `Cairn:` line of `obj` as the vendor's tools write it, without a line end.
+    """Returns the `Cairn:` line of `obj` in the form of the vendor's tools, without a line end.
 
-    Raises FieldError for what the format cannot hold.
+    Raises FieldError for a value that the format does not support.
     """
     for field in ('kind', 'icon'):
         text = getattr(obj, field)
         if not re.fullmatch(r'[^\s"]+', text):
             raise FieldError(f'{text!r}', field, 'one word without quotes')
     if not obj.name and (obj.is_goal or obj.is_dock):
-        raise FieldError('the name is empty', 'name', f'a name, because {obj.kind} is driven to')
+        raise FieldError('the name is empty', 'name',
+                         f'a name, because {obj.kind} is a driving target')
     for field in ('x', 'y', 'theta'):
         if not abs(getattr(obj, field)) <= _LARGEST:
             raise FieldError(f'{getattr(obj, field)!r}', field, 'a finite number')

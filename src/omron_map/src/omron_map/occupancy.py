@@ -1,9 +1,9 @@
 """Occupancy grid of a map, for navigation software and RViz.
 
-A file knows only what is occupied; what the rest is, unknown or free, the caller says. Cell (0, 0)
-is at the lowest x and y. Its lower left corner is put on the smallest coordinates, as published
-maps have it; scan points are rather the cells' centres, so that the grid lies half a cell to the
-upper right of the strictest reading. Bounds are inclusive and come from the rows, not the header.
+A file only has the occupied places. The caller decides whether the rest is unknown or free. Cell
+(0, 0) is at the lowest x and y. Its lower left corner is at the smallest coordinates, as in
+published maps. Strictly, the scan points are the centres of cells, so the grid is shifted by half a
+cell to the upper right. Bounds are inclusive, and come from the rows, not from the header.
 """
 from __future__ import annotations
 
@@ -24,9 +24,11 @@ USES = ('auto', 'points', 'lines', 'both')
 
 @dataclass(frozen=True)
 class OccupancyGrid:
-    """Cells of `resolution` mm; `cells[row, column]`, row 0 at the lowest y, int8.
+    """An occupancy grid.
 
-    `origin`: x, y in mm of the lower left corner of cell (0, 0).
+    cells      -- `cells[row, column]`, int8; row 0 is at the lowest y
+    resolution -- size of a cell, mm
+    origin     -- x, y of the lower left corner of cell (0, 0), mm
     """
 
     cells: np.ndarray
@@ -37,21 +39,22 @@ class OccupancyGrid:
     def from_map(cls, document: MapDocument, resolution: Optional[int] = None,
                  use: str = 'auto', areas: bool = False, background: int = UNKNOWN
                  ) -> OccupancyGrid:
-        """The grid of `document` with cells of `resolution` mm (None: the map's own pitch).
+        """Returns the grid of `document`.
 
-        `use`: `points`, `lines`, `both`, or `auto` for points if there are any, else lines. With
-        `areas` forbidden areas and lines are occupied too, clipped to the grid. A cell that was
-        not marked is `background`. Raises MapError without a pitch, without rows, or when the grid
-        would be too large.
+        resolution -- size of a cell, mm; None: the map's own pitch
+        use        -- `points`, `lines`, `both`, or `auto`: points if there are any, else lines
+        areas      -- whether forbidden areas and lines inside the grid are occupied, too
+        background -- value of all other cells
+        Raises MapError if there is no pitch, if there are no rows, or if the grid is too large.
         """
         pitch = resolution if resolution is not None else document.resolution
         if pitch is None or pitch <= 0:
             raise MapError(document.name, 'it gives no pitch for a grid', field='Resolution',
-                           expected='a resolution in mm from the caller')
+                           expected='a given resolution in mm')
         points, lines = _rows(document, use)
         ends = np.concatenate((points, lines.reshape(-1, 2)))
         if not len(ends):
-            raise MapError(document.name, 'there are no points and no lines to make a grid of')
+            raise MapError(document.name, 'there are no points and no lines for a grid')
         low, high = bounds(ends)
         width, height = _size(low, high, pitch)
         if width * height > MAX_CELLS:
@@ -76,13 +79,13 @@ class OccupancyGrid:
         return self.cells.shape[0]
 
     def mark(self, points: np.ndarray) -> None:
-        """Occupy the cells of `points` (N, 2) in mm; those outside are left out."""
+        """Occupy the cells of `points` (N, 2), mm; points outside the grid are ignored."""
         columns, rows = ((points - self.origin) // self.resolution).astype(np.int32).T
         inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
         self.cells[rows[inside], columns[inside]] = OCCUPIED
 
     def mark_lines(self, lines: np.ndarray) -> None:
-        """Occupy the cells along each line, stepping by less than half a cell."""
+        """Occupy the cells along each line, in steps of less than half a cell."""
         for line in lines.astype(float):
             start, end = line[:2], line[2:]
             steps = int(np.abs(end - start).max() * 2 / self.resolution) + 1
@@ -96,7 +99,7 @@ class OccupancyGrid:
             self.mark_lines(line.ends.reshape(1, 4))
 
     def _mark_area(self, area: MapObject) -> None:
-        """Occupy the cells whose centres lie in the area's rectangle, edges included."""
+        """Occupy the cells with centres in the area's rectangle, including its edges."""
         rectangle = area.rectangle
         low = (rectangle.corners.min(axis=0) - self.origin) // self.resolution
         high = (rectangle.corners.max(axis=0) - self.origin) // self.resolution + 1
@@ -111,7 +114,7 @@ class OccupancyGrid:
 
 
 def fitting_resolution(document: MapDocument, resolution: int) -> int:
-    """`resolution` (mm), or the smallest multiple of it of which a grid is not too large."""
+    """Returns `resolution` (mm), or its smallest multiple for which the grid is not too large."""
     ends = np.concatenate((document.points, document.lines.reshape(-1, 2)))
     low, high = bounds(ends) if len(ends) else ((0, 0), (0, 0))
     pitch = resolution
@@ -123,12 +126,12 @@ def fitting_resolution(document: MapDocument, resolution: int) -> int:
 
 
 def _size(low: Tuple[int, int], high: Tuple[int, int], pitch: int) -> Tuple[int, int]:
-    """Width and height in cells; bounds are inclusive."""
+    """Returns width and height in cells; the bounds are inclusive."""
     return (high[0] - low[0]) // pitch + 1, (high[1] - low[1]) // pitch + 1
 
 
 def _rows(document: MapDocument, use: str) -> Tuple[np.ndarray, np.ndarray]:
-    """The points and lines to draw."""
+    """Returns the points and lines to draw."""
     if use not in USES:
         raise ValueError(f'use is {use!r}, but must be one of {", ".join(USES)}')
     points, lines = document.points, document.lines

@@ -1,8 +1,10 @@
-"""A picture of a map with its objects, to look at without ROS.
+"""Draws a picture of a map with its objects, without ROS.
 
-Points are black, lines red, goals and docks green with their names at the left and arrows where
-they have a heading, forbidden areas and lines orange, sectors violet. Light lines stand one metre
-apart, stronger ones five. North is up: x to the right, y upwards.
+- Points are black, lines red.
+- Goals and docks are green, with their names at the left, and with arrows if they have a heading.
+- Forbidden areas and lines are orange, sectors violet.
+- A net has light lines every metre and stronger lines every five metres.
+- x points to the right, y upwards.
 """
 from __future__ import annotations
 
@@ -22,18 +24,19 @@ BLACK, RED, GREEN = (20, 20, 20), (214, 40, 40), (22, 150, 70)
 DARK_GREEN, ORANGE, VIOLET = (8, 90, 40), (245, 140, 20), (125, 80, 190)
 AREA_OPACITY = 90  # of 255
 
-PITCH = 20  # mm, of points in a map that gives none
+PITCH = 20  # mm; pitch of the points if the map gives none
 LEAST_POINT = 1.2  # px
 SQUARE = 300  # mm
 ARROW = 550  # mm
-GAP = 75  # mm between a name and what it names
-LEAST_METRE = 8  # px, of what is narrower the net is left out
+GAP = 75  # mm between an object and its name
+LEAST_METRE = 8  # px; narrower lines of the net are not drawn
 
 
 def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE) -> Tuple[int, int]:
-    """Write a PNG picture of `document`, `long_side` pixels at its longer side; returns its size.
+    """Write a PNG picture of `document`; returns its size in pixels.
 
-    Raises MapError when the map is empty or the file cannot be written.
+    long_side -- length of its longer side, px
+    Raises MapError if the map is empty or the file cannot be written.
     """
     picture = MapPicture(document, long_side)
     picture.net()
@@ -45,9 +48,9 @@ def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE) -> Tu
 
 
 class MapPicture:
-    """A map that is drawn layer by layer, so that others can be put between; `canvas` takes them.
+    """A map that is drawn layer by layer; a caller can draw further layers on `canvas`.
 
-    `also` (N, 2) are more places, in mm, that must be seen.
+    also -- (N, 2), mm: further places that must be inside the picture
     """
 
     def __init__(self, document: MapDocument, long_side: int = LONG_SIDE,
@@ -55,7 +58,7 @@ class MapPicture:
         places = document.goals + document.docks
         bounds = bounds_of(document.points, document.lines, np.array(also, float),
                            np.array([(obj.x, obj.y) for obj in places]))
-        if bounds is None:  # areas count only where there is nothing else
+        if bounds is None:  # areas set the bounds only if there is nothing else
             bounds = bounds_of(*(
                 area.outline for area in document.forbidden_areas + document.sectors))
         if bounds is None:
@@ -64,7 +67,7 @@ class MapPicture:
         self._document = document
 
     def net(self) -> None:
-        """Lines one metre apart, and five, as long as they stay distinguishable."""
+        """Draw lines every metre and every five metres, if they are distinguishable."""
         low, high = self.canvas.low, self.canvas.high
         for step, colour in ((1000, METRE), (5000, FIVE_METRES)):
             if self.canvas.pixels_of(step) < LEAST_METRE:
@@ -77,7 +80,7 @@ class MapPicture:
                     self.canvas.polyline(ends, colour, 1)
 
     def forbidden(self, colour_of: Callable[[MapObject], Colour] = lambda obj: ORANGE) -> None:
-        """Forbidden areas and lines."""
+        """Draw the forbidden areas and lines."""
         for area in self._document.forbidden_areas:
             self.canvas.polygon(area.outline, colour_of(area), AREA_OPACITY)
             self.canvas.outline(area.outline, colour_of(area), 2)
@@ -85,20 +88,20 @@ class MapPicture:
             self.canvas.polyline(line.ends, colour_of(line), 5)
 
     def sectors(self) -> None:
-        """Areas that change how the robot drives, with their names."""
+        """Draw the areas that change the robot's driving, with their names."""
         for sector in self._document.sectors:
             self.canvas.outline(sector.outline, VIOLET, 3)
             self.canvas.text(sector.outline.mean(axis=0), sector.label, VIOLET, 0.5)
 
     def walls(self) -> None:
-        """What the laser saw."""
+        """Draw the points and lines of the laser scan."""
         self.canvas.squares(self._document.points, self._document.resolution or PITCH, BLACK,
                             LEAST_POINT)
         for line in self._document.lines.reshape(-1, 2, 2):
             self.canvas.polyline(line, RED, 1)
 
     def places(self) -> None:
-        """Goals and docks with their headings; then their names, so that nothing hides one."""
+        """Draw goals and docks with their headings, then their names, so that no name is hidden."""
         places = self._document.docks + self._document.goals
         for obj in places:
             self.canvas.squares(np.array((obj.x, obj.y)), SQUARE, GREEN)
@@ -114,7 +117,10 @@ class MapPicture:
 
 
 def _sides(obj: MapObject) -> Tuple[Tuple[float, float], Tuple[float, float]]:
-    """Where a name at the left ends and one at the right begins: off the square and the arrow."""
+    """Returns the end of a name at the left and the start of a name at the right.
+
+    Both are outside the square and the arrow of the object.
+    """
     left = ARROW if obj.heads_left else SQUARE / 2.0
     right = ARROW if obj.heads_right else SQUARE / 2.0
     return (obj.x - left - GAP, obj.y), (obj.x + right + GAP, obj.y)

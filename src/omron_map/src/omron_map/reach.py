@@ -1,4 +1,4 @@
-"""Which places of a map a robot can get to from another: is a RobotHome cut off from all goals?"""
+"""Finds each RobotHome from which a robot can reach neither a goal nor a dock."""
 from __future__ import annotations
 
 from typing import List, Optional, Sequence
@@ -11,17 +11,18 @@ from omron_map.geometry import bounds_of
 from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, OccupancyGrid
 
-PITCH = 25  # mm, of the grid that is searched
-MAX_CELLS = 16_000_000  # a larger map is not judged
-HALF_WIDTH = 250  # mm, of the narrowest robot of the family, the LD-60 and LD-90
-NEARBY = 300  # mm around a place in which the robot counts as there
+PITCH = 25  # mm; cell size of the grid for the search
+MAX_CELLS = 16_000_000  # a larger map is not searched
+HALF_WIDTH = 250  # mm; half the width of the narrowest robots of the family, LD-60 and LD-90
+NEARBY = 300  # mm; a robot within this distance of a place has reached it
 
 
 def cut_off_homes(document: MapDocument, half_width: int = HALF_WIDTH) -> List[MapWarning]:
-    """A warning for each RobotHome from which a robot so wide (mm) gets to no goal and no dock.
+    """Returns a warning for each RobotHome from which a robot reaches no goal and no dock.
 
-    Points, lines, forbidden areas and forbidden lines are in its way. Nothing is said of a map
-    without goals and docks, or one that is too large to be searched.
+    half_width -- half the width of the robot, mm
+    Points, lines, forbidden areas and forbidden lines are obstacles. A map without goals and docks
+    causes no warnings, and neither does a map that is too large for the search.
     """
     places = document.goals + document.docks
     if not document.homes or not places:
@@ -30,27 +31,27 @@ def cut_off_homes(document: MapDocument, half_width: int = HALF_WIDTH) -> List[M
     if floor is None:
         return []
     lines = {id(record.object): number for number, record in enumerate(document.records, 1)}
-    return [MapWarning(f'{home} is cut off: a robot that starts there gets to no goal and no dock',
+    return [MapWarning(f'{home} is cut off: a robot that starts there reaches no goal and no dock',
                        lines[id(home)])
             for home in document.homes if not floor.connects(home, places)]
 
 
 class _Floor:
-    """The cells where a robot's centre can be."""
+    """The cells in which a robot's centre can be."""
 
     def __init__(self, free: np.ndarray, origin: np.ndarray) -> None:
         self._free = free
-        self._origin = origin  # mm, of cell (0, 0)
+        self._origin = origin  # position of cell (0, 0), mm
 
     @classmethod
     def of(cls, document: MapDocument, half_width: int) -> Optional[_Floor]:
-        """The floor of all that stands in the map; None where it is too large."""
+        """Returns the floor of a map with all its obstacles; None if the map is too large."""
         seen = [document.points, document.lines,
                 *(obj.outline if obj.is_area else np.array([(obj.x, obj.y)])
                   for obj in document.goals + document.docks + document.homes)]
         bounds = bounds_of(*seen)
         assert bounds is not None, 'there is at least a home'
-        border = 4 * half_width  # a robot may drive around what stands at the edge
+        border = 4 * half_width  # space for a robot to drive around obstacles at the edge
         low, high = bounds[0] - border, bounds[1] + border
         width, height = ((high - low) // PITCH).astype(int) + 1
         if width * height > MAX_CELLS:
@@ -61,16 +62,16 @@ class _Floor:
         grid.mark_lines(document.lines)
         grid.mark_forbidden(document)
         blocked = _widened(grid.cells != FREE, half_width / PITCH)
-        blocked[[0, -1], :] = blocked[:, [0, -1]] = True  # so that no neighbour is outside
+        blocked[[0, -1], :] = blocked[:, [0, -1]] = True  # so that neighbours are inside the grid
         return cls(~blocked, low)
 
     def connects(self, home: MapObject, places: Sequence[MapObject]) -> bool:
-        """Can a robot that starts in `home` get to any of `places`?"""
+        """Returns whether a robot that starts in `home` can reach one of `places`."""
         reached = self._reached_from(self._cells_at(home))
         return any(reached[self._cells_at(place)].any() for place in places)
 
     def _cells_at(self, obj: MapObject) -> np.ndarray:
-        """Flat indices of the free cells in an area, or around a point."""
+        """Returns the flat indices of the free cells in an area or around a point."""
         corners = obj.outline if obj.is_area else np.array([(obj.x, obj.y)])
         reach = 0 if obj.is_area else NEARBY
         low = np.floor((corners.min(axis=0) - reach - self._origin) / PITCH).astype(int)
@@ -81,7 +82,7 @@ class _Floor:
         return (rows + bottom) * width + columns + left
 
     def _reached_from(self, start: np.ndarray) -> np.ndarray:
-        """Which cells can be reached, flat: a wave that runs from cell to cell."""
+        """Returns which cells can be reached (flat array), by a wave from cell to cell."""
         unseen = self._free.ravel().copy()
         reached = np.zeros_like(unseen)
         steps = np.array((1, -1, self._free.shape[1], -self._free.shape[1]))
@@ -95,7 +96,7 @@ class _Floor:
 
 
 def _widened(blocked: np.ndarray, radius: float) -> np.ndarray:
-    """The cells nearer than `radius` (in cells) to a blocked one."""
+    """Returns the cells within `radius` (in cells) of a blocked cell."""
     result = blocked.copy()
     height, width = blocked.shape
     row = np.zeros((height, width + 1), np.int32)

@@ -1,4 +1,4 @@
-"""Reading a `.map` file into raw records and what they mean; every error says where."""
+"""Reads a `.map` file into raw records and their values; each error names its position."""
 from __future__ import annotations
 
 import re
@@ -26,13 +26,13 @@ class Record(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The line without its end; bytes that are not UTF-8 are kept as surrogates."""
+        """The line without its line end; bytes that are not UTF-8 become surrogates."""
         return decode(self.raw).rstrip('\r\n')
 
 
 @dataclass(frozen=True)
 class Content:
-    """What a file holds: metadata records, a header for each scan source, and the sections."""
+    """The contents of a file: metadata records, a header for each scan source, the sections."""
 
     records: List[Record]
     headers: List[ScanHeader]
@@ -40,10 +40,10 @@ class Content:
 
 
 def read_content(data: bytes, name: str) -> Content:
-    """The content of the file `name` whose bytes are `data`; raises MapError."""
+    """Returns the contents of the file `name` with the bytes `data`; raises MapError."""
     binary = data.find(b'\0')
     if binary >= 0:
-        raise MapError(name, 'a zero byte: this is no text', data.count(b'\n', 0, binary) + 1,
+        raise MapError(name, 'a zero byte: this is not text', data.count(b'\n', 0, binary) + 1,
                        expected='a text file')
     check_category(data, name)
     records, offset = _read_records(data, name)
@@ -60,9 +60,10 @@ def read_content(data: bytes, name: str) -> Content:
 
 
 def check_category(data: bytes, name: str) -> None:
-    """Raise MapError unless `data`, the beginning of the file `name`, is that of a map.
+    """Raise MapError if `data`, the beginning of the file `name`, is not that of a map.
 
-    The file may hold a secret, given by mistake or by malice: the error quotes none of it.
+    A file that was given by mistake or by malice may contain a secret, so the error does not quote
+    the file.
     """
     head = data[len(BOM) if data.startswith(BOM) else 0:HEAD_BYTES]  # no copy of all the rows
     line = head.lstrip().split(b'\n', 1)[0]
@@ -71,13 +72,13 @@ def check_category(data: bytes, name: str) -> None:
         raise MapError(name, 'there is no category line' if data else 'the file is empty',
                        expected=f'a map that begins with a line like {CATEGORIES[0]}')
     if text.lower() not in (category.lower() for category in CATEGORIES):
-        problem = f'{text} is not known' if _LATER_CATEGORY.fullmatch(text) else 'this is no map'
+        problem = f'{text} is not known' if _LATER_CATEGORY.fullmatch(text) else 'this is not a map'
         raise MapError(name, problem, data.count(b'\n', 0, data.find(line)) + 1, 'category',
                        ', '.join(CATEGORIES))
 
 
 def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
-    """The metadata, and where the first section begins."""
+    """Returns the metadata, and the offset of the first section."""
     records: List[Record] = []
     start = 0
     while start < len(data):
@@ -104,7 +105,7 @@ def _read_object(raw: bytes, name: str, number: int) -> MapObject:
 
 
 def read_headers(records: List[Record], name: str) -> List[ScanHeader]:
-    """What the file `name` says about each of its scans; raises MapError."""
+    """Returns the header of each scan in the file `name`; raises MapError."""
     number = 0
     try:
         sources = ['']

@@ -1,4 +1,4 @@
-"""Where an object's name is used in other metadata lines, so that an edit can follow it."""
+"""Finds the uses of an object's name in other metadata lines, so that an edit can change them."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -7,10 +7,10 @@ from typing import List, Optional, Sequence
 from omron_map.errors import FieldError
 from omron_map.tokens import Token, tokenise
 
-#: Lines that may name an object at any place: task arguments, routes, parameters, macros.
+#: Lines that may contain an object's name: task arguments, routes, parameters, macros.
 _GROUPS = frozenset(('cairninfo:', 'routeinfo:', 'schedinfo:', 'schedtaskinfo:', 'taskinfo:',
                      'macroinfo:'))
-#: Lines of which it is known that the word after these two is an object's name.
+#: Lines in which the word after these two words is always an object's name.
 _OWNED = frozenset((('cairninfo:', 'params'), ('cairninfo:', 'groupmember')))
 _ROUTED = frozenset((('routeinfo:', 'goalafter'), ('routeinfo:', 'goalbefore')))
 
@@ -19,8 +19,8 @@ _ROUTED = frozenset((('routeinfo:', 'goalafter'), ('routeinfo:', 'goalbefore')))
 class Reference:
     """A word of a metadata line that names an object, or may name one.
 
-    `owned`: the line belongs to the object (its parameters) and goes with it. `certain`: the word
-    can be nothing else than an object's name.
+    owned   -- the line has parameters of the object, and is removed together with it
+    certain -- the word is certainly an object's name
     """
 
     token: Token
@@ -29,15 +29,16 @@ class Reference:
 
 
 def may_name_objects(keyword: str) -> bool:
-    """Can a line whose first word, in lower case, is `keyword` name an object?"""
+    """Returns whether a line with this first word (lower case) may name an object."""
     return keyword in _GROUPS
 
 
 def find_references(keyword: str, line: str, name: Optional[str] = None) -> List[Reference]:
-    """The words of `line` that name the object `name`; without `name`, all that surely name one.
+    """Returns the words of `line` that name the object `name`.
 
-    `keyword` is the line's first word in lower case. A line that cannot be split has none, and a
-    bare number is no name, except where nothing else can stand.
+    Without `name` it returns all words that certainly name an object. `keyword` is the line's first
+    word in lower case. A line that cannot be split into words has no references. A number without
+    quotes is a name only at a position at which nothing else is possible.
     """
     if not may_name_objects(keyword):
         return []

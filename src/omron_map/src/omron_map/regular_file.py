@@ -1,7 +1,7 @@
-"""Opening files that another program named: a path may lead to anything, and reading must not wait.
+"""Opens files whose paths come from another program; reading never blocks.
 
-Only regular files are opened, directly or through links: a pipe would block the reader for ever,
-a device can deliver without end, and opening some devices does something.
+Only regular files are opened, directly or through links. A pipe would block the reader for ever, a
+device can deliver data without end, and opening some devices has side effects.
 """
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import Callable, Optional, Union
 
 from omron_map.errors import MapError
 
-MAX_BYTES = 32 * 2**20  # of a map; the largest one seen of a real robot has 1.3 MB
-HEAD_BYTES = 65_536  # of a file, looked at before the rest is read
+MAX_BYTES = 32 * 2**20  # largest size of a map; the largest known map of a real robot has 1.3 MB
+HEAD_BYTES = 65_536  # the beginning of a file that is checked before the rest is read
 
 _KINDS = (
     (stat.S_ISDIR, 'a folder'), (stat.S_ISFIFO, 'a pipe'), (stat.S_ISSOCK, 'a socket'),
@@ -22,15 +22,16 @@ _KINDS = (
 
 def read_regular_file(path: Union[str, os.PathLike[str]], accept: Callable[[bytes], object],
                       limit: int = MAX_BYTES) -> bytes:
-    """All bytes of the file `path`, at once or never; raises MapError.
+    """Returns all bytes of the file `path`, without blocking; raises MapError.
 
-    `accept` gets the first HEAD_BYTES and raises MapError for a file of another kind, of which
-    nothing more is read then. More than `limit` bytes are refused.
+    accept -- receives the first HEAD_BYTES, and raises MapError for a file of another kind; the
+              rest of such a file is not read
+    limit  -- largest size of the file, bytes
     """
     name = os.fspath(path)
     _check(name, status_or_error(name), limit)  # a device must not even be opened
     try:
-        # A pipe may have taken the file's place by now: opening must not wait for a writer.
+        # A pipe may have replaced the file since the check: opening must not wait for a writer.
         with open(os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as file:
             _check(name, os.fstat(file.fileno()), limit)
             accept(file.read(HEAD_BYTES))
@@ -44,7 +45,7 @@ def read_regular_file(path: Union[str, os.PathLike[str]], accept: Callable[[byte
 
 
 def status_of(path: str) -> Optional[os.stat_result]:
-    """What stands at `path`, links followed; None where nothing is, or nothing can be."""
+    """Returns the status of the file `path`, following links; None if there is no such file."""
     try:
         return os.stat(path)
     except (OSError, ValueError):
@@ -52,12 +53,12 @@ def status_of(path: str) -> Optional[os.stat_result]:
 
 
 def status_or_error(name: str) -> os.stat_result:
-    """The same; raises MapError where nothing is."""
+    """Returns the status of the file `name`; raises MapError if there is no such file."""
     try:
         return os.stat(name)
     except OSError as error:
         raise MapError(name, f'it cannot be read ({error.strerror})') from error
-    except ValueError as error:  # a zero byte, or letters that the file system has not
+    except ValueError as error:  # a zero byte, or characters that the file system does not have
         raise MapError(name, 'no file can have this name') from error
 
 

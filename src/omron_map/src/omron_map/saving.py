@@ -1,4 +1,4 @@
-"""Writing a file of a map."""
+"""Writes files in one step, so that a reader never finds an incomplete file."""
 from __future__ import annotations
 
 import os
@@ -8,7 +8,7 @@ from omron_map.errors import MapError
 
 
 def write_file(path: str, data: bytes, backup: bool = False) -> None:
-    """Replaces a file; with `backup` the old one stays as `<path>.bak`. Raises MapError."""
+    """Replaces a file; with `backup` the old file stays as `<path>.bak`. Raises MapError."""
     try:
         replace_file(path, data, backup=f'{os.path.realpath(path)}.bak' if backup else None)
     except OSError as error:

@@ -1,7 +1,8 @@
-"""Edits of a map's points and lines: their rows and what the header says about them, nothing else.
+"""Edits of a map's points and lines: they change only the rows and the header's values about them.
 
-Rows are written sorted, as the vendor's tools do, points also without repetition. What has no rows
-has no header keys either, and no LINES section. Done for maps of one scan without a name.
+Rows are sorted, as in the vendor's tools. Points are written without repetitions. If there are no
+rows of a kind, their header keys and the LINES section are removed. Only maps of one scan without a
+name can be edited.
 """
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from omron_map.header import SCAN_KEYS
 from omron_map.reader import Record
 from omron_map.sections import COLUMNS, Section, bounds, parse_rows, sorted_rows
 
-#: Keys about the rows of each kind of section: lowest and highest corner, count, order.
+#: Header keys about the rows of each kind of section: lowest and highest corner, count, sorted.
 ROW_KEYS = {
     'DATA': ('MinPos', 'MaxPos', 'NumPoints', 'PointsAreSorted'),
     'LINES': ('LineMinPos', 'LineMaxPos', 'NumLines', 'LinesAreSorted'),
@@ -23,13 +24,14 @@ _ORDER = list(SCAN_KEYS)
 
 
 def checked_rows(rows: object, kind: str) -> np.ndarray:
-    """`rows` as they are written; raises FieldError unless they are whole mm of 32 bits."""
+    """Returns `rows` in their written form; raises FieldError if they are not whole mm of 32 bits.
+    """
     columns = len(COLUMNS[kind])
     array = np.asarray(rows, float)
     if not array.size:
         array = np.empty((0, columns))
     if array.ndim != 2 or array.shape[1] != columns or not np.all(array == np.rint(array)):
-        raise FieldError(f'an array of shape {array.shape} does not hold rows', kind,
+        raise FieldError(f'an array of shape {array.shape} is not an array of rows', kind,
                          f'(N, {columns}) whole numbers of mm')
     if np.any(np.abs(array) >= 2**31):
         raise FieldError('a coordinate is too large', kind, 'whole numbers of 32 bits')
@@ -38,7 +40,7 @@ def checked_rows(rows: object, kind: str) -> np.ndarray:
 
 def with_rows(sections: List[Section], kind: str, rows: np.ndarray, line_end: bytes
               ) -> List[Section]:
-    """`sections` with all rows of `kind` replaced by `rows`, in the place of the first of them."""
+    """Returns `sections` with one section of `rows` in place of all sections of `kind`."""
     end = line_end.decode()
     body = ''.join(' '.join(map(str, row)) + end for row in rows.tolist()).encode()
     places = [index for index, section in enumerate(sections) if section.kind == kind]
@@ -53,7 +55,7 @@ def with_rows(sections: List[Section], kind: str, rows: np.ndarray, line_end: by
 
 
 def update_header(records: List[Record], kind: str, rows: np.ndarray, line_end: bytes) -> None:
-    """Make `records` say what is true of `rows`; a line that says so already is left alone."""
+    """Update the header lines about `rows` in `records`; a correct line stays as it is."""
     values: List[Optional[str]] = [None] * 4
     if len(rows):
         low, high = bounds(rows)
@@ -74,7 +76,10 @@ def update_header(records: List[Record], kind: str, rows: np.ndarray, line_end: 
 
 
 def _place(records: List[Record], key: str) -> int:
-    """Behind the last key that the vendor's tools write earlier, else behind the category."""
+    """Returns the index for a new key, in the vendor's order of the keys.
+
+    This is behind the last key that the vendor's tools write earlier, else behind the category.
+    """
     earlier = {f'{name}:'.lower() for name in _ORDER[:_ORDER.index(key)]}
     places = [index + 1 for index, record in enumerate(records) if record.keyword in earlier]
     if places:

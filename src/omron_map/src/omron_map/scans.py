@@ -1,4 +1,4 @@
-"""The scans that a map is made of: points and lines in mm, with what the header says of them."""
+"""The scans of a map: points and lines in mm, with the header's values about them."""
 from __future__ import annotations
 
 from typing import Iterable, List, Optional, Tuple
@@ -22,13 +22,13 @@ class Scan:
 
     @property
     def resolution(self) -> Optional[int]:
-        """Grid pitch of the points in mm, or None when the file gives none."""
+        """The grid pitch of the points in mm; None if the file gives none."""
         pitch = self.header.values.get('Resolution', 0)
         return pitch if pitch > 0 else None
 
 
 def scans_of(headers: Iterable[ScanHeader], sections: List[Section]) -> Tuple[Scan, ...]:
-    """The scan of each header; sections without a name belong to the first."""
+    """Returns the scan of each header; sections without a name belong to the first scan."""
     return tuple(Scan(header, sections, index == 0) for index, header in enumerate(headers))
 
 

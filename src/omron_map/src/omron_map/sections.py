@@ -20,7 +20,7 @@ _NUMBER = re.compile(rb'-?[0-9]+')
 
 @dataclass(frozen=True)
 class Section:
-    """One section: its keyword line and rows as the file has them, and the rows as numbers."""
+    """One section: the original bytes of its keyword line and rows, and the rows as numbers."""
 
     heading: bytes
     body: bytes
@@ -34,22 +34,25 @@ class Section:
         return self.heading + self.body
 
     def with_final(self, line_end: bytes) -> Section:
-        """The same section with a line end behind its last row."""
+        """Returns the same section with a line end behind its last row."""
         if not self.body:
             return dataclasses.replace(self, heading=self.heading + line_end)
         return dataclasses.replace(self, body=self.body + line_end)
 
 
 def is_heading(line: bytes) -> bool:
-    """True for a line that begins a section, like `DATA` or `Laser_1_LINES`."""
+    """Returns whether a line begins a section, like `DATA` or `Laser_1_LINES`."""
     return _HEADING.fullmatch(line.strip()) is not None
 
 
 def split_sections(data: bytes, line: int) -> List[Section]:
-    """The sections of `data`, which begins with a section's keyword in line `line` of the file.
+    """Returns the sections of `data`, which begins with a section keyword.
 
-    Raises FieldError, with the line, for rows that are not numbers, wrong in count or too far
-    apart, and for metadata after the first section, where the vendor's library would drop it.
+    line -- line number of the beginning of `data` in the file
+    Raises FieldError, with the line, in these cases:
+    - a row is not a row of numbers, or has a wrong number of values
+    - rows are too far apart
+    - there is metadata after the first section; the vendor's library would drop it
     """
     starts = _heading_offsets(data, line)
     sections = []
@@ -68,7 +71,7 @@ def split_sections(data: bytes, line: int) -> List[Section]:
 
 
 def _heading_offsets(data: bytes, line: int) -> List[int]:
-    """Where the section keywords are: rows hold no letters, so a letter is a keyword or wrong."""
+    """Returns the offsets of the section keywords; rows have no letters, so letters show them."""
     letters = np.flatnonzero(np.frombuffer(data, np.uint8) > ord('9'))
     offsets: List[int] = []
     read_to = 0
@@ -83,15 +86,18 @@ def _heading_offsets(data: bytes, line: int) -> List[int]:
             offsets.append(start)
         elif re.match(rb'\S*:', text):
             key = text.split(b':')[0][:40].decode('utf-8', 'replace')
-            raise FieldError(f'{key + ":"!r} stands after the first section', 'section',
+            raise FieldError(f'{key + ":"!r} is after the first section', 'section',
                              'all metadata before the first LINES or DATA',
                              line + data.count(b'\n', 0, start))
         else:
-            return offsets  # a bad row, which parse_rows tells more about
+            return offsets  # a wrong row; parse_rows reports it in detail
 
 
 def parse_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
-    """(N, len(columns)) int32 array of the rows in `body`; `line` is the first one's line."""
+    """Returns the rows in `body` as an int32 array (N, len(columns)); raises FieldError.
+
+    line -- line number of the first row
+    """
     rows = _parse_plain_rows(body, len(columns))
     if rows is None:
         rows = _parse_odd_rows(body, columns, line)
@@ -105,11 +111,13 @@ def parse_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
 
 
 def _parse_plain_rows(body: bytes, columns: int) -> Optional[np.ndarray]:
-    """The rows if all are written as the vendor's tools do, one blank between numbers, else None.
+    """Returns the rows if all have one blank between numbers, as in the vendor's tools; else None.
 
-    That nothing but such rows is there takes four checks on the whole block: the separators
-    alternate, each minus begins a number, there are as many numbers as separators, and none is
-    too large.
+    Four checks of the whole block ensure that it contains only such rows:
+    - the separators alternate
+    - each minus begins a number
+    - there are as many numbers as separators
+    - no number is too large
     """
     body = body.replace(b'\r\n', b'\n') if b'\r' in body else body
     if body and not body.endswith(b'\n'):
@@ -129,7 +137,7 @@ def _parse_plain_rows(body: bytes, columns: int) -> Optional[np.ndarray]:
 
 
 def _parse_odd_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
-    """The rows, with any white space between numbers and with blank lines; or the first error."""
+    """Returns rows with any white space between numbers and with blank lines; raises FieldError."""
     rows = []
     for number, raw in enumerate(body.split(b'\n'), line):
         words = raw.split()
@@ -147,7 +155,7 @@ def _parse_odd_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
 
 
 def bounds(rows: np.ndarray) -> Tuple[Tuple[int, int], Tuple[int, int]]:
-    """Lowest and highest x, y of the points or line ends in `rows`, of which there is one."""
+    """Returns the lowest and highest x, y of the points or line ends in `rows` (one or more)."""
     # Column by column: numpy is slow along an axis of two.
     low = [min(int(rows[:, i].min()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
     high = [max(int(rows[:, i].max()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
@@ -155,7 +163,10 @@ def bounds(rows: np.ndarray) -> Tuple[Tuple[int, int], Tuple[int, int]]:
 
 
 def sorted_rows(rows: np.ndarray, once: bool = False) -> np.ndarray:
-    """`rows` by their first column, then the next; with `once` equal rows only once."""
+    """Returns `rows` sorted by their columns from first to last.
+
+    once -- whether equal rows are returned only once
+    """
     rows = rows[np.lexsort(rows.T[::-1])]
     if not once:
         return rows
@@ -165,7 +176,7 @@ def sorted_rows(rows: np.ndarray, once: bool = False) -> np.ndarray:
 
 
 def _far_row(rows: np.ndarray) -> int:
-    """Index of the row farthest from the rest."""
+    """Returns the index of the row that is farthest from the others."""
     return int(np.abs(rows - np.median(rows, axis=0)).max(axis=1).argmax())
 
 

@@ -1,8 +1,8 @@
-"""Text of a map file: its bytes, what is worked with, and what people are shown.
+"""The text of a map file: its bytes, its internal form, and its form for people.
 
-Files are UTF-8 as far as the vendor's current tools wrote them. Older and hand-made ones hold bytes
-of Windows-1252 (Latin-1 with more quotes). While a map is worked with, bytes that are not UTF-8 are
-kept as surrogates, so that they are written back as they were. People are shown letters.
+The vendor's current tools write UTF-8. Older files and hand-made files contain bytes of
+Windows-1252 (Latin-1 with more quotes). Internally, bytes that are not UTF-8 are kept as
+surrogates, so that they are written back unchanged. People are shown letters.
 """
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ LONGEST_PATH = 300  # characters of a path in a message
 
 
 def decode(raw: bytes) -> str:
-    """`raw` as text from which `encode` makes the same bytes."""
+    """Returns `raw` as text; `encode` converts it back to the same bytes."""
     return raw.decode('utf-8', 'surrogateescape')
 
 
 def encode(text: str) -> bytes:
-    """The bytes of `text`; raises UnicodeEncodeError for what no file holds."""
+    """Returns the bytes of `text`; raises UnicodeEncodeError for text that cannot be in a file."""
     return text.encode('utf-8', 'surrogateescape')
 
 
 def printable(text: str) -> str:
-    """`text` as people read it: without control characters, and with letters for all bytes.
+    """Returns `text` for people: without control characters, and with a letter for each byte.
 
-    The bytes are read as Windows-1252 where they are not UTF-8; a byte without meaning there, and
-    a control character, becomes U+FFFD.
+    Bytes that are not UTF-8 are read as Windows-1252. A byte that is not defined there, or a
+    control character, becomes U+FFFD.
     """
     if text.isprintable():
         return text
@@ -43,7 +43,7 @@ def printable(text: str) -> str:
 
 
 def printable_path(path: str) -> str:
-    """`path` for people: of bounded length, and without what a terminal would take as an order."""
+    """Returns `path` for people: limited in length, and without control sequences of terminals."""
     shown = ''.join(letter if letter.isprintable() else letter.encode('unicode_escape').decode()
                     for letter in path)
     return shown if len(shown) <= LONGEST_PATH else f'{shown[:LONGEST_PATH]}...'

@@ -1,8 +1,8 @@
 """The words of a metadata line.
 
-There is no escape character: a word that starts with `"` ends at the first `"` followed by white
-space or the end of the line, and any other `"` is text. The vendor's own lines can be ambiguous
-under this rule, so a line that is not changed is never put together again from its words.
+There is no escape character. A word that starts with `"` ends at the first `"` that is followed by
+white space or the end of the line. Any other `"` is text. Lines of the vendor's tools can be
+ambiguous under this rule, so an unchanged line is never composed again from its words.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WORD = re.compile(r'"(?P<quoted>.*?)"(?=[ \t\r\n\v\f]|$)|(?P<bare>[^ \t\r\n\v\f
 
 @dataclass(frozen=True)
 class Token:
-    """One word: its text without the quotes, and where it stands in the line."""
+    """One word: its text without quotes, and its position in the line."""
 
     text: str
     start: int
@@ -29,13 +29,13 @@ class Token:
 
 
 def tokenise(line: str) -> List[Token]:
-    """The words of `line`; raises FieldError when a quote is never closed."""
+    """Returns the words of `line`; raises FieldError if a quote is not closed."""
     words = []
     for match in _WORD.finditer(line):
         bare = match.group('bare')
         if bare is not None and bare.startswith('"'):
             raise FieldError(
-                f'a quote opens at column {match.start() + 1} and is never closed',
+                f'the quote at column {match.start() + 1} is not closed',
                 expected='a closing quote followed by a blank or the end of the line')
         text = match.group('quoted') if bare is None else bare
         words.append(Token(text, match.start(), match.end(), bare is None))
@@ -43,7 +43,7 @@ def tokenise(line: str) -> List[Token]:
 
 
 def quoted(text: str, field: str) -> str:
-    """`text` in quotes; raises FieldError when no reader could get the same text back."""
+    """Returns `text` in quotes; raises FieldError if a reader could not read the same text."""
     if '"' in text or any(unicodedata.category(letter) == 'Cc' for letter in text):
         raise FieldError(f'{text!r} cannot be written', field,
                          'no double quote, control character or line break')

@@ -1,4 +1,4 @@
-"""Noticing that a map file has changed, and waiting for one that is being made.
+"""Detects changes of a map file, and waits for a map file that another program creates.
 
     watcher = MapWatcher(path)          # before the first load, so that no change is missed
     if not watcher.unfinished:
@@ -17,16 +17,16 @@ from omron_map.regular_file import status_of, status_or_error
 from omron_map.text import printable_path
 
 POLL_PERIOD = 0.1  # s
-SETTLED = 2.0  # s without a change, after which a file counts as complete
+SETTLED = 2.0  # s; a file that has not changed for this time counts as complete
 _Signature = Tuple[int, int, int]
 
 
 class MapWatcher:
-    """Notices when a file was replaced or rewritten and has settled since.
+    """Detects that a file was replaced or rewritten, after the file has settled.
 
-    A program that writes a map in place may pause under way, and what is there by then can be a
-    valid map with fewer points. So a change is told when the file has stayed the same for
-    `settled` seconds of `clock`. A file that is absent is no change.
+    A program that writes a map in place may pause during writing. The incomplete file can then be a
+    valid map with fewer points. So a change is reported only when the file has stayed the same for
+    `settled` seconds of `clock`. The absence of the file does not count as a change.
     """
 
     def __init__(self, path: str, settled: float = SETTLED,
@@ -42,11 +42,11 @@ class MapWatcher:
 
     @property
     def unfinished(self) -> bool:
-        """Is the file so new that `changed` will tell of it once it has settled?"""
+        """Whether the file is so new that `changed` will report it when it has settled."""
         return self._told is None and self._seen is not None
 
     def changed(self) -> bool:
-        """True once for every change: the file now differs from the last one told of."""
+        """Returns True once for each change: the file differs from the last reported one."""
         now, signature = self._clock(), _signature(self.path)
         if signature != self._seen:
             self._seen, self._since = signature, now
@@ -66,9 +66,11 @@ def wait_for_map(path: str, made_from: Iterable[str] = (), timeout: float = 30.0
                  given_up: Callable[[], bool] = lambda: False) -> None:
     """Wait until `path` exists and is at least as new as every file in `made_from`.
 
-    So nodes and simulator wait for the converter that makes their map. `say` is told once that
-    there is something to wait for; `given_up` ends the wait early. Raises MapError after `timeout`
-    seconds, when given up, and at once when a file in `made_from` is missing.
+    Nodes and simulator wait in this way for the converter that creates their map.
+    say      -- called once with a text, if the function has to wait
+    given_up -- returns whether to end the wait early
+    Raises MapError after `timeout` seconds or if `given_up` returns True, and at once if a file in
+    `made_from` is missing.
     """
     deadline = time.monotonic() + timeout
     sources = [source for source in made_from if source]
@@ -78,14 +80,14 @@ def wait_for_map(path: str, made_from: Iterable[str] = (), timeout: float = 30.0
         try:
             if status_or_error(path).st_mtime_ns >= newest:
                 return
-            problem = 'it is older than what it is made from: ' + ', '.join(sources)
+            problem = 'it is older than its source files: ' + ', '.join(sources)
         except MapError as error:
             problem = error.problem
         if time.monotonic() >= deadline or given_up():
-            raise MapError(path, f'{problem}; waited {timeout:.0f} s for it to be made',
-                           expected='the map converter to have written it')
+            raise MapError(path, f'{problem}; waited {timeout:.0f} s for its creation',
+                           expected='a file from the map converter')
         if not said:
-            say(f'Waiting up to {timeout:.0f} s for {printable_path(path)} to be made: '
+            say(f'Waiting up to {timeout:.0f} s for the creation of {printable_path(path)}: '
                 f'{problem}.')
             said = True
         time.sleep(POLL_PERIOD)
@@ -95,5 +97,5 @@ def _modified(path: str) -> int:
     try:
         return status_or_error(path).st_mtime_ns
     except MapError as error:
-        raise MapError(path, 'the map is made from this file, but '
+        raise MapError(path, 'the map is created from this file, but '
                        f'{error.problem}') from None

@@ -1,6 +1,6 @@
 """The trajectory graph of a robot fleet: vertices, edges, curves, YAML files, routes.
 
-Metres, radians, m/s. Knows nothing of ROS or of any robot.
+Units are metres, radians and m/s. The package depends neither on ROS nor on any robot.
 """
 from trajectory_graph.curves import Curve, Projection
 from trajectory_graph.errors import (

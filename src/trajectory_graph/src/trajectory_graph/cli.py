@@ -1,4 +1,4 @@
-"""The command `split_edges`: a graph with long edges in, one with sections out."""
+"""The command `split_edges`: it cuts the long edges of a graph into sections."""
 from __future__ import annotations
 
 import argparse
@@ -14,18 +14,18 @@ MOST_SECTIONS = 100000
 
 
 def split_edges_main(arguments: Optional[Sequence[str]] = None) -> int:
-    """Exit status 0 when the file is written; 1, with one sentence on stderr, when it is not.
+    """Runs the command and returns the exit status.
 
-    130 where Ctrl-C ended it before.
+    0: the file is written; 1: it is not, and one sentence on stderr says why; 130: ended by Ctrl-C.
     """
     parser = argparse.ArgumentParser(
         prog='split_edges',
-        description='Cuts the long edges of a trajectory graph into equal sections with vertices '
-                    'of their own, so that more robots can share it.')
+        description='Cuts the long edges of a trajectory graph into equal sections with new '
+                    'vertices between them, so that more robots can share the graph.')
     parser.add_argument('--longest', type=_length, required=True, metavar='METRES',
-                        help='no section is longer')
+                        help='the greatest length of a section')
     parser.add_argument('graph', help='the trajectory graph (YAML)')
-    parser.add_argument('output', help='the file to write; may be the same')
+    parser.add_argument('output', help='the file to write; may be the same file as the graph')
     options = parser.parse_args(arguments)
     try:
         graph = load_graph(options.graph)
@@ -45,8 +45,8 @@ def split_edges_main(arguments: Optional[Sequence[str]] = None) -> int:
     except OSError as error:
         print(f'{options.output} cannot be written: {error.strerror}.', file=sys.stderr)
         return 1
-    print(f'{options.output}: {len(split.vertices)} vertices and {len(split.edges)} edges, '
-          f'of {len(graph.vertices)} and {len(graph.edges)}.')
+    print(f'{options.output}: {len(split.vertices)} vertices and {len(split.edges)} edges; '
+          f'before: {len(graph.vertices)} and {len(graph.edges)}.')
     return 0
 
 

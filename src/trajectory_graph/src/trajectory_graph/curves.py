@@ -1,7 +1,8 @@
-"""The curves that edges describe in the plane: length, points along them, projection onto them.
+"""The curves of edges in the plane: length, points along the curve, projection onto the curve.
 
-Metres and radians. A curve is held as a polyline so fine (0.1 mm) that it may be taken for the
-curve itself; its arc length is that of the curve, not the slightly shorter one of the polyline.
+Units are metres and radians. A curve is stored as a polyline. The polyline is so fine (0.1 mm) that
+it can replace the curve. The arc length is that of the curve, not the slightly shorter length of
+the polyline.
 """
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ from typing import List, NamedTuple, Optional, Tuple
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.02  # of a curve's parameter: so near to a stop its speed is no longer smooth
-_GRADES = 0.5 ** np.arange(4.0, 24.0)  # ever shorter steps on both sides of a stop
+_SHARP = 0.02  # distance, in the curve's parameter, from a stop within which its speed has a kink
+_GRADES = 0.5 ** np.arange(4.0, 24.0)  # shorter and shorter steps on both sides of a stop
 _GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
 
@@ -30,9 +31,9 @@ class Curve:
     """A curve in driving direction, parametrised by arc length s in 0..length (m)."""
 
     def __init__(self, points: np.ndarray, arc: Optional[np.ndarray] = None) -> None:
-        """`points` (N,2), N >= 2, m: the polyline; repeated points are dropped.
-
-        `arc` (N,), m: the curve's own arc length at each point; None: the polyline's.
+        """
+        points -- (N,2), N >= 2, m: the polyline; repeated points are dropped
+        arc    -- (N,), m: the curve's arc length at each point; None: use that of the polyline
         """
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         kept = np.concatenate(([True], steps > 1e-9))
@@ -44,19 +45,19 @@ class Curve:
         self._arc = arc[kept]
         self._lengths = np.diff(self._arc)
         self._corners: List[Tuple[float, float, float]] = np.column_stack(
-            (self._arc, self.points)).tolist()  # of one point numpy makes much ado
+            (self._arc, self.points)).tolist()  # for single points lists are faster than numpy
 
     @property
     def length(self) -> float:
-        """Arc length in m; 0 for a curve whose points all coincide."""
+        """The arc length, in m; 0 if all points coincide."""
         return float(self._arc[-1])
 
     def reversed(self) -> Curve:
-        """The same curve, driven from its end to its start."""
+        """Returns the same curve in the opposite direction."""
         return Curve(self.points[::-1], self.length - self._arc[::-1])
 
     def point_at(self, s: float) -> Tuple[float, float]:
-        """x, y (m) at arc length `s`, held to 0..length."""
+        """Returns x, y (m) at arc length `s` (m); `s` is limited to 0..length."""
         corners = self._corners
         index = bisect_right(corners, [s, math.inf])
         if index in (0, len(corners)):
@@ -67,13 +68,16 @@ class Curve:
         return x + part * (end_x - x), y + part * (end_y - y)
 
     def heading_at(self, s: float) -> float:
-        """Driving direction (rad, -pi..pi) at arc length `s`, held to 0..length."""
+        """Returns the driving direction (rad, -pi..pi) at arc length `s`, limited to 0..length."""
         index = int(np.searchsorted(self._arc, s, side='right')) - 1
         dx, dy = self._steps[min(max(index, 0), len(self._steps) - 1)]
         return math.atan2(dy, dx)
 
     def turned(self, s: np.ndarray) -> np.ndarray:
-        """How far (rad) a robot has turned up to arc lengths `s` (N,), to either side alike."""
+        """Returns the angle (rad) that a robot has turned up to each arc length `s` (N,).
+
+        Turns to the left and to the right add up.
+        """
         if len(self._steps) < 2:
             return np.zeros_like(s)
         headings = np.arctan2(self._steps[:, 1], self._steps[:, 0])
@@ -82,22 +86,23 @@ class Curve:
         return np.interp(s, middles, np.concatenate(([0.0], np.cumsum(turns))))
 
     def sample(self, step: float) -> np.ndarray:
-        """Points (N,2) at most `step` m apart along the curve, its two ends included."""
+        """Returns points (N,2) along the curve with at most `step` m between them, with its ends.
+        """
         count = max(2, int(math.ceil(self.length / step)) + 1)
         s = np.linspace(0.0, self.length, count)
         return np.column_stack((np.interp(s, self._arc, self.points[:, 0]),
                                 np.interp(s, self._arc, self.points[:, 1])))
 
     def project(self, x: float, y: float, start: float = 0.0, end: float = math.inf) -> Projection:
-        """The nearest point to x, y among those between arc lengths `start` and `end`.
+        """Returns the nearest point to x, y (m) between the arc lengths `start` and `end` (m).
 
-        Of several equally near ones, the first. `distance` is to the point found.
+        If several points are equally near, it is the first one.
         """
         start = min(max(start, 0.0), self.length)
         end = min(max(end, start), self.length)
         along = np.clip(self._nearest_arcs(x, y), start, end)
-        # A segment wholly outside start..end is clipped onto the end point of that range, which
-        # does belong to the curve, so distances are taken to points of the curve in every case.
+        # A segment completely outside start..end is clipped to the end point of that range. That
+        # point is on the curve, so each distance is the distance to a point of the curve.
         distances = np.hypot(np.interp(along, self._arc, self.points[:, 0]) - x,
                              np.interp(along, self._arc, self.points[:, 1]) - y)
         best = int(np.argmin(distances))
@@ -106,7 +111,7 @@ class Curve:
         return Projection(float(distances[best]), s, fraction)
 
     def _nearest_arcs(self, x: float, y: float) -> np.ndarray:
-        """Arc length of the point nearest to x, y on each segment."""
+        """Returns the arc length of the point nearest to x, y on each segment."""
         if not len(self._steps):
             return np.zeros(1)
         ahead = ((np.array((x, y)) - self.points[:-1]) * self._steps).sum(axis=1)
@@ -115,12 +120,12 @@ class Curve:
 
 
 def line(start: Tuple[float, float], end: Tuple[float, float]) -> Curve:
-    """The straight line from `start` to `end`."""
+    """Returns the straight line from `start` to `end`."""
     return Curve(np.array((start, end), dtype=float))
 
 
 def cubic_bezier(control: np.ndarray) -> Curve:
-    """The cubic Bezier curve with the four `control` points (4,2)."""
+    """Returns the cubic Bezier curve with the four `control` points (4,2)."""
     p0, p1, p2, p3 = control
     bend = 6.0 * max(np.linalg.norm(p0 - 2 * p1 + p2), np.linalg.norm(p1 - 2 * p2 + p3))
     segments = max(1, int(math.ceil(math.sqrt(bend / (8.0 * FLATNESS)))))
@@ -132,21 +137,23 @@ def cubic_bezier(control: np.ndarray) -> Curve:
 
 
 def bezier_points(control: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Points (..., N, 2) at parameters `t` (N,) of the curves with `control` points (..., 4, 2)."""
+    """Returns the points (..., N, 2) at parameters `t` (N,) of curves with control (..., 4, 2)."""
     u = 1.0 - t
     basis = np.stack((u ** 3, 3.0 * u ** 2 * t, 3.0 * u * t ** 2, t ** 3), axis=-1)
     return basis @ control
 
 
 def bezier_arc_lengths(control: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Arc lengths (..., N), m, from parameter t[..., 0] to each of `t` (N,) or (..., N), which does
-    not decrease."""
+    """Returns the arc lengths (..., N), m, from parameter t[..., 0] to each parameter of `t`.
+
+    t -- (N,) or (..., N), not decreasing
+    """
     half = np.diff(t) / 2.0
     at = (t[..., :-1] + half)[..., None] + half[..., None] * _NODES
     first, second, third = np.moveaxis(3.0 * np.diff(control, axis=-2), -2, 0)[..., None, None]
     turn, bend = 2.0 * (second - first), first - 2.0 * second + third
     x, y = ((bend[..., k, :, :] * at + turn[..., k, :, :]) * at + first[..., k, :, :]
-            for k in (0, 1))  # of the velocity; in place, as there may be millions of them
+            for k in (0, 1))  # the velocity; computed in place because there may be millions
     x *= x
     y *= y
     x += y
@@ -155,7 +162,10 @@ def bezier_arc_lengths(control: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def bezier_lengths(control: np.ndarray) -> np.ndarray:
-    """Arc lengths (N,), m, of cubic Bezier curves with `control` points (N,4,2), exact to 1e-9."""
+    """Returns the arc lengths (N,), m, of cubic Bezier curves, exact to a relative 1e-9.
+
+    control -- control points (N,4,2)
+    """
     lengths = np.zeros(len(control))
     sharp = _turns_sharply(control).any(axis=-1)
     lengths[sharp] = bezier_arc_lengths(control[sharp], fine_parameters(control[sharp], 128))[:, -1]
@@ -171,11 +181,11 @@ def bezier_lengths(control: np.ndarray) -> np.ndarray:
 
 
 def fine_parameters(control: np.ndarray, parts: int) -> np.ndarray:
-    """Parameters (..., N), from 0 to 1, between which `bezier_arc_lengths` of the same curves are
-    exact; some come twice.
+    """Returns parameters (..., N), from 0 to 1, for which `bezier_arc_lengths` is exact.
 
-    At least `parts` equal steps; where a curve stops and turns on the spot, or nearly does, its
-    speed has a kink that evenly spaced points would miss, so there the steps get ever shorter.
+    There are at least `parts` equal steps; some parameters may be repeated. At a point where a
+    curve (nearly) stops and turns on the spot, its speed has a kink that equal steps would miss.
+    So the steps become shorter and shorter there.
     """
     even = np.linspace(0.0, 1.0, parts + 1)
     turns = np.where(_turns_sharply(control), _stops(control).real, 0.0)[..., None]
@@ -186,17 +196,17 @@ def fine_parameters(control: np.ndarray, parts: int) -> np.ndarray:
 
 
 def bezier_speeds(control: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Arc length per parameter (N,), m, at parameters `t` (N,) of one curve."""
+    """Returns the arc length per parameter (N,), m, at parameters `t` (N,) of one curve."""
     u = 1.0 - t
     velocity = np.stack((u ** 2, 2.0 * u * t, t ** 2), axis=-1) @ (3.0 * np.diff(control, axis=0))
     return np.hypot(velocity[:, 0], velocity[:, 1])
 
 
 def _stops(control: np.ndarray) -> np.ndarray:
-    """Complex parameters (..., 2) at which the velocity of curves (..., 4, 2) is 0.
+    """Returns the complex parameters (..., 2) at which the velocity of curves (..., 4, 2) is 0.
 
-    With the plane as complex numbers, velocity is a quadratic polynomial of the parameter. A curve
-    without some of its roots gets infinities in their place.
+    If the plane is a plane of complex numbers, the velocity is a quadratic polynomial of the
+    parameter. A missing root is returned as infinity.
     """
     first, second, third = np.moveaxis(np.diff(control[..., 0] + 1j * control[..., 1]), -1, 0)
     a, b, c = first - 2.0 * second + third, second - first, first
@@ -208,19 +218,22 @@ def _stops(control: np.ndarray) -> np.ndarray:
 
 
 def _turns_sharply(control: np.ndarray) -> np.ndarray:
-    """Which of `_stops` are so near to a parameter of the curve that its speed has a kink there."""
+    """Returns which of `_stops` are so near to the curve that its speed has a kink there."""
     stops = _stops(control)
     return ((np.abs(stops.imag) < _SHARP) & (stops.real > -_SHARP) & (stops.real < 1.0 + _SHARP))
 
 
 def bezier_section(control: np.ndarray, start: float, end: float) -> np.ndarray:
-    """Control points (4,2) of the part of a cubic Bezier curve from parameter `start` to `end`."""
+    """Returns the control points (4,2) of a part of a cubic Bezier curve.
+
+    start, end -- the parameters at the ends of the part
+    """
     back = _first_part(control, end)
     return _first_part(back[::-1], 1.0 - start / end)[::-1] if start > 0.0 else back
 
 
 def _first_part(control: np.ndarray, t: float) -> np.ndarray:
-    """Control points of the part from 0 to `t` (de Casteljau's construction)."""
+    """Returns the control points of the part from 0 to `t` (de Casteljau's construction)."""
     first, points = [control[0]], control
     while len(points) > 1:
         points = points[:-1] + t * np.diff(points, axis=0)
@@ -230,11 +243,12 @@ def _first_part(control: np.ndarray, t: float) -> np.ndarray:
 
 def spline_control(start: Tuple[float, float], start_theta: float, param_f: float,
                    end: Tuple[float, float], end_theta: float, param_b: float) -> np.ndarray:
-    """Control points (4,2) of the fleet's spline, as we read it.
+    """Returns the control points (4,2) of the fleet's spline, as we interpret it.
 
-    A cubic Bezier curve that leaves `start` along `start_theta`, with a control point `param_f`
-    metres ahead, and enters `end` along `end_theta`, with a control point `param_b` metres behind.
-    This reading is an assumption: the editor's own definition is not public. It is made here only.
+    The spline is a cubic Bezier curve. It leaves `start` in direction `start_theta`, with a control
+    point `param_f` metres ahead. It enters `end` in direction `end_theta`, with a control point
+    `param_b` metres behind. This is an assumption, because the editor's definition is not public.
+    No other function makes this assumption.
     """
     return np.array((
         start,
@@ -244,11 +258,11 @@ def spline_control(start: Tuple[float, float], start_theta: float, param_f: floa
 
 
 def line_control(start: Tuple[float, float], end: Tuple[float, float]) -> np.ndarray:
-    """Control points (4,2) of the straight line, driven through evenly."""
+    """Returns the control points (4,2) of a straight line with constant speed."""
     return np.linspace(start, end, 4)
 
 
 def spline(start: Tuple[float, float], start_theta: float, param_f: float,
            end: Tuple[float, float], end_theta: float, param_b: float) -> Curve:
-    """The fleet's spline; see `spline_control`."""
+    """Returns the fleet's spline; see `spline_control`."""
     return cubic_bezier(spline_control(start, start_theta, param_f, end, end_theta, param_b))

@@ -1,4 +1,4 @@
-"""Undo and redo."""
+"""Undo and redo of changes to a draft."""
 from __future__ import annotations
 
 from typing import List, Optional, Tuple
@@ -7,10 +7,11 @@ from trajectory_graph.editing import Draft
 
 
 class History:
-    """The drafts of an editing session: to undo, and to redo what was undone.
+    """The drafts of an editing session, for undo and redo.
 
-    `version` changes with every change. Changes with the same `gesture` (the drag of one handle,
-    say) are undone at once.
+    version -- a number that increases with every change
+    gesture -- a value that is the same for all changes of one gesture, e.g. the drag of a handle;
+               one undo takes back all changes with the same gesture
     """
 
     MOST = 1000
@@ -24,16 +25,16 @@ class History:
 
     @property
     def undoable(self) -> Optional[str]:
-        """What undo would undo, or None."""
+        """The name of the change that `undo` takes back, or None."""
         return self._past[-1][0] if self._past else None
 
     @property
     def redoable(self) -> Optional[str]:
-        """What redo would do again, or None."""
+        """The name of the change that `redo` repeats, or None."""
         return self._future[-1][0] if self._future else None
 
     def change(self, name: str, draft: Draft, gesture: Optional[object] = None) -> bool:
-        """Goes on to `draft`; False where that is the draft that is there."""
+        """Changes to `draft` and returns True; returns False if it equals the present draft."""
         if draft is self.draft or draft == self.draft:
             return False
         if gesture is None or gesture != self._gesture:
@@ -46,15 +47,15 @@ class History:
         return True
 
     def end_gesture(self) -> None:
-        """The next change is undone by itself, with any gesture."""
+        """Ends the gesture, so that the next change gets its own undo step."""
         self._gesture = None
 
     def undo(self) -> Optional[str]:
-        """Goes back by one change; what was undone, or None."""
+        """Takes back one change; returns its name, or None if there is none."""
         return self._step(self._past, self._future)
 
     def redo(self) -> Optional[str]:
-        """Goes forward again; what was done again, or None."""
+        """Repeats the change that was taken back last; returns its name, or None."""
         return self._step(self._future, self._past)
 
     def _step(self, source: List[Tuple[str, Draft]],

@@ -1,8 +1,8 @@
 """Editing operations: pure functions from one draft of a graph to the next. Metres, radians, m/s.
 
-A draft may be what no graph may be: with a vertex, say, that waits to be connected. What
-an operation does not touch is the same object in both drafts. Operations raise EditError, and then
-nothing has happened.
+A draft may be an invalid graph, e.g. with a vertex that is not connected yet. Elements that an
+operation does not change are the same objects in both drafts. An operation that raises EditError
+changes nothing.
 """
 from __future__ import annotations
 
@@ -16,51 +16,51 @@ from trajectory_graph.curves import Curve, bezier_arc_lengths, bezier_section
 from trajectory_graph.errors import GraphError, TrajectoryGraphError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex, parts_of
 
-LINE_PARAMETER = 0.25  # m; a line's parameters mean nothing, but the file has them
-DEFAULT_SPEED = 0.5  # m/s, of a new edge where none is near to go by
-HANDLE_SHARE = 1.0 / 3.0  # of an edge's length that a new spline's handles have
+LINE_PARAMETER = 0.25  # m; the parameters of a line have no effect, but the file requires them
+DEFAULT_SPEED = 0.5  # m/s; the speed of a new edge without adjacent edges
+HANDLE_SHARE = 1.0 / 3.0  # length of a new spline's handles as a share of the edge's length
 SHORTEST_HANDLE = 0.05  # m
 
 
 class EditError(TrajectoryGraphError):
-    """An operation that cannot be done; the text says why, as one sentence."""
+    """An operation that cannot be done; the text gives the reason in one sentence."""
 
 
 @dataclass(frozen=True)
 class Draft:
-    """Vertices and edges by id, in the file's order; every edge's vertices are there."""
+    """Vertices and edges by id, in the sequence of the file; it has the vertices of each edge."""
 
     vertices: Mapping[int, Vertex]
     edges: Mapping[int, Edge]
 
     @classmethod
     def of(cls, graph: Graph) -> Draft:
-        """The draft that is this graph."""
+        """Returns the draft of a graph."""
         return cls(dict(graph.vertices), dict(graph.edges))
 
     def graph(self) -> Graph:
-        """The draft as a graph; raises GraphError where it is not a valid one."""
+        """Returns the draft as a graph; raises GraphError if it is not valid."""
         return Graph(self.vertices.values(), self.edges.values())
 
     def vertex(self, id: int) -> Vertex:
-        """The vertex `id`; raises EditError."""
+        """Returns the vertex `id`; raises EditError."""
         if id not in self.vertices:
             raise EditError(f'There is no vertex {id} any more.')
         return self.vertices[id]
 
     def edge(self, id: int) -> Edge:
-        """The edge `id`; raises EditError."""
+        """Returns the edge `id`; raises EditError."""
         if id not in self.edges:
             raise EditError(f'There is no edge {id} any more.')
         return self.edges[id]
 
     def edges_at(self, vertex_id: int) -> List[int]:
-        """Ids of the edges that touch a vertex."""
+        """Returns the ids of the edges at a vertex."""
         return [edge.id for edge in self.edges.values()
                 if vertex_id in (edge.origin, edge.destination)]
 
     def edge_alone(self, id: int) -> Graph:
-        """The graph of one edge and its two vertices; raises GraphError where that is invalid."""
+        """Returns the graph of one edge and its vertices; raises GraphError if it is invalid."""
         edge = self.edge(id)
         origin, destination = self.vertices[edge.origin], self.vertices[edge.destination]
         if origin is destination:
@@ -68,31 +68,31 @@ class Draft:
         return Graph((origin, destination), (edge,))
 
     def curve(self, id: int) -> Curve:
-        """The curve of an edge; raises GraphError where the edge is invalid."""
+        """Returns the curve of an edge; raises GraphError if the edge is invalid."""
         return self.edge_alone(id).curve(id)
 
     def parts(self) -> Tuple[FrozenSet[int], ...]:
-        """The sets of vertices that edges join, the largest first."""
+        """Returns the sets of connected vertices, the largest first."""
         return parts_of(self.vertices, self.edges.values())
 
     def with_vertices(self, vertices: Iterable[Vertex]) -> Draft:
-        """The draft with these vertices changed or added."""
+        """Returns the draft with these vertices changed or added."""
         return Draft({**self.vertices, **{vertex.id: vertex for vertex in vertices}}, self.edges)
 
     def with_edges(self, edges: Iterable[Edge]) -> Draft:
-        """The draft with these edges changed or added."""
+        """Returns the draft with these edges changed or added."""
         return Draft(self.vertices, {**self.edges, **{edge.id: edge for edge in edges}})
 
 
 def snapped(x: float, y: float, grid: float) -> Tuple[float, float]:
-    """The place on a grid of `grid` m that is nearest, or the same place where `grid` is 0."""
+    """Returns the nearest point of a grid of `grid` m; the same point if `grid` is 0."""
     if grid <= 0.0 or not math.isfinite(x) or not math.isfinite(y):
         return round(x, 4), round(y, 4)
     return round(round(x / grid) * grid, 6), round(round(y / grid) * grid, 6)
 
 
 def add_vertex(draft: Draft, x: float, y: float, **fields: Any) -> Tuple[Draft, int]:
-    """A vertex without edges; its id is above all others."""
+    """Adds a vertex without edges; its id is above all others. Returns the draft and the id."""
     some = next(iter(draft.vertices.values()), None)
     id = max(draft.vertices, default=0) + 1
     fields.setdefault('theta', 0.0)
@@ -101,34 +101,37 @@ def add_vertex(draft: Draft, x: float, y: float, **fields: Any) -> Tuple[Draft, 
 
 
 def change_vertex(draft: Draft, id: int, **fields: Any) -> Draft:
-    """Other values for fields of a vertex: x, y, theta, label, dock, parking ..."""
+    """Changes fields of a vertex: x, y, theta, label, dock, parking ..."""
     vertex = _checked_vertex(replace(draft.vertex(id), **fields))
     return draft if vertex == draft.vertices[id] else draft.with_vertices([vertex])
 
 
 def move_vertex(draft: Draft, id: int, x: float, y: float) -> Draft:
-    """The vertex at another place; its edges come along."""
+    """Moves a vertex together with the ends of its edges."""
     return change_vertex(draft, id, x=x, y=y)
 
 
 def turn_vertex(draft: Draft, id: int, theta: float) -> Draft:
-    """The vertex looking another way."""
+    """Changes the heading of a vertex."""
     theta = round(math.remainder(theta, 2.0 * math.pi), 6)
     return change_vertex(draft, id, theta=theta, theta_holonomic=theta)
 
 
 def delete_vertex(draft: Draft, id: int) -> Draft:
-    """Without the vertex and the edges that touch it; the last vertex stays."""
+    """Deletes a vertex and its edges; the last vertex cannot be deleted."""
     draft.vertex(id)
     if len(draft.vertices) == 1:
-        raise EditError('The last vertex stays: a graph needs one.')
+        raise EditError('The last vertex cannot be deleted: a graph needs one vertex or more.')
     gone = set(draft.edges_at(id))
     return Draft({key: vertex for key, vertex in draft.vertices.items() if key != id},
                  {key: edge for key, edge in draft.edges.items() if key not in gone})
 
 
 def connect(draft: Draft, origin: int, destination: int, **fields: Any) -> Tuple[Draft, int]:
-    """A new edge between two vertices: by default a line, as fast as the edges around."""
+    """Adds an edge between two vertices; returns the draft and the id.
+
+    By default the edge is a line with the highest speeds of the adjacent edges.
+    """
     draft.vertex(origin)
     draft.vertex(destination)
     if origin == destination:
@@ -148,7 +151,7 @@ def connect(draft: Draft, origin: int, destination: int, **fields: Any) -> Tuple
 
 
 def change_edge(draft: Draft, id: int, **fields: Any) -> Draft:
-    """Other values for fields of an edge: curve_type, param_f, velocity_forward ..."""
+    """Changes fields of an edge: curve_type, param_f, velocity_forward ..."""
     edge = replace(draft.edge(id), **fields)
     if edge == draft.edges[id]:
         return draft
@@ -158,10 +161,10 @@ def change_edge(draft: Draft, id: int, **fields: Any) -> Draft:
 
 
 def turn_edge_round(draft: Draft, id: int) -> Draft:
-    """Origin and destination, and all that goes with them, exchanged; splines keep their shape.
+    """Exchanges origin and destination of an edge and their values; a spline keeps its shape.
 
-    A spline leaves and enters along its vertices' headings, so both of these turn round, too;
-    that is refused where it would bend another spline.
+    A spline follows the headings of its vertices, so both vertices turn round, too. The operation
+    is refused if this would bend another spline.
     """
     edge = draft.edge(id)
     turned = replace(edge, origin=edge.destination, destination=edge.origin, param_f=edge.param_b,
@@ -171,25 +174,25 @@ def turn_edge_round(draft: Draft, id: int) -> Draft:
         for end in (edge.origin, edge.destination):
             for other in draft.edges_at(end):
                 if other != id and draft.edges[other].curve_type is CurveType.SPLINE:
-                    raise EditError(f'Edge {id} cannot be turned round: edge {other} is a spline '
-                                    f'that follows the heading of vertex {end}, too.')
+                    raise EditError(f'Edge {id} cannot be turned round: edge {other} is a spline, '
+                                    f'and it also follows the heading of vertex {end}.')
             draft = turn_vertex(draft, end, draft.vertices[end].theta + math.pi)
     return draft.with_edges([turned])
 
 
 def delete_edge(draft: Draft, id: int) -> Draft:
-    """Without the edge; its vertices stay."""
+    """Deletes an edge; its vertices stay."""
     draft.edge(id)
     return Draft(draft.vertices, {key: edge for key, edge in draft.edges.items() if key != id})
 
 
 def make_line(draft: Draft, id: int) -> Draft:
-    """The edge as a straight line."""
+    """Makes an edge a straight line."""
     return change_edge(draft, id, curve_type=CurveType.LINE)
 
 
 def make_spline(draft: Draft, id: int) -> Draft:
-    """The edge as a spline along its vertices' headings, with handles a third of its length."""
+    """Makes an edge a spline along its vertices' headings; handles are a third of its length."""
     edge = draft.edge(id)
     if edge.curve_type is CurveType.SPLINE:
         return draft
@@ -200,7 +203,10 @@ def make_spline(draft: Draft, id: int) -> Draft:
 
 
 def move_handle(draft: Draft, id: int, at_origin: bool, x: float, y: float) -> Draft:
-    """A spline's control point at x, y, by the heading of its vertex and the parameter."""
+    """Moves a control point of a spline to x, y.
+
+    This changes the heading of the vertex and the parameter of the edge.
+    """
     edge = draft.edge(id)
     if edge.curve_type is not CurveType.SPLINE:
         raise EditError(f'Edge {id} is a line and has no handles.')
@@ -214,13 +220,13 @@ def move_handle(draft: Draft, id: int, at_origin: bool, x: float, y: float) -> D
 
 
 def cut_edge(draft: Draft, id: int, fraction: float) -> Tuple[Draft, int]:
-    """A new vertex on the edge, at a fraction of its length; two edges that lie on the old one.
+    """Cuts an edge in two at a fraction of its length; returns the draft and the new vertex's id.
 
-    The first keeps the edge's id. Raises EditError at the very ends.
+    The two edges lie on the old curve. The first one keeps the id. Raises EditError at the ends.
     """
     edge = draft.edge(id)
     if not 0.0 < fraction < 1.0:
-        raise EditError(f'Edge {id} is cut between its ends only.')
+        raise EditError(f'Edge {id} can only be cut between its ends.')
     try:
         control = draft.edge_alone(id).control_points(id)
     except GraphError as error:
@@ -243,7 +249,7 @@ def cut_edge(draft: Draft, id: int, fraction: float) -> Tuple[Draft, int]:
 
 
 def _parameter_at(control: np.ndarray, fraction: float) -> float:
-    """The parameter of a cubic Bezier curve at a fraction of its length."""
+    """Returns the parameter of a cubic Bezier curve at a fraction of its length."""
     t = np.linspace(0.0, 1.0, 1025)
     arc = bezier_arc_lengths(control, t)
     return float(np.interp(fraction * arc[-1], arc, t))

@@ -1,20 +1,20 @@
-"""What can be wrong with a graph or a route; every error carries the ids it is about."""
+"""The errors of graphs and routes; each error has the ids of the elements concerned."""
 from __future__ import annotations
 
 from typing import Optional
 
 
 class TrajectoryGraphError(Exception):
-    """Base of all errors of this package."""
+    """The base class of all errors of this package."""
 
 
 class GraphError(TrajectoryGraphError):
     """A graph that cannot be used.
 
-    problem -- what is wrong, as a clause, e.g. `edge 3: ends at vertex 9, which does not exist`
-    kind    -- 'vertex', 'edge' or '' where the problem is not that of one element
-    id      -- the element's id, as far as it is known
-    file    -- file it was read from, None for a graph that did not come from a file
+    problem -- the error as a clause, e.g. `ends at vertex 9, which does not exist`
+    kind    -- 'vertex' or 'edge'; '' if the error does not concern one element
+    id      -- the element's id; None if it is unknown
+    file    -- the file of the graph; None if the graph does not come from a file
     line    -- line in `file`, counted from 1
     """
 
@@ -28,7 +28,7 @@ class GraphError(TrajectoryGraphError):
         self.line = line
 
     def located(self, file: str, line: Optional[int]) -> GraphError:
-        """The same error, with the place in the file that it came from."""
+        """Returns the same error with its file and line."""
         return GraphError(self.problem, self.kind, self.id, file, line)
 
     def __str__(self) -> str:
@@ -51,7 +51,7 @@ class UnknownVertex(TrajectoryGraphError):
 
 
 class UnknownEdge(TrajectoryGraphError):
-    """A signed edge id whose edge the graph does not have (0 never is one)."""
+    """A signed edge id whose edge the graph does not have; 0 is never valid."""
 
     def __init__(self, id: int) -> None:
         super().__init__(id)
@@ -62,7 +62,7 @@ class UnknownEdge(TrajectoryGraphError):
 
 
 class DiscontinuousRoute(TrajectoryGraphError):
-    """An edge of a route that does not start where the one before it ends."""
+    """An edge of a route that does not start at the end of the previous edge."""
 
     def __init__(self, first: int, end_vertex: int, second: int, start_vertex: int) -> None:
         super().__init__(first, end_vertex, second, start_vertex)

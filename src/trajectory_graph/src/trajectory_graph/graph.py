@@ -1,7 +1,7 @@
-"""Vertices, edges and the graph they make. Metres and radians throughout.
+"""Vertices, edges and the graph that consists of them. Units are metres and radians.
 
-Edge ids are positive. Where an id is *signed*, a negative one means the edge driven backwards, from
-its destination to its origin.
+Edge ids are positive. A *signed* id also gives the direction: a negative id means that the edge is
+driven backwards, from its destination to its origin.
 """
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from trajectory_graph.curves import Curve, Projection
 from trajectory_graph.errors import GraphError, UnknownEdge, UnknownVertex
 
 SHORTEST_EDGE = 1e-3  # m
-LARGEST_NUMBER = 1e6  # m, rad or m/s: beyond this a number is a mistake
+LARGEST_NUMBER = 1e6  # m, rad or m/s; a larger number is a mistake
 
 
 class CurveType(Enum):
-    """How an edge runs between its vertices."""
+    """The shape of an edge between its vertices."""
 
     SPLINE = 'spline'
     LINE = 'line'
@@ -41,10 +41,10 @@ class CurveType(Enum):
 
 @dataclass(frozen=True)
 class Vertex:
-    """A place where edges meet. x, y in m, angles in rad; `frame_id` is not a TF frame.
+    """A point at which edges meet. x, y in m, angles in rad; `frame_id` is not a TF frame.
 
-    dock    -- robots charge here
-    parking -- may a robot stand here for ever? None: the graph does not say
+    dock    -- whether robots charge here
+    parking -- whether a robot may stand here for ever; None: the graph does not say
     """
 
     id: int
@@ -59,7 +59,7 @@ class Vertex:
 
     @property
     def position(self) -> Tuple[float, float]:
-        """x, y in m."""
+        """The position x, y, in m."""
         return self.x, self.y
 
 
@@ -83,7 +83,7 @@ _Element = TypeVar('_Element', Vertex, Edge)
 class Graph:
     """A valid trajectory graph: ids are unique, edges join two vertices, every vertex has edges.
 
-    Raises GraphError, naming the element, when that is not so. A graph never changes.
+    Raises GraphError with the wrong element if the graph is not valid. A graph never changes.
     """
 
     def __init__(self, vertices: Iterable[Vertex], edges: Iterable[Edge]) -> None:
@@ -101,58 +101,58 @@ class Graph:
         self._parts: Optional[Tuple[FrozenSet[int], ...]] = None
 
     def vertex(self, id: int) -> Vertex:
-        """The vertex `id`; raises UnknownVertex."""
+        """Returns the vertex `id`; raises UnknownVertex."""
         try:
             return self.vertices[id]
         except KeyError:
             raise UnknownVertex(id) from None
 
     def edge(self, signed_id: int) -> Edge:
-        """The edge of a signed id; raises UnknownEdge."""
+        """Returns the edge of a signed id; raises UnknownEdge."""
         try:
             return self.edges[abs(signed_id)]
         except KeyError:
             raise UnknownEdge(signed_id) from None
 
     def start_vertex(self, signed_id: int) -> Vertex:
-        """Where the edge starts in driving direction."""
+        """Returns the vertex at which the edge starts in driving direction."""
         edge = self.edge(signed_id)
         return self.vertices[edge.origin if signed_id > 0 else edge.destination]
 
     def end_vertex(self, signed_id: int) -> Vertex:
-        """Where the edge ends in driving direction."""
+        """Returns the vertex at which the edge ends in driving direction."""
         return self.start_vertex(-signed_id)
 
     def edges_at(self, vertex_id: int) -> Tuple[int, ...]:
-        """Ids of the edges that touch the vertex."""
+        """Returns the ids of the edges at the vertex."""
         return tuple(map(abs, self.edges_from(vertex_id)))
 
     def edges_from(self, vertex_id: int) -> Tuple[int, ...]:
-        """Signed ids of the edges that touch the vertex, each driven away from it."""
+        """Returns the signed ids of the edges at the vertex, in the direction away from it."""
         self.vertex(vertex_id)
         return tuple(self._edges_from[vertex_id])
 
     @property
     def parts(self) -> Tuple[FrozenSet[int], ...]:
-        """The sets of vertices that edges join, as of two halls or floors; the largest first."""
+        """The sets of connected vertices, e.g. of two halls or floors; the largest first."""
         if self._parts is None:
             self._parts = parts_of(self.vertices, self.edges.values())
         return self._parts
 
     def part_of(self, vertex_id: int) -> FrozenSet[int]:
-        """The vertices that edges join to this one, and itself."""
+        """Returns the vertices that are connected to this one, and this one."""
         return next(part for part in self.parts if vertex_id in part)
 
     def is_same(self, other: Optional[Graph]) -> bool:
-        """Has the other graph the same vertices and edges? No graph has not."""
+        """Returns whether the other graph has the same vertices and edges; False for None."""
         return other is not None and (self.vertices, self.edges) == (other.vertices, other.edges)
 
     def is_end_vertex(self, vertex_id: int) -> bool:
-        """Is the vertex touched by exactly one edge?"""
+        """Returns whether the vertex has exactly one edge."""
         return len(self.edges_at(vertex_id)) == 1
 
     def curve(self, signed_id: int) -> Curve:
-        """The edge's curve in driving direction."""
+        """Returns the edge's curve in driving direction."""
         edge = self.edge(signed_id)
         if signed_id not in self._curves:
             if signed_id < 0:
@@ -162,7 +162,7 @@ class Graph:
         return self._curves[signed_id]
 
     def control_points(self, id: int) -> np.ndarray:
-        """Control points (4,2), m, of the edge's curve taken as a cubic Bezier curve."""
+        """Returns the control points (4,2), m, of the edge's curve as a cubic Bezier curve."""
         edge = self.edge(id)
         origin, destination = self.vertices[edge.origin], self.vertices[edge.destination]
         if edge.curve_type is CurveType.LINE:
@@ -171,7 +171,8 @@ class Graph:
                                      destination.position, destination.theta, edge.param_b)
 
     def nearest_edge(self, x: float, y: float) -> Optional[Tuple[int, Projection]]:
-        """Id of the edge nearest to x, y and the projection onto it; None without edges."""
+        """Returns the id of the edge nearest to x, y (m), and the projection; None without edges.
+        """
         if not self.edges:
             return None
         if self._segments is None:
@@ -214,14 +215,14 @@ class Graph:
                              'which are at the same place', 'edge', edge.id)
 
     def _check_edges_at_vertices(self) -> None:
-        """A vertex without edges is a slip, but for a graph of one vertex."""
+        """Raises GraphError for a vertex without edges, except in a graph of one vertex."""
         for vertex, edges in self._edges_from.items():
             if not edges and len(self.vertices) > 1:
                 raise GraphError('cannot be reached: no edges touch it', 'vertex', vertex)
 
 
 def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[int], ...]:
-    """The sets of vertices that edges join, the largest first."""
+    """Returns the sets of connected vertices, the largest first."""
     neighbours: Dict[int, List[int]] = {id: [] for id in vertices}
     for edge in edges:
         neighbours[edge.origin].append(edge.destination)
@@ -242,7 +243,7 @@ def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[
 
 
 class _Segments:
-    """The segments of many curves in one array, to search them all at once."""
+    """The segments of many curves in one array, for a fast search."""
 
     def __init__(self, by_id: Mapping[int, Curve]) -> None:
         self._ids = np.concatenate([
@@ -271,6 +272,6 @@ def _by_id(kind: str, elements: Iterable[_Element]) -> Dict[int, _Element]:
 
 def _check_numbers(kind: str, element: Union[Vertex, Edge], names: Iterable[str]) -> None:
     for name in names:
-        if not abs(getattr(element, name)) <= LARGEST_NUMBER:  # so written, it catches NaN too
+        if not abs(getattr(element, name)) <= LARGEST_NUMBER:  # in this form it also finds NaN
             raise GraphError(f'{name} is {getattr(element, name)}, not a number within '
                              f'{LARGEST_NUMBER:.0f}', kind, element.id)

@@ -1,7 +1,8 @@
-"""What another graph changes of an edge, for robots that are on it or are to drive it.
+"""Compares an edge in two graphs, for robots that are on the edge or will drive it.
 
-One rule for all: the node that replaces a graph asks it, and so do the robots that then go on.
-Speeds may change under way; ids, ends, curves and docks may not.
+The node that replaces a graph uses this rule, and so do the robots that continue their routes on
+the new graph. The speeds of an edge may change during a drive. Its id, ends, curve and docks may
+not.
 """
 from __future__ import annotations
 
@@ -15,10 +16,10 @@ _SAME = 1e-3  # m between control points of a curve that has not changed
 
 
 def change_of(old: Graph, new: Graph, signed_id: int) -> Optional[str]:
-    """How an edge that `old` has is another one in `new`, a clause; None: it is the same."""
+    """Returns the difference of an edge between two graphs as a clause; None if it is the same."""
     id = abs(signed_id)
     if id not in old.edges:
-        return None  # not known before: what changes is unknown
+        return None  # the old graph does not have the edge, so there is nothing to compare
     if id not in new.edges:
         return 'is missing'
     before, after = old.edges[id], new.edges[id]
@@ -36,6 +37,6 @@ def change_of(old: Graph, new: Graph, signed_id: int) -> Optional[str]:
 
 
 def speed_of(graph: Graph, signed_id: int) -> float:
-    """m/s at which an edge may be driven in a direction; 0: it may not."""
+    """Returns the speed (m/s) of an edge in a direction; 0: this direction is forbidden."""
     edge = graph.edge(signed_id)
     return edge.velocity_forward if signed_id > 0 else edge.velocity_backwards

@@ -1,4 +1,7 @@
-"""Graphs in messages of `itrci_nav_msgs`, told apart from ROS: only the fields' names are used."""
+"""Converts graphs to and from messages of `itrci_nav_msgs`.
+
+The module does not import ROS; it only uses the names of the fields.
+"""
 from __future__ import annotations
 
 from typing import Any, Optional
@@ -8,7 +11,7 @@ from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 
 
 def graph_from_message(message: Any) -> Graph:
-    """The graph in an `itrci_nav_msgs/Graph`; raises GraphError when it is not valid."""
+    """Returns the graph in an `itrci_nav_msgs/Graph`; raises GraphError if it is not valid."""
     return Graph(
         [Vertex(v.id, v.x, v.y, v.theta, v.theta_holonomic, v.label, v.frame_id, v.dock,
                 _parking(v)) for v in message.vertices],
@@ -17,14 +20,17 @@ def graph_from_message(message: Any) -> Graph:
 
 
 def fill_message(message: Any, graph: Graph, vertex_type: Any, edge_type: Any) -> Any:
-    """Fills an empty `itrci_nav_msgs/Graph`; the types are those of its elements. Returns it."""
+    """Fills an empty `itrci_nav_msgs/Graph` and returns it.
+
+    vertex_type, edge_type -- the message types of its elements
+    """
     message.vertices = [vertex_message(vertex, vertex_type) for vertex in graph.vertices.values()]
     message.edges = [edge_message(edge, edge_type) for edge in graph.edges.values()]
     return message
 
 
 def vertex_message(vertex: Vertex, vertex_type: Any) -> Any:
-    """The `itrci_nav_msgs/Vertex` of a vertex."""
+    """Returns the `itrci_nav_msgs/Vertex` of a vertex."""
     return vertex_type(
         id=vertex.id, label=vertex.label, frame_id=vertex.frame_id, x=vertex.x, y=vertex.y,
         theta=vertex.theta, theta_holonomic=vertex.theta_holonomic, dock=vertex.dock,
@@ -32,7 +38,7 @@ def vertex_message(vertex: Vertex, vertex_type: Any) -> Any:
 
 
 def edge_message(edge: Edge, edge_type: Any) -> Any:
-    """The `itrci_nav_msgs/Edge` of an edge."""
+    """Returns the `itrci_nav_msgs/Edge` of an edge."""
     return edge_type(
         id=edge.id, origin_id=edge.origin, destination_id=edge.destination,
         curve_type=edge.curve_type.value, param_f=edge.param_f, param_b=edge.param_b,
@@ -41,7 +47,7 @@ def edge_message(edge: Edge, edge_type: Any) -> Any:
 
 def _parking(vertex: Any) -> Optional[bool]:
     if vertex.parking and vertex.no_parking:
-        raise GraphError('is said to be parking and to be none', 'vertex', vertex.id)
+        raise GraphError('has both parking and no_parking set', 'vertex', vertex.id)
     return True if vertex.parking else False if vertex.no_parking else None
 
 

@@ -1,4 +1,4 @@
-"""Which orders no robot takes up, of any type and at any place."""
+"""The rules for orders that each robot refuses, regardless of its type and position."""
 from __future__ import annotations
 
 from typing import Sequence, Tuple
@@ -9,11 +9,11 @@ from trajectory_graph.route_protocol import EdgeState, Phase, Reason, ReasonCode
 from trajectory_graph.routes import check_route
 
 MAXIMUM_EDGES = 1000
-CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
+CLOCK_TOLERANCE = 1_000_000_000  # ns by which the sender's clock may be ahead of ours
 
 
 class RouteRefused(Exception):
-    """The order is not taken up; `reason` is for the fleet manager."""
+    """The order is refused; `reason` is for the fleet manager."""
 
     def __init__(self, reason: Reason) -> None:
         super().__init__(reason.text)
@@ -23,7 +23,7 @@ class RouteRefused(Exception):
 def check_order(order: RouteOrder, whose: str) -> None:
     """Raises RouteRefused for an order that is wrong for each graph and robot.
 
-    whose -- the robot, in words
+    whose -- name of the robot in the message
     """
     if len(order.edges) > MAXIMUM_EDGES:
         raise RouteRefused(Reason(ReasonCode.WRONG_ROUTE,
@@ -36,17 +36,17 @@ def check_order(order: RouteOrder, whose: str) -> None:
 
 
 def is_late(order: RouteOrder, last: RouteOrder) -> bool:
-    """Was the order sent before the last one that was taken up, and overtaken by it?
+    """Returns whether the order was sent before the last accepted order, which overtook it.
 
-    Where this computer's clock is before the stamp of that one, it has been set back since, and
-    the stamps tell nothing.
+    If this computer's clock is behind the stamp of the last accepted order, the clock was set back,
+    and the stamps cannot be compared.
     """
     is_set_back = 0 < order.received < last.stamp - CLOCK_TOLERANCE
     return 0 < order.stamp < last.stamp and not is_set_back
 
 
 def check_edges(graph: Graph, edges: Sequence[int]) -> None:
-    """Raises RouteRefused for a route that no robot could drive."""
+    """Raises RouteRefused for a route that no robot can drive."""
     try:
         check_route(graph, edges)
     except TrajectoryGraphError as error:
@@ -54,6 +54,9 @@ def check_edges(graph: Graph, edges: Sequence[int]) -> None:
 
 
 def edge_states(edges: Sequence[int], completed: int, phase: Phase) -> Tuple[EdgeState, ...]:
-    """One state for each edge of a route of which so many, from the first on, are driven."""
+    """Returns one state for each edge of a route.
+
+    completed -- number of driven edges, from the first one on
+    """
     rest = EdgeState.FAILED if phase is Phase.FAILED else EdgeState.PROCESSING
     return (EdgeState.COMPLETE,) * completed + (rest,) * (len(edges) - completed)

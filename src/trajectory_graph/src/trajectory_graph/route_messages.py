@@ -1,7 +1,8 @@
-"""Routes in messages of `itrci_nav_msgs`, told apart from ROS: only the fields' names are used.
+"""Converts routes to and from messages of `itrci_nav_msgs`.
 
-The original definitions of INESC TEC (itrci_nav_msgs) are not public; adapting to another one is
-this file, and `trajectory_graph.messages` for the graph.
+The module does not import ROS; it only uses the names of the fields. The original definitions of
+INESC TEC (itrci_nav_msgs) are not public. To support other definitions, change this file, and
+`trajectory_graph.messages` for the graph.
 """
 from __future__ import annotations
 
@@ -20,13 +21,13 @@ _UNKNOWN = Location(math.nan, math.nan, math.nan)
 
 
 def order_of(message: Any, received: int) -> RouteOrder:
-    """What an `itrci_nav_msgs/TargetRoute` orders that came at `received` (ns)."""
+    """Returns the order in an `itrci_nav_msgs/TargetRoute` that came at `received` (ns)."""
     return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
                       received, message.known_epoch)
 
 
 def fill_refusal(message: Any, refusal: RouteRefusal, now: int) -> Any:
-    """Fills an empty `itrci_nav_msgs/RouteRefused`, sent at `now` (ns). Returns it."""
+    """Fills an empty `itrci_nav_msgs/RouteRefused`, sent at `now` (ns), and returns it."""
     _set_stamp(message, now)
     message.route_id, message.edges = refusal.route_id, list(refusal.edges)
     _set_reason(message, refusal.reason)
@@ -34,9 +35,9 @@ def fill_refusal(message: Any, refusal: RouteRefusal, now: int) -> Any:
 
 
 def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
-    """Fills an empty `itrci_nav_msgs/ExecutionRouteStates`; the type is that of its states.
+    """Fills an empty `itrci_nav_msgs/ExecutionRouteStates` and returns it.
 
-    Returns it.
+    state_type -- the message type of its states
     """
     _set_stamp(message, report.stamp)
     message.header.frame_id = 'map'
@@ -53,7 +54,7 @@ def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
 
 
 def location_of(message: Any) -> Optional[Location]:
-    """Where an `itrci_nav_msgs/ExecutionRouteStates` says that the robot is; None: nowhere."""
+    """Returns the robot's pose in an `itrci_nav_msgs/ExecutionRouteStates`; None if unknown."""
     if not (math.isfinite(message.x) and math.isfinite(message.y)):
         return None
     return Location(message.x, message.y,

@@ -1,6 +1,6 @@
-"""The values that a robot and the fleet manager speak of: orders in, reports and refusals out.
+"""The values of the route protocol: the robot receives orders, and sends reports and refusals.
 
-The rules are those of docs/reference/route_protocol.md. Stamps in nanoseconds of the ROS clock.
+docs/reference/route_protocol.md defines the rules. Stamps are in nanoseconds of the ROS clock.
 """
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from typing import Optional, Tuple
 
 @dataclass(frozen=True)
 class RouteOrder:
-    """Drive `edges` (signed ids) in this order, or stop where there are none."""
+    """An order to drive `edges` (signed ids) in the given sequence; without edges: to stop."""
 
     route_id: int
     edges: Tuple[int, ...]
-    stamp: int = 0  # when it was sent; 0 where the sender did not say
-    received: int = field(default=0, compare=False)  # when it came
-    known_epoch: int = field(default=0, compare=False)  # of the motion; 0: the stamp decides
+    stamp: int = 0  # time of sending; 0 if the sender did not give it
+    received: int = field(default=0, compare=False)  # time of reception
+    known_epoch: int = field(default=0, compare=False)  # epoch of the motion; 0: the stamp decides
     comes_again: bool = field(default=False, compare=False)
-    """Whether a connection began with it, to a publisher that latches and was there before."""
+    """Whether it was the first message of a new connection to an earlier, latching publisher."""
 
     def is_repeat_of(self, other: RouteOrder) -> bool:
-        """Does it order the same route once more, whenever it was sent?"""
+        """Returns whether it orders the same route again, regardless of its stamp."""
         return (self.route_id, self.edges) == (other.route_id, other.edges)
 
 
 ANSWERED_WITHIN = 4.0
-"""s after its first arrival within which a robot takes an order up, or refuses it."""
+"""s after the first reception of an order within which a robot accepts or refuses it."""
 
 
 class EdgeState(IntEnum):
-    """State of one place of a route; what is accepted and still ahead is PROCESSING, too."""
+    """The state of one edge of a route; an accepted edge that is still ahead is PROCESSING, too."""
 
     PROCESSING = 1
     COMPLETE = 2
@@ -40,14 +40,14 @@ class EdgeState(IntEnum):
 
 @dataclass(frozen=True)
 class SymbolicPose:
-    """Place on the graph: percentage (0..100) along the driving direction of a signed edge."""
+    """A position on the graph: a signed edge, and a percentage (0..100) in driving direction."""
 
-    edge: int = 0  # 0 = off the graph
+    edge: int = 0  # 0: off the graph
     percentage: float = 0.0
 
 
 class ReasonCode(IntEnum):
-    """What kind of reason it is; as in itrci_nav_msgs/ReasonCode, which says more of each."""
+    """The kind of a reason; itrci_nav_msgs/ReasonCode describes each code."""
 
     NONE = 0
     OTHER = 1
@@ -74,8 +74,11 @@ class ReasonCode(IntEnum):
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a route failed, a stop is not obeyed, or an order was refused: programs decide by the
-    code, the text, a clause, is for people. False where there is nothing to give a reason for."""
+    """The reason why a route failed, a stop is not obeyed, or an order was refused.
+
+    Programs decide by the code. The text is a clause for people. A reason with the code NONE is
+    false.
+    """
 
     code: ReasonCode = ReasonCode.NONE
     text: str = ''
@@ -95,8 +98,7 @@ EMERGENCY_STOP = Reason(ReasonCode.EMERGENCY_STOP, 'emergency stop')
 
 
 def reason_of(code: int, text: str) -> Reason:
-    """The reason of a message: a code that is not known here, or a text without a code, is OTHER.
-    """
+    """Returns the reason of a message; an unknown code, or a text without a code, becomes OTHER."""
     try:
         known = ReasonCode(code)
     except ValueError:
@@ -106,7 +108,7 @@ def reason_of(code: int, text: str) -> Reason:
 
 @dataclass(frozen=True)
 class Location:
-    """Where the robot is in the map frame: m, m, rad; `theta` is NaN where it is not known."""
+    """The robot's pose in the map frame: m, m, rad; `theta` is NaN if it is unknown."""
 
     x: float
     y: float
@@ -115,10 +117,11 @@ class Location:
 
 @dataclass(frozen=True)
 class RouteReport:
-    """What the fleet manager is told; `stamp` is that of the place reported.
+    """The robot's report to the fleet manager.
 
-    location -- that place in the map frame; None: it is not known
-    epoch -- of the robot's motion; 0: none is known
+    stamp    -- time of the reported position
+    location -- the reported position in the map frame; None: unknown
+    epoch    -- epoch of the robot's motion; 0: unknown
     """
 
     stamp: int
@@ -133,7 +136,7 @@ class RouteReport:
 
 @dataclass(frozen=True)
 class RouteRefusal:
-    """An order that was not taken up."""
+    """The refusal of an order."""
 
     route_id: int
     edges: Tuple[int, ...]
@@ -141,7 +144,7 @@ class RouteRefusal:
 
 
 class Phase(Enum):
-    """What became of a route."""
+    """The phase of a route."""
 
     RUNNING = 'running'
     COMPLETE = 'complete'

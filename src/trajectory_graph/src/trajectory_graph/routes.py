@@ -8,7 +8,7 @@ from trajectory_graph.graph import Graph
 
 
 def check_route(graph: Graph, edges: Sequence[int]) -> None:
-    """Raises UnknownEdge, or DiscontinuousRoute at the first edge that does not follow on."""
+    """Raises UnknownEdge, or DiscontinuousRoute if an edge does not continue the previous one."""
     for edge in edges:
         graph.edge(edge)
     for first, second in zip(edges, edges[1:]):
@@ -18,11 +18,11 @@ def check_route(graph: Graph, edges: Sequence[int]) -> None:
 
 
 def route_vertices(graph: Graph, edges: Sequence[int]) -> List[int]:
-    """Ids of the vertices to visit, in order, without the one where the route starts.
+    """Returns the ids of the vertices to visit, in sequence, without the start vertex.
 
-    Both vertices of every edge in turn, less the first one, less adjacent repeats: edges
-    [E1, E4, E5] from V1 give [V1, V2, V2, V7, V7, V6] and so [V2, V7, V6].
-    Raises what `check_route` raises.
+    The list has both vertices of each edge, without the first vertex and without adjacent repeats.
+    Example: the edges [E1, E4, E5] from V1 give [V1, V2, V2, V7, V7, V6], and so [V2, V7, V6].
+    Raises the errors of `check_route`.
     """
     check_route(graph, edges)
     return [graph.end_vertex(edge).id for edge in edges]

@@ -1,8 +1,8 @@
-"""Long edges cut into sections with vertices of their own, so that more robots share a graph.
+"""Cuts long edges into sections with new vertices between them, so that more robots share a graph.
 
-A robot on an edge keeps others from all of it, and many robots cannot be held in the middle of one.
-Cut into sections, an edge is given to robots piece by piece. The sections lie exactly on the old
-curve: a part of a Bezier curve is a Bezier curve.
+A robot on an edge blocks the whole edge, and many robots cannot stop in the middle of an edge. An
+edge that is cut into sections is granted section by section. The sections lie exactly on the old
+curve, because a part of a Bezier curve is a Bezier curve.
 """
 from __future__ import annotations
 
@@ -22,11 +22,14 @@ from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 
 
 def split_edges(graph: Graph, longest: float) -> Graph:
-    """The graph with every edge longer than `longest` (m) cut into equal sections no longer.
+    """Returns the graph with each edge longer than `longest` (m) cut into equal sections.
 
-    Edges that are short enough keep their ids; a section and a new vertex get ids above all old
-    ones, in the order of the edges, from origin to destination. A new vertex looks along the edge;
-    it is labelled with the edge's id and the section that ends there, `7/2`, and is no parking.
+    - No section is longer than `longest`.
+    - Edges that are short enough keep their ids.
+    - Sections and new vertices get ids above all old ids, in the sequence of the edges, from
+      origin to destination.
+    - A new vertex has the heading of the edge there. Its label is the edge's id and the number of
+      the section that ends there, e.g. `7/2`. It is not a parking vertex.
     """
     if not longest > 0.0:
         raise ValueError(f'longest is {longest}, but must be positive')
@@ -48,7 +51,7 @@ def split_edges(graph: Graph, longest: float) -> Graph:
 
 def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
          first_edge: int) -> Tuple[List[Vertex], List[Edge]]:
-    """The `count` - 1 new vertices on the edge and the `count` sections that they make."""
+    """Returns the `count` - 1 new vertices on the edge, and its `count` sections."""
     control = graph.control_points(edge.id)
     cuts = _equal_parts(control, count)
     origin = graph.vertices[edge.origin]
@@ -72,14 +75,15 @@ def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
 
 
 def _equal_parts(control: np.ndarray, count: int) -> List[float]:
-    """Parameters that cut the curve into `count` parts of equal arc length, 0 and 1 included."""
+    """Returns the parameters that cut the curve into `count` parts of equal length, with 0 and 1.
+    """
     t = fine_parameters(control, 64 * count)
     arc = bezier_arc_lengths(control, t)
     wanted = arc[-1] * np.arange(1, count) / count
     before = np.clip(np.searchsorted(arc, wanted, side='right') - 1, 0, len(t) - 2)
     low, high = t[before], t[before + 1]
     cuts = np.interp(wanted, arc, t)
-    for _ in range(3):  # Newton's method, within the step that each cut is certain to lie in
+    for _ in range(3):  # Newton's method, limited to the step that contains the cut
         here = arc[before] + [bezier_arc_lengths(control, np.array(step))[1]
                               for step in zip(low, cuts)]
         speed = np.maximum(bezier_speeds(control, cuts), 1e-9)
@@ -88,7 +92,7 @@ def _equal_parts(control: np.ndarray, count: int) -> List[float]:
 
 
 def _direction(part: np.ndarray) -> float:
-    """Driving direction (rad) at the end of a section."""
+    """Returns the driving direction (rad) at the end of a section."""
     for before in part[2::-1]:
         dx, dy = part[3] - before
         if math.hypot(dx, dy) > 1e-9:

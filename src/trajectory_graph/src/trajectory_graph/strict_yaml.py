@@ -1,7 +1,7 @@
-"""YAML files read strictly: what is wrong is named with its line.
+"""Reads YAML files strictly; an error names its line.
 
-YAML's own objects are never built: only the text of scalars is looked at, so no tag can make Python
-do anything, and every field must hold what its reader expects.
+The reader never creates YAML objects. It only uses the text of scalars, so that a tag cannot
+execute code. Each field must have a value that its reader accepts.
 """
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _Loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 _PLAIN_TAGS = {f'tag:yaml.org,2002:{tag}' for tag in ('int', 'float', 'str', 'bool', 'null')}
 
 Field = Tuple[str, yaml.Node]
-"""A key and what stands there."""
+"""A key and its value."""
 Read = TypeVar('Read')
 
 
 class WrongYaml(Exception):
-    """What is wrong with a file.
+    """An error in a file.
 
-    problem -- as a clause, e.g. `X is missing`
-    line    -- counted from 1, None where it is about the whole file
+    problem -- the error as a clause, e.g. `X is missing`
+    line    -- the line, counted from 1; None if the error concerns the whole file
     """
 
     def __init__(self, problem: str, place: Union[None, int, yaml.Node] = None) -> None:
@@ -37,38 +37,38 @@ class WrongYaml(Exception):
 
 
 def line_of(node: yaml.Node) -> int:
-    """Line at which a node begins, counted from 1."""
+    """Returns the line at which a node begins, counted from 1."""
     return node.start_mark.line + 1
 
 
 def compose(path: Union[str, os.PathLike]) -> yaml.Node:
-    """The root of the one document in a file; raises WrongYaml."""
+    """Returns the root of the only document in a file; raises WrongYaml."""
     return compose_data(read_file(path))
 
 
 def read_file(path: Union[str, os.PathLike]) -> bytes:
-    """The bytes of a regular file, up to one more than is allowed; raises WrongYaml.
+    """Returns the bytes of a regular file, at most LARGEST_FILE + 1; raises WrongYaml.
 
-    It never waits: the path may lead to a pipe or a device.
+    The function never blocks, even if the path is a pipe or a device.
     """
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise WrongYaml('this is no regular file')
+            raise WrongYaml('this is not a regular file')
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as stream:
             return stream.read(LARGEST_FILE + 1)
     except OSError as error:
         raise WrongYaml(f'the file cannot be read ({error.strerror})') from None
-    except ValueError:  # a zero byte, or letters that the file system has not
+    except ValueError:  # a zero byte, or characters that the file system does not have
         raise WrongYaml('no file can have this name') from None
 
 
 def compose_data(data: bytes) -> yaml.Node:
-    """The root of the one document in the bytes of a file; raises WrongYaml."""
+    """Returns the root of the only document in the bytes of a file; raises WrongYaml."""
     if len(data) > LARGEST_FILE:
         raise WrongYaml(f'the file is larger than {LARGEST_FILE // 2 ** 20} MiB')
     try:
         if _nesting(data) > DEEPEST_NESTING:
-            raise WrongYaml(f'collections are nested more than {DEEPEST_NESTING} deep')
+            raise WrongYaml(f'collections are nested more than {DEEPEST_NESTING} levels deep')
         root = yaml.compose(data, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -82,7 +82,10 @@ def compose_data(data: bytes) -> yaml.Node:
 
 
 def _unquoted(problem: Optional[str]) -> str:
-    """What YAML found, without the words of the file: it may be a wrong file, given by mistake."""
+    """Returns the error of the YAML parser without quotations of the file.
+
+    The file may be a wrong one, e.g. a file with secrets that was given by mistake.
+    """
     return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 
 
@@ -100,9 +103,10 @@ def _nesting(data: bytes) -> int:
 
 
 def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str, yaml.Node]:
-    """The fields of a mapping; a key that stands there twice is wrong.
+    """Returns the fields of a mapping; raises WrongYaml, also for a repeated key.
 
-    Only a key that is `known` is named in the error: the others may be of a file given by mistake.
+    The error names only keys that are `known`. Other keys may come from a file that was given by
+    mistake.
     """
     if not isinstance(node, yaml.MappingNode):
         raise WrongYaml(f'{name} must be a mapping of names to values', node)
@@ -112,13 +116,13 @@ def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str,
             raise WrongYaml(f'{name} has a key that is not a name', key)
         if key.value in fields:
             told = key.value if key.value in known else 'a key'
-            raise WrongYaml(f'{told} stands there twice', key)
+            raise WrongYaml(f'{told} is given twice', key)
         fields[key.value] = value
     return fields
 
 
 def field(fields: Dict[str, yaml.Node], key: str, where: yaml.Node) -> Field:
-    """A field that must be there."""
+    """Returns a required field; raises WrongYaml if it is missing."""
     if key not in fields:
         raise WrongYaml(f'{key} is missing', where)
     return key, fields[key]
@@ -126,12 +130,12 @@ def field(fields: Dict[str, yaml.Node], key: str, where: yaml.Node) -> Field:
 
 def optional(fields: Dict[str, yaml.Node], key: str, read: Callable[[Field], Read],
              default: Read) -> Read:
-    """What a field says, `default` where it is missing."""
+    """Returns the value of a field; `default` if the field is missing."""
     return read((key, fields[key])) if key in fields else default
 
 
 def items(one: Field) -> List[yaml.Node]:
-    """The elements of a list."""
+    """Returns the elements of a list."""
     key, node = one
     if not isinstance(node, yaml.SequenceNode):
         raise WrongYaml(f'{key} must be a list', node)
@@ -139,12 +143,12 @@ def items(one: Field) -> List[yaml.Node]:
 
 
 def listed(read: Callable[[Field], Read]) -> Callable[[Field], List[Read]]:
-    """A reader of lists, from a reader of their elements."""
+    """Returns a reader of lists for a reader of their elements."""
     return lambda one: [read((f'an entry of {one[0]}', item)) for item in items(one)]
 
 
 def scalar(one: Field, expected: str) -> str:
-    """The text of a plain value."""
+    """Returns the text of a plain value."""
     key, node = one
     if not isinstance(node, yaml.ScalarNode) or node.tag not in _PLAIN_TAGS:
         raise WrongYaml(f'{key} must be {expected}', node)
@@ -152,7 +156,7 @@ def scalar(one: Field, expected: str) -> str:
 
 
 def whole(one: Field) -> int:
-    """A whole number of 32 bits."""
+    """Returns a whole number of 32 bits."""
     text = scalar(one, 'a whole number')
     try:
         value = int(text)
@@ -164,7 +168,7 @@ def whole(one: Field) -> int:
 
 
 def real(one: Field) -> float:
-    """A number, nan and infinities included."""
+    """Returns a number; NaN and infinities are allowed."""
     text = scalar(one, 'a number')
     try:
         return float(text.replace('.inf', 'inf').replace('.nan', 'nan'))
@@ -173,12 +177,12 @@ def real(one: Field) -> float:
 
 
 def text(one: Field) -> str:
-    """Any plain text."""
+    """Returns any plain text."""
     return scalar(one, 'a text')
 
 
 def truth(one: Field) -> bool:
-    """True or false."""
+    """Returns a boolean."""
     value = scalar(one, 'true or false')
     if value.lower() not in ('true', 'false'):
         raise WrongYaml(f'{one[0]} is {value!r}, but must be true or false', one[1])
@@ -186,7 +190,7 @@ def truth(one: Field) -> bool:
 
 
 def choice(allowed: Sequence[str], what: str) -> Callable[[Field], str]:
-    """A reader of one of some words."""
+    """Returns a reader that accepts only the `allowed` words."""
     def read(one: Field) -> str:
         value = scalar(one, what)
         if value not in allowed:

@@ -1,8 +1,8 @@
-"""Files of graphs that people edit: what an editor changes is written, all else stays as it is.
+"""Writes the changes of an editor to a graph file, and keeps the rest of the file as it is.
 
-Records that were not touched keep their lines byte for byte, comments included. In a changed record
-only the values that changed are rewritten; unknown keys, order and layout stay. New records go to
-the end of their list, in the layout of the record before.
+- An unchanged record keeps its lines byte for byte, including comments.
+- In a changed record only the changed values are rewritten. Unknown keys, sequence and layout stay.
+- A new record is added at the end of its list, in the layout of the record before it.
 """
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ _LINE_BREAKS_OF_YAML_ONLY = '\x85\u2028\u2029'
 Element = Any  # Vertex or Edge
 Fields = Dict[str, Any]
 Edit = Tuple[int, int, str]
-"""Start and end in the text, and what takes the place of what is between."""
+"""Start and end of a part of the text, and its replacement."""
 
 
 class GraphFile:
-    """The text of a graph's file, and the draft that is the graph in it."""
+    """The text of a graph file, and its graph as a draft."""
 
     def __init__(self, text: str, name: str) -> None:
-        """Raises GraphError for a text that `load_graph` would refuse; `name` is for its words."""
+        """Raises GraphError for a text that `load_graph` refuses; `name` is used in its message."""
         self.text = text
         self.name = name
         self.draft = Draft.of(parse_graph(text.encode('utf-8'), name))
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike]) -> GraphFile:
-        """The file `path`; raises GraphError."""
+        """Reads the file `path`; raises GraphError."""
         name = os.fspath(path)
         try:
             return cls(read_file(path).decode('utf-8'), name)
@@ -53,7 +53,7 @@ class GraphFile:
             raise GraphError('this is not UTF-8', file=name) from None
 
     def edited(self, draft: Draft) -> GraphFile:
-        """The file with the graph of `draft`; raises GraphError where that is no valid graph."""
+        """Returns the file with the graph of `draft`; raises GraphError if it is not valid."""
         draft.graph()
         mark = _BYTE_ORDER_MARK if self.text.startswith(_BYTE_ORDER_MARK) else ''
         text = self.text[len(mark):]
@@ -68,17 +68,17 @@ class GraphFile:
         except GraphError:
             edited = None
         if edited is None or edited.draft != Draft(dict(draft.vertices), dict(draft.edges)):
-            raise GraphError('the edited file would not hold the edited graph, perhaps because of '
-                             'anchors in it; edit it by hand', file=self.name)
+            raise GraphError('the edited file would not contain the edited graph, perhaps because '
+                             'of YAML anchors; edit the file by hand', file=self.name)
         return edited
 
     def save(self, path: Union[str, os.PathLike]) -> None:
-        """Replaces the file `path` by this one at once; raises OSError."""
+        """Replaces the file `path` by this file in one step; raises OSError."""
         replace_file(path, self.text)
 
 
 def _for_marks(text: str) -> str:
-    """The text with line breaks that only YAML knows as blanks, so that places are the same."""
+    """Returns the text with blanks for the line breaks that only YAML has; positions stay."""
     for character in _LINE_BREAKS_OF_YAML_ONLY:
         text = text.replace(character, ' ')
     return text
@@ -121,12 +121,12 @@ def _id_of(record: yaml.MappingNode) -> int:
 
 
 def _values(fields: Fields, element: Element) -> Fields:
-    """What the fields mean, also where the file need not say it."""
+    """Returns the fields with `Dock`, which the file may omit."""
     return {**fields, 'Dock': element.dock} if 'Dock' in fields else fields
 
 
 def _rewritten(text: str, node: yaml.SequenceNode, records: List[Fields]) -> Edit:
-    """A list in brackets anew; an empty one gets a line for every record."""
+    """Returns the edit that rewrites a list in brackets; an empty list gets a line per record."""
     start, end = node.start_mark.index, _end_of(node)
     if node.value or not records:
         return start, end, f'[{", ".join(map(flow_mapping, records))}]'
@@ -135,7 +135,7 @@ def _rewritten(text: str, node: yaml.SequenceNode, records: List[Fields]) -> Edi
 
 
 def _record_edits(text: str, record: yaml.MappingNode, old: Fields, new: Fields) -> List[Edit]:
-    """The values that changed, the keys that came and went."""
+    """Returns the edits for changed values, and for added and removed keys."""
     pairs = {key.value: value for key, value in record.value}
     implied = {'Dock': new.get('Label') == DOCK_LABEL}
     edits: List[Edit] = []
@@ -169,7 +169,7 @@ def _addition(text: str, record: yaml.MappingNode, added: List[Tuple[str, Any]])
 
 
 def _removal(record: yaml.MappingNode, name: str) -> Edit:
-    """A key and its value, and what separates them from the next."""
+    """Returns the edit that removes a key, its value and the separator."""
     for k, (key, value) in enumerate(record.value):
         if key.value == name:
             if k + 1 < len(record.value):
@@ -179,7 +179,7 @@ def _removal(record: yaml.MappingNode, name: str) -> Edit:
 
 
 def _like(text: str, record: yaml.MappingNode, fields: Fields) -> str:
-    """A new record in the layout of another, whole lines."""
+    """Returns the lines of a new record in the layout of another record."""
     line_end = _line_end(text)
     lead = text[_dash_of(text, record):record.start_mark.index]
     if '#' in lead:
@@ -194,24 +194,24 @@ def _like(text: str, record: yaml.MappingNode, fields: Fields) -> str:
 
 
 def _dash_of(text: str, record: yaml.MappingNode) -> int:
-    """Where the dash of a record in a block list stands."""
+    """Returns the position of the dash of a record in a block list."""
     dash = text.rfind('-', 0, record.start_mark.index)
     line = text.rfind('\n', 0, dash) + 1
-    while text[line:dash].strip():  # the dash of a comment
+    while text[line:dash].strip():  # the dash belongs to a comment
         dash = text.rfind('-', 0, dash)
         line = text.rfind('\n', 0, dash) + 1
     return dash
 
 
 def _lines_of(text: str, record: yaml.MappingNode) -> Tuple[int, int]:
-    """Where the lines of a record begin and end, the last line end included."""
+    """Returns start and end of the lines of a record, including the last line end."""
     start = text.rfind('\n', 0, _dash_of(text, record)) + 1
     end = text.find('\n', _end_of(record))
     return start, len(text) if end < 0 else end + 1
 
 
 def _end_of(node: yaml.Node) -> int:
-    """Where a node ends in the text: a block collection where its last value does."""
+    """Returns the end of a node in the text; a block collection ends with its last value."""
     if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
         last = node.value[-1]
         return _end_of(last[1] if isinstance(last, tuple) else last)
@@ -219,7 +219,7 @@ def _end_of(node: yaml.Node) -> int:
 
 
 def _scalar(value: Any) -> str:
-    """A value as it stands after its key, on one line."""
+    """Returns a value as it is written after its key, on one line."""
     return flow_mapping({'k': value})[len('{k: '):-1]
 
 

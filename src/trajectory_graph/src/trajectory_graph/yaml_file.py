@@ -1,4 +1,4 @@
-"""Trajectory graphs in the YAML files that the fleet manager's editor writes: read and written.
+"""Reads and writes trajectory graphs in the YAML format of the fleet manager's editor.
 
     Edges:
     - {CurveType: spline, Destination_ID: 2, Id: 3, Origin_ID: 1, ParamB: 0.25, ParamF: 0.25,
@@ -6,9 +6,9 @@
     Vertices:
     - {FrameId: map/nn0, Id: 8, Label: pass, Theta: 1.64, ThetaHolomonic: 2.74, X: 4.17, Y: -3.86}
 
-Reading is strict (see `strict_yaml`): every field must be there once and hold what it should.
-Fields that we do not know are left alone, because the editor may write more than we need. A vertex
-may also say `Dock` and `Parking` (true or false); without `Dock`, the label `dock` makes it a dock.
+Reading is strict (see `strict_yaml`): the file must have each field once, with a valid value.
+Unknown fields are ignored, because the editor may write further fields. A vertex may also have
+`Dock` and `Parking` (true or false). Without `Dock`, the label `dock` makes the vertex a dock.
 """
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from trajectory_graph.errors import GraphError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 from trajectory_graph.strict_yaml import WrongYaml
 
-DOCK_LABEL = 'dock'  # which makes a dock of a vertex that does not say whether it is one
+DOCK_LABEL = 'dock'  # makes a vertex without the field `Dock` a dock
 
 
 def load_graph(path: Union[str, os.PathLike]) -> Graph:
-    """The graph in the YAML file `path`.
+    """Returns the graph in the YAML file `path`.
 
-    Raises GraphError with file, line and id for a file that is missing or unreadable, is no YAML,
-    lacks a field, or describes a graph that is not valid.
+    Raises GraphError with file, line and id if the file is missing or unreadable, is not YAML, does
+    not have a field, or describes an invalid graph.
     """
     file = os.fspath(path)
     try:
@@ -41,7 +41,7 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
 
 
 def parse_graph(data: bytes, file: str) -> Graph:
-    """The graph in the bytes of a file, which `file` names; raises GraphError as `load_graph`."""
+    """Returns the graph in the bytes of a file with the name `file`; raises GraphError."""
     try:
         root = strict_yaml.compose_data(data)
         sections = strict_yaml.mapping(root, 'the file', _KEYS)
@@ -58,15 +58,15 @@ def parse_graph(data: bytes, file: str) -> Graph:
 
 
 def save_graph(graph: Graph, path: Union[str, os.PathLike], comment: str = '') -> None:
-    """Writes `graph` as a file that `load_graph` reads; `comment` becomes its first line.
+    """Writes `graph` to a file that `load_graph` reads; `comment` becomes its first line.
 
-    An older file stays until the new one is complete. Raises OSError.
+    An older file is replaced only when the new one is complete. Raises OSError.
     """
     replace_file(path, (f'# {comment}\n' if comment else '') + dump_graph(graph))
 
 
 def dump_graph(graph: Graph) -> str:
-    """The text of the file, without a comment."""
+    """Returns the text of the file, without a comment."""
     lines = ['Edges:' if graph.edges else 'Edges: []']
     lines += [f'- {flow_mapping(edge_fields(edge))}' for edge in graph.edges.values()]
     lines.append('Vertices:')
@@ -75,7 +75,7 @@ def dump_graph(graph: Graph) -> str:
 
 
 def edge_fields(edge: Edge) -> Dict[str, Any]:
-    """The file's fields of an edge, by their names there."""
+    """Returns the fields of an edge, by their names in the file."""
     return {
         'CurveType': edge.curve_type.value, 'Destination_ID': edge.destination, 'Id': edge.id,
         'Origin_ID': edge.origin, 'ParamB': edge.param_b, 'ParamF': edge.param_f,
@@ -83,7 +83,7 @@ def edge_fields(edge: Edge) -> Dict[str, Any]:
 
 
 def vertex_fields(vertex: Vertex) -> Dict[str, Any]:
-    """The file's fields of a vertex, by their names there; None for one that is left out."""
+    """Returns the fields of a vertex, by their names in the file; None: the field is omitted."""
     said_by_label = vertex.dock == (vertex.label == DOCK_LABEL)
     return {
         'Dock': None if said_by_label else vertex.dock,
@@ -93,7 +93,7 @@ def vertex_fields(vertex: Vertex) -> Dict[str, Any]:
 
 
 def flow_mapping(fields: Dict[str, Any]) -> str:
-    """`{Key: value, ...}` in one line, without the fields that are None."""
+    """Returns `{Key: value, ...}` in one line, without the fields that are None."""
     known = {key: value for key, value in fields.items() if value is not None}
     text = yaml.dump(known, default_flow_style=True, width=10 ** 6, allow_unicode=True,
                      Dumper=getattr(yaml, 'CSafeDumper', yaml.SafeDumper))
@@ -106,7 +106,7 @@ def _vertex(dock: Optional[bool], label: str, **fields: Any) -> Vertex:
 
 def _elements(sections: Dict[str, yaml.Node], root: yaml.Node, section: str, kind: str,
               table: _Fields, make: Callable[..., Any], file: str) -> List[Tuple[Any, int]]:
-    """The vertices or edges of a section, each with its line; their ids are unique."""
+    """Returns the vertices or edges of a section with their lines; raises for repeated ids."""
     lines: Dict[int, int] = {}
     elements = []
     for item in strict_yaml.items(strict_yaml.field(sections, section, root)):

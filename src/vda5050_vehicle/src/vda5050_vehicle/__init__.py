@@ -1,5 +1,6 @@
-"""VDA 5050 for any ROS 1 robot that takes routes or poses.
+"""A VDA 5050 interface for any ROS 1 robot that accepts routes or goal poses.
 
-`protocol`, `core` and `drivers` know neither ROS nor MQTT, `mqtt` and `conformance` no ROS; `nodes`
-join them to both.
+- `protocol`, `core` and `drivers` depend neither on ROS nor on MQTT.
+- `mqtt` and `conformance` do not depend on ROS.
+- `nodes` connects these packages to ROS and MQTT.
 """

@@ -143,7 +143,7 @@ def test_a_goal_that_is_cancelled_while_it_waits_is_never_sent(bench):
     bench.client.connect()
     bench.goals.check()
     assert bench.client.heard == []
-    assert bench.ends == [('up', False, 'it was cancelled before its server was there')]
+    assert bench.ends == [('up', False, 'the goal was cancelled before its server was connected')]
 
 
 def test_a_goal_that_was_sent_is_cancelled_and_ends_when_the_server_says_so(bench):
@@ -169,11 +169,11 @@ def test_a_goal_ends_when_its_server_is_gone(bench):
     bench.send()
     bench.client.connect(0)
     bench.goals.check()
-    assert bench.ends == [('up', False, 'the action server lift is gone')]
+    assert bench.ends == [('up', False, 'the action server lift has disappeared')]
 
 
 @pytest.mark.parametrize('state, told', [
-    (CommState.WAITING_FOR_GOAL_ACK, 'the action server lift did not hear the goal'),
+    (CommState.WAITING_FOR_GOAL_ACK, 'the action server lift did not receive the goal'),
     (CommState.WAITING_FOR_RESULT, 'the result of the action server lift was lost')])
 def test_what_got_lost_is_not_waited_for_for_ever(bench, state, told):
     bench.client.connect()

@@ -1,1 +1,1 @@
-"""What is wrong with a graph, by itself and on its map: findings with place and reason."""
+"""Checks a graph by itself and on its map; the results are findings with place and reason."""

@@ -1,4 +1,4 @@
-"""A graph against its site: all findings, or those again that an edit can have changed."""
+"""Checks a graph on its site: the whole graph, or only the elements that an edit has changed."""
 from __future__ import annotations
 
 from functools import lru_cache
@@ -21,14 +21,14 @@ from graph_editor.site import Site
 from trajectory_graph import Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
-KEPT = 20_000  # elements whose findings are remembered
+KEPT = 20_000  # largest number of elements with cached findings
 
 
 class Checker:
-    """Remembers what it found about elements that stay the same."""
+    """Checks graphs, and caches the findings about unchanged elements."""
 
     def __init__(self, rules: CheckRules, site: Optional[Site] = None) -> None:
-        """Without a site only what the graph itself tells is checked."""
+        """Without a site only the graph itself is checked."""
         self.rules = rules
         self._site = site
         floor = None if site is None else site.floor
@@ -56,17 +56,17 @@ class Checker:
         self._vertex_findings = vertex_findings
 
     def of_edge(self, draft: Draft, id: int) -> Tuple[Finding, ...]:
-        """Findings about one edge alone."""
+        """Returns the findings about one edge alone."""
         edge = draft.edges[id]
         return self._edge_findings(draft.vertices[edge.origin], draft.vertices[edge.destination],
                                    edge)
 
     def of_vertex(self, draft: Draft, id: int) -> Tuple[Finding, ...]:
-        """Findings about one vertex alone."""
+        """Returns the findings about one vertex alone."""
         return self._vertex_findings(draft.vertices[id])
 
     def all(self, draft: Draft) -> List[Finding]:
-        """Everything that is wrong, errors first."""
+        """Returns all findings, errors first."""
         findings: List[Finding] = []
         for id in draft.vertices:
             findings += self.of_vertex(draft, id)
@@ -91,7 +91,7 @@ class Checker:
 
 def narrow_edges(graph: Graph, floor: Floor, corridor: float, robot_width: float
                  ) -> Dict[int, float]:
-    """Corridor (m, to the whole cm) of the edges that have no room for `corridor`."""
+    """Returns the corridor (m, in whole cm) of each edge without enough space for `corridor`."""
     widths = {}
     for id in graph.edges:
         clearance = tightest(floor, graph.curve(id).sample(0.05)).clearance

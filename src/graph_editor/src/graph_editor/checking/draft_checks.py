@@ -1,5 +1,4 @@
-"""Findings about a whole draft: what hangs together, which robots are in each other's way, what is
-not served."""
+"""Findings about a whole draft: its connections, mutual blocking of robots, and unserved floor."""
 from __future__ import annotations
 
 import math
@@ -23,13 +22,13 @@ from graph_editor.site import Place, PlaceKind
 from trajectory_graph.curves import Curve
 from trajectory_graph.editing import Draft
 
-KEPT = 20_000  # pairs of edges whose crossings are remembered
-NAMED_LIKE_PLACE = 1.0  # m between a place of the map and the vertex for it
+KEPT = 20_000  # largest number of pairs of edges with cached crossings
+NAMED_LIKE_PLACE = 1.0  # m; largest distance between a place of the map and its vertex
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnEdge:
-    """The curve of an edge, and the same for shapely; one edge that stays has one of it."""
+    """The curve of an edge, also as a shapely line; an unchanged edge keeps the same object."""
 
     curve: Curve
     line: LineString
@@ -37,17 +36,18 @@ class DrawnEdge:
 
 
 Curves = Mapping[int, DrawnEdge]
-"""By the edges' ids; an edge that has none, which is a finding of its own, is not there."""
+"""The curves by the ids of the edges. An edge without a curve is missing; it has its own finding.
+"""
 
 
 def check_together(draft: Draft, curves: Curves, rules: CheckRules) -> List[Finding]:
-    """What is wrong with the draft on every floor."""
+    """Returns the findings that do not depend on the floor."""
     return [*_parts(draft), *_one_way(draft), *_close(draft, rules), *_docks(draft),
             *_crossings(draft, curves), *_parking(draft, curves, rules)]
 
 
 def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules) -> List[Finding]:
-    """Vertices where robots must turn on the spot and have no room to."""
+    """Returns findings for vertices at which robots must turn but do not have enough space."""
     findings = []
     for id, directions in _directions(draft, curves).items():
         vertex = draft.vertices[id]
@@ -65,7 +65,7 @@ def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules)
 
 def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Sequence[Place],
                   rules: CheckRules) -> List[Finding]:
-    """Places of the map that are no vertices, and floor that is far from all edges."""
+    """Returns findings for places of the map without a vertex, and for floor far from all edges."""
     findings = []
     positions = cKDTree(np.array([vertex.position for vertex in draft.vertices.values()]))
     for place in places:
@@ -73,7 +73,7 @@ def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Seq
             distance, _ = positions.query(place.position)
             if distance > NAMED_LIKE_PLACE:
                 findings.append(Finding(
-                    Severity.WARNING, f'{place.kind.value} {place.name!r} of the map is no vertex',
+                    Severity.WARNING, f'{place.kind.value} {place.name!r} of the map has no vertex',
                     place=place.position))
     served.update([vertex.position for vertex in draft.vertices.values()],
                   {id: drawn.curve.points for id, drawn in curves.items()})
@@ -87,13 +87,17 @@ def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Seq
             (x, y), = grid.points_of(np.array([middle[0] + window[0].start]),
                                      np.array([middle[1] + window[1].start]))
             findings.append(Finding(
-                Severity.WARNING, f'{area:.1f} m2 of floor that robots can reach are farther than '
+                Severity.WARNING, f'{area:.1f} m2 of floor that robots can reach is farther than '
                 f'{rules.reach:g} m from all edges', place=(float(x), float(y))))
     return findings
 
 
 def _parts(draft: Draft) -> Iterable[Finding]:
-    """A vertex without edges is an error; two halls or floors in one graph may be meant."""
+    """Yields findings for separate parts.
+
+    A vertex without edges is an error. Larger parts are warnings, because a graph may have two
+    halls or floors.
+    """
     first, *others = draft.parts()
     for part in others:
         id, alone = min(part), len(part) == 1
@@ -106,7 +110,7 @@ def _parts(draft: Draft) -> Iterable[Finding]:
 
 
 def _one_way(draft: Draft) -> Iterable[Finding]:
-    """Vertices that robots cannot come to, or not leave, because of velocities of 0."""
+    """Yields findings for vertices that robots cannot reach or leave because of velocities of 0."""
     ways = nx.DiGraph()
     ways.add_nodes_from(draft.vertices)
     for edge in draft.edges.values():
@@ -120,8 +124,8 @@ def _one_way(draft: Draft) -> Iterable[Finding]:
         start = min(core)
         reached, left = nx.descendants(ways, start), nx.ancestors(ways, start)
         for id in sorted(part - core):
-            problem = ('cannot come here' if id not in reached else
-                       'cannot leave here' if id not in left else None)
+            problem = ('cannot reach this vertex' if id not in reached else
+                       'cannot leave this vertex' if id not in left else None)
             if problem:
                 yield Finding(Severity.ERROR, f'robots {problem}: one-way edges lead '
                               f'{"away" if id not in reached else "here"} only', 'vertex', id,
@@ -134,32 +138,32 @@ def _close(draft: Draft, rules: CheckRules) -> Iterable[Finding]:
     for i, j in sorted(tree.query_pairs(rules.least_distance)):
         a, b = sorted((ids[i], ids[j]))
         yield Finding(Severity.WARNING, f'vertex {a} is less than {rules.least_distance:g} m away: '
-                      'for robots they are one place', 'vertex', b, draft.vertices[b].position)
+                      'robots cannot distinguish them', 'vertex', b, draft.vertices[b].position)
 
 
 def _docks(draft: Draft) -> Iterable[Finding]:
     for vertex in draft.vertices.values():
         edges = len(draft.edges_at(vertex.id)) if vertex.dock else 1
         if edges > 1:
-            yield Finding(Severity.ERROR, f'{edges} edges lead to this dock, which is never passed '
-                          'through: leave it one', 'vertex', vertex.id, vertex.position)
+            yield Finding(Severity.ERROR, f'{edges} edges lead to this dock, but robots never pass '
+                          'through a dock: keep one edge', 'vertex', vertex.id, vertex.position)
 
 
 def _crossings(draft: Draft, curves: Curves) -> Iterable[Finding]:
-    """Edges that cross where no vertex is."""
+    """Yields findings for edges that cross without a vertex."""
     for a, b in _near_pairs(curves):
         one, other = draft.edges[a], draft.edges[b]
         shared = {one.origin, one.destination} & {other.origin, other.destination}
         for place in _meetings(curves[a], curves[b], frozenset(
                 draft.vertices[id].position for id in shared)):
-            yield Finding(Severity.WARNING, f'it crosses edge {a} where there is no vertex', 'edge',
+            yield Finding(Severity.WARNING, f'it crosses edge {a} without a vertex there', 'edge',
                           b, place)
 
 
 @lru_cache(maxsize=KEPT)
 def _meetings(one: DrawnEdge, other: DrawnEdge, shared: FrozenSet[Tuple[float, float]]
               ) -> Tuple[Tuple[float, float], ...]:
-    """Where two edges meet but in the vertices that they share."""
+    """Returns the points at which two edges meet, except at the vertices that they share."""
     if shared and _are_lines_at_an_angle(one.curve, other.curve):
         return ()
     ends = [Point(place) for place in shared]
@@ -174,7 +178,7 @@ def _are_lines_at_an_angle(one: Curve, other: Curve) -> bool:
 
 
 def _near_pairs(curves: Curves) -> Iterable[Tuple[int, int]]:
-    """Pairs of edges whose boxes overlap."""
+    """Yields the pairs of edges with overlapping bounding boxes."""
     ids = sorted(curves)
     boxes = np.array([curves[id].bounds for id in ids]).reshape(-1, 4)
     for k, id in enumerate(ids):
@@ -187,7 +191,7 @@ def _near_pairs(curves: Curves) -> Iterable[Tuple[int, int]]:
 
 
 def _parking(draft: Draft, curves: Curves, rules: CheckRules) -> Iterable[Finding]:
-    """Parking places where a robot is in the way of others."""
+    """Yields findings for parking places at which a robot blocks others."""
     for vertex in draft.vertices.values():
         if not vertex.parking:
             continue
@@ -215,7 +219,7 @@ def _separates(draft: Draft, id: int) -> bool:
 
 
 def _directions(draft: Draft, curves: Curves) -> Dict[int, List[float]]:
-    """The directions (rad) in which edges leave each vertex."""
+    """Returns the directions (rad) in which edges leave each vertex."""
     directions: Dict[int, List[float]] = {id: [] for id in draft.vertices}
     for id, drawn in curves.items():
         edge, curve = draft.edges[id], drawn.curve

@@ -1,6 +1,7 @@
-"""Findings about one edge or vertex, from itself and the floor under it: they can be kept.
+"""Findings about one edge or vertex and the floor under it.
 
-What they depend on is given whole, so that an unchanged element need not be looked at again.
+They depend only on the arguments of these functions. So the findings about an unchanged element can
+be cached.
 """
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ from graph_editor.floor import Floor
 from graph_editor.robot import NEARLY_STRAIGHT
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
-STEP = 0.05  # m between the places of a curve that are looked at
-GRAIN = 0.01  # m that a corridor may lack: the floor is not known better
+STEP = 0.05  # m between the checked points of a curve
+GRAIN = 0.01  # m; a corridor may be this much too narrow, because the floor is not more accurate
 
 
 class Tightest(NamedTuple):
@@ -28,7 +29,7 @@ class Tightest(NamedTuple):
 
 
 def tightest(floor: Floor, points: np.ndarray) -> Tightest:
-    """The tightest of `points` (N,2)."""
+    """Returns the point of `points` (N,2) with the least clearance."""
     clearances = floor.clearance_at(points)
     worst = int(np.argmin(clearances))
     return Tightest(float(clearances[worst]), (float(points[worst][0]), float(points[worst][1])))
@@ -36,7 +37,7 @@ def tightest(floor: Floor, points: np.ndarray) -> Tightest:
 
 def check_edge(origin: Vertex, destination: Vertex, edge: Edge, floor: Optional[Floor],
                rules: CheckRules) -> List[Finding]:
-    """What is wrong with an edge between its vertices."""
+    """Returns the findings about an edge."""
     middle = ((origin.x + destination.x) / 2.0, (origin.y + destination.y) / 2.0)
     try:
         graph = Graph((origin, destination), (edge,))
@@ -45,7 +46,7 @@ def check_edge(origin: Vertex, destination: Vertex, edge: Edge, floor: Optional[
         return [Finding(Severity.ERROR, error.problem, 'edge', edge.id, middle)]
     findings = []
     if edge.velocity_forward == 0.0 and edge.velocity_backwards == 0.0:
-        findings.append(Finding(Severity.ERROR, 'both its velocities are 0, so that no robot can '
+        findings.append(Finding(Severity.ERROR, 'both its velocities are 0, so no robot can '
                                 'drive on it', 'edge', edge.id, middle))
     if edge.curve_type is CurveType.SPLINE:
         findings += _sharp(graph, edge.id, rules)
@@ -56,7 +57,7 @@ def check_edge(origin: Vertex, destination: Vertex, edge: Edge, floor: Optional[
 
 
 def check_vertex(vertex: Vertex, floor: Optional[Floor], rules: CheckRules) -> List[Finding]:
-    """What is wrong with the place of a vertex."""
+    """Returns the findings about the position of a vertex."""
     if floor is None:
         return []
     clearance = floor.clearance_of(vertex.position)
@@ -64,15 +65,15 @@ def check_vertex(vertex: Vertex, floor: Optional[Floor], rules: CheckRules) -> L
         return [Finding(Severity.ERROR, _too_near(clearance, rules), 'vertex', vertex.id,
                         vertex.position)]
     if clearance < rules.turning and vertex.parking:
-        return [Finding(Severity.WARNING, f'a robot that parks here cannot turn: there are '
-                        f'{clearance:.2f} m around it, and it needs {rules.turning:.2f} m',
+        return [Finding(Severity.WARNING, f'a robot that parks here cannot turn: it has '
+                        f'{clearance:.2f} m around it, but needs {rules.turning:.2f} m',
                         'vertex', vertex.id, vertex.position)]
     return []
 
 
 def _too_near(clearance: float, rules: CheckRules) -> str:
     if clearance <= 0.0:
-        return 'it is in a wall, in a forbidden area, or outside the part of the map that counts'
+        return 'it is in a wall, in a forbidden area, or outside the part of the map that is used'
     return (f'an obstacle is {clearance:.2f} m from it, but half the robot is '
             f'{rules.robot_width / 2.0:.2f} m wide')
 
@@ -88,7 +89,7 @@ def _narrow(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> Lis
 
 
 def _bent(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> List[Finding]:
-    """The first stretch of an edge that bends, and has too little room for robots to turn."""
+    """Returns a finding for the first stretch of an edge that bends without space to turn."""
     clearances = floor.clearance_at(points)
     narrow = clearances < rules.turning - GRAIN
     headings = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1]))
@@ -99,14 +100,14 @@ def _bent(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> List[
         if turn > NEARLY_STRAIGHT and clearances[here].min() >= rules.robot_width / 2.0:
             tightest = here[int(np.argmin(clearances[here]))]
             return [Finding(Severity.WARNING, f'robots must turn by {math.degrees(turn):.0f} '
-                            f'degrees along it where they have {clearances[tightest]:.2f} m '
-                            f'around them, but need {rules.turning:.2f} m', 'edge', id,
+                            f'degrees along it, but have only {clearances[tightest]:.2f} m '
+                            f'around them and need {rules.turning:.2f} m', 'edge', id,
                             (float(points[tightest][0]), float(points[tightest][1])))]
     return []
 
 
 def _sharp(graph: Graph, id: int, rules: CheckRules) -> List[Finding]:
-    """The place where a spline bends most sharply, if a robot cannot follow it there."""
+    """Returns a finding for the sharpest bend of a spline if a robot cannot follow it."""
     control = graph.control_points(id)
     t = np.linspace(0.0, 1.0, 65)[:, None]
     u = 1.0 - t

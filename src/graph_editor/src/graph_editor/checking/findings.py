@@ -1,4 +1,4 @@
-"""Findings: what is wrong, where, and how bad it is."""
+"""Findings: problems of a graph with their place and severity."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -7,20 +7,20 @@ from typing import Iterable, List, Optional, Tuple
 
 
 class Severity(Enum):
-    """How bad a finding is."""
+    """The severity of a finding."""
 
     ERROR = 'error'
-    """Robots cannot drive on the graph as it says, or the loader refuses it."""
+    """Robots cannot drive on the graph as it is, or the loader refuses it."""
     WARNING = 'warning'
-    """It works, but a person should know."""
+    """The graph can be used, but a person should know the problem."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong.
+    """One problem.
 
-    kind -- 'vertex', 'edge', 'place' (of the map) or '' where it is nothing of the graph
-    id   -- of the vertex or edge, else None
+    kind -- 'vertex', 'edge', 'place' (of the map), or '' if it concerns no element of the graph
+    id   -- id of the vertex or edge, else None
     """
 
     severity: Severity
@@ -29,7 +29,7 @@ class Finding:
     kind: str = ''
     id: Optional[int] = None
     place: Optional[Tuple[float, float]] = None
-    """x, y in m, where it is to be seen."""
+    """The position of the problem: x, y in m."""
 
     def __str__(self) -> str:
         about = f'{self.kind} {self.id}: ' if self.id is not None else ''
@@ -38,7 +38,7 @@ class Finding:
 
 
 def in_order(findings: Iterable[Finding]) -> List[Finding]:
-    """Errors first, then by what they are about."""
+    """Returns the findings sorted: errors first, then by kind, id, text and place."""
     return sorted(findings, key=lambda finding: (
         finding.severity is Severity.WARNING, finding.kind, finding.id or 0, finding.text,
         finding.place or (0.0, 0.0)))

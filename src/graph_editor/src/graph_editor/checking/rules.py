@@ -1,4 +1,4 @@
-"""What a graph is measured by. Metres."""
+"""The limits for the checks of a graph. Metres."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -8,18 +8,18 @@ from graph_editor.robot import RobotSize
 
 @dataclass(frozen=True)
 class CheckRules(RobotSize):
-    """The robot, its corridor, and what else edges and vertices shall keep."""
+    """The robot, its corridor, and further limits of edges and vertices."""
 
     least_radius: float = 0.3
-    """A spline that bends more sharply is an error."""
+    """A spline with a smaller radius is an error."""
     least_distance: float = 0.3
-    """Two vertices nearer to each other are one place for robots."""
+    """Robots cannot distinguish two vertices that are nearer to each other."""
     reach: float = 2.0
-    """Floor farther from all edges than this, by the way to drive, is not served."""
+    """Floor with a greater driving distance from all edges is not served."""
     least_floor: float = 4.0
-    """m2 of floor that is not served, to be told."""
+    """m2; a smaller area of unserved floor is not reported."""
 
     @property
     def turning(self) -> float:
-        """The clearance of a place where the robot can turn on the spot."""
+        """The clearance that the robot needs to turn on the spot."""
         return self.half_diagonal

@@ -1,4 +1,4 @@
-"""Floor that robots reach and that is far from all edges: found anew only where edges changed."""
+"""Finds floor that robots reach and that is far from all edges; updates only changed parts."""
 from __future__ import annotations
 
 import math
@@ -11,14 +11,14 @@ from scipy import ndimage
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
 from graph_editor.making.coverage import Coverage, dense
 
-KEPT = 20_000  # places whose part of the floor is remembered
+KEPT = 20_000  # largest number of places with a cached part of the floor
 
 
 Place = Tuple[float, float]
 
 
 class Served(NamedTuple):
-    """What an edge serves."""
+    """The floor that an edge serves."""
 
     path: np.ndarray
     cells: np.ndarray
@@ -26,10 +26,10 @@ class Served(NamedTuple):
 
 
 class ServedFloor:
-    """The floor that lies within `reach` m of the edges, by the way to drive."""
+    """The floor with a driving distance of at most `reach` m from the edges."""
 
     def __init__(self, floor: Floor, clearance: float, reach: float) -> None:
-        """`clearance`: m around a robot's centre."""
+        """`clearance`: free space around a robot's centre, m."""
         self._floor, self._reach = floor, reach
         parts, _ = ndimage.label(floor.clearance >= clearance, EVERY_NEIGHBOUR)
         self._parts = parts
@@ -39,9 +39,9 @@ class ServedFloor:
         self._paths: Dict[int, Served] = {}
 
     def update(self, places: Collection[Place], paths: Mapping[int, np.ndarray]) -> None:
-        """Vertices at `places` and edges along `paths` (N,2) serve the floor now.
+        """Sets the vertices (`places`) and edges (`paths`, (N,2)) that serve the floor.
 
-        A path that is the same object as before is taken as unchanged.
+        A path that is the same object as before counts as unchanged.
         """
         reached = frozenset(map(self._part_near, places)) - {0}
         if reached != self._reached:
@@ -70,11 +70,14 @@ class ServedFloor:
         return np.column_stack(self.coverage.cells_of(dense(path, self.coverage.pitch)))
 
     def left(self) -> np.ndarray:
-        """(rows, columns) bool, of the coverage's grid: reachable, and far from all edges."""
+        """Returns the cells of the coverage's grid that are reachable and far from all edges."""
         return self.coverage.mask & ~self._served
 
     def _find_again(self, cells: np.ndarray) -> None:
-        """What `cells` can have changed: within the reach of them, by what is twice as near."""
+        """Updates the served floor around changed `cells`.
+
+        Cells within the reach can change. They depend on edges within twice the reach.
+        """
         mask, border = self.coverage.mask, int(math.ceil(self._reach / self.coverage.pitch)) + 1
         low, high = cells.min(axis=0), cells.max(axis=0) + 1
         (top, left), (bottom, right) = _held(low - border, mask), _held(high + border, mask)

@@ -1,1 +1,1 @@
-"""What a person does with a graph, told apart from ROS and from windows."""
+"""The editing of a graph by a person, independent of ROS and of windows."""

@@ -7,7 +7,7 @@ from typing import Dict, List, Optional, Tuple
 
 
 class Action(Enum):
-    """What a menu can ask for; the value is its text."""
+    """The actions of the menus; the value is the text of the menu entry."""
 
     CONNECT = 'Connect from here: then click a vertex or the floor'
     CONNECT_HERE = 'Connect to here'
@@ -67,7 +67,7 @@ EDGE_MENU: Tuple[Entry, ...] = (
 
 
 def numbered(menu: Tuple[Entry, ...]) -> Tuple[List[Tuple[int, int, str]], Dict[int, Entry]]:
-    """A menu as RViz wants it: (id, id of the parent or 0, title), and the entry of each id."""
+    """Returns a menu in the form of RViz: (id, id of the parent or 0, title), and entries by id."""
     rows: List[Tuple[int, int, str]] = []
     by_id: Dict[int, Entry] = {}
 

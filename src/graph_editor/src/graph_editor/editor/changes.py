@@ -1,4 +1,4 @@
-"""What the menus of vertices and edges do to a draft: one function for each of their actions."""
+"""The changes of a draft by the menus of vertices and edges: one function for each action."""
 from __future__ import annotations
 
 import math
@@ -8,14 +8,15 @@ from graph_editor.editor.actions import Action
 from trajectory_graph import editing
 from trajectory_graph.editing import Draft, EditError
 
-DEFAULT_SPEED_BACK = 0.3  # m/s, for an edge that becomes two-way and had no speed to go by
+DEFAULT_SPEED_BACK = 0.3  # m/s, for an edge without speeds that becomes two-way
 
 Change = Callable[[Draft, int, float], Draft]
-"""From a draft, the id of what the menu belongs to, and the action's argument, to the next."""
+"""A function of a draft, the id of the menu's element, and the action's argument; it returns the
+changed draft."""
 
 
 def facing_away(draft: Draft, id: int) -> Draft:
-    """A new vertex faces along the edge that leads to it."""
+    """Turns a new vertex to the direction of the edge that leads to it."""
     edge = draft.edges[draft.edges_at(id)[-1]]
     origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
     return editing.turn_vertex(draft, id, math.atan2(destination.y - origin.y,
@@ -49,7 +50,7 @@ def _one_way(draft: Draft, id: int, _: float) -> Draft:
 
 
 def _with_speed(draft: Draft, id: int, speed: float) -> Draft:
-    """Both directions that may be driven get the speed."""
+    """Sets the speed of each direction that may be driven."""
     edge = draft.edge(id)
     return editing.change_edge(
         draft, id, velocity_forward=speed if edge.velocity_forward else 0.0,

@@ -1,6 +1,7 @@
-"""An editing session: the draft, what is selected, the file; what clicks, drags and menus do.
+"""An editing session: the draft, the selection, the file, and the effects of clicks and menus.
 
-Nothing here knows of ROS, of RViz or of windows. What was done, or why it was not, is in `said`.
+The module does not depend on ROS, RViz or windows. `said` is the message to the person: the last
+action, or the reason why it was not done.
 """
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ from trajectory_graph.edit_history import History
 from trajectory_graph.editing import Draft, EditError
 from trajectory_graph.yaml_editing import GraphFile
 
-ON_EDGE = 0.25  # m from an edge: a click there cuts it
-ON_VERTEX = 0.25  # m from a vertex: a click there means it
+ON_EDGE = 0.25  # m; a click within this distance of an edge cuts the edge
+ON_VERTEX = 0.25  # m; a click within this distance of a vertex selects the vertex
 
 
 @dataclass(frozen=True)
@@ -29,13 +30,13 @@ class Selected:
 
 
 class Session:
-    """One graph file being edited.
+    """The editing of one graph file.
 
-    `version` changes with every change to what is to be seen: draft, selection, or words.
+    version -- a number that changes with each visible change: of draft, selection or message
     """
 
     def __init__(self, file: GraphFile, path: str, is_new: bool = False) -> None:
-        """`is_new`: the file is not there yet, and is written when the graph is saved first."""
+        """`is_new`: the file does not exist yet; the first save creates it."""
         self._file = file
         self._path = path
         self._is_new = is_new
@@ -49,23 +50,24 @@ class Session:
 
     @property
     def draft(self) -> Draft:
-        """The graph as it is now; it may be one that cannot be saved yet."""
+        """The present graph; it may be invalid, so that it cannot be saved yet."""
         return self.history.draft
 
     @property
     def path(self) -> str:
-        """Where it is saved."""
+        """The path of the graph file."""
         return self._path
 
     @property
     def is_saved(self) -> bool:
-        """Is the draft what the file holds?"""
+        """Whether the file has the same graph as the draft."""
         return not self._is_new and self.draft == self._file.draft
 
     # Clicks and drags
 
     def click_floor(self, x: float, y: float) -> None:
-        """Adds a vertex; on an edge, cuts it there. A vertex that waits to be connected is."""
+        """Adds a vertex, or cuts the edge at x, y (m); connects it to a vertex that waits for it.
+        """
         self._tried(lambda: self._click_floor(x, y))
 
     def _click_floor(self, x: float, y: float) -> None:
@@ -91,7 +93,7 @@ class Session:
         self.connecting_from = vertex if self.connecting_from is not None else None
 
     def click_vertex(self, id: int) -> None:
-        """Selects the vertex, or connects it to the one that waits for that."""
+        """Selects the vertex, or connects it to the vertex that waits for a connection."""
         if self.connecting_from in (None, id):
             self._tried(lambda: self._choose('vertex', id, f'Vertex {id}'))
         else:
@@ -109,7 +111,7 @@ class Session:
         self._tried(lambda: self._choose('edge', id, f'Edge {id}'))
 
     def drag_vertex(self, id: int, x: float, y: float) -> None:
-        """Moves a vertex as the mouse does; `end_drag` makes one step of it."""
+        """Moves a vertex with the mouse; all moves until `end_drag` are one undo step."""
         self._tried(lambda: self._drag_vertex(id, *editing.snapped(x, y, self.grid)))
 
     def _drag_vertex(self, id: int, x: float, y: float) -> None:
@@ -117,7 +119,7 @@ class Session:
         self._select('vertex', id)
 
     def drag_heading(self, id: int, x: float, y: float) -> None:
-        """Makes a vertex look to x, y."""
+        """Turns a vertex so that it faces x, y."""
         vertex = self.draft.vertices.get(id)
         if vertex is not None and math.dist(vertex.position, (x, y)) > 1e-3:
             theta = math.atan2(y - vertex.y, x - vertex.x)
@@ -131,13 +133,13 @@ class Session:
             ('bend', id, at_origin)))
 
     def end_drag(self) -> None:
-        """The mouse was let go."""
+        """Ends a drag, because the mouse button was released."""
         self.history.end_gesture()
 
     # Menus and fields
 
     def do(self, action: Action, kind: str, id: int, argument: float = 0.0) -> None:
-        """What a menu of a vertex or edge asks for."""
+        """Does an action of the menu of a vertex or edge."""
         if action in _ANYWHERE:
             _ANYWHERE[action](self, argument)
         elif action in CHANGES:
@@ -158,34 +160,34 @@ class Session:
         self.connecting_from = id
 
     def set_fields(self, kind: str, id: int, **fields: Any) -> None:
-        """Other values for fields of a vertex or edge, as typed in the window."""
+        """Changes fields of a vertex or edge, as typed in the window."""
         change = editing.change_vertex if kind == 'vertex' else editing.change_edge
         names = ', '.join(sorted(fields))
         self._tried(lambda: self._change(f'{names} of {kind} {id}',
                                          change(self.draft, id, **fields)))
 
     def set_grid(self, grid: float) -> None:
-        """Vertices come to lie on a grid of so many m; 0: anywhere."""
+        """Makes vertices snap to a grid with the given pitch (m); 0: no grid."""
         self.grid = grid
         self.say(f'Vertices snap to {grid:g} m' if grid else 'Vertices snap to no grid')
 
     def undo(self) -> None:
-        """Takes the last change back."""
+        """Undoes the last change."""
         name = self.history.undo()
         self._after_step(f'Undone: {name}' if name else 'There is nothing to undo')
 
     def redo(self) -> None:
-        """Does again what was undone."""
+        """Redoes the change that was undone last."""
         name = self.history.redo()
-        self._after_step(f'Done again: {name}' if name else 'There is nothing to do again')
+        self._after_step(f'Redone: {name}' if name else 'There is nothing to redo')
 
     def save(self) -> bool:
-        """Writes the file; False, with the reason said, where that cannot or must not be."""
+        """Writes the file; returns False, with the reason in `said`, if it is not written."""
         try:
             edited = self._file.edited(self.draft)
             if not self._is_unchanged_on_disk():
                 self.say(f'NOT SAVED: {self._path} was changed by another program meanwhile. '
-                          f'"{Action.LOAD.value}" shows that; undo brings your changes back')
+                          f'"{Action.LOAD.value}" shows that file; undo restores your changes')
                 return False
             edited.save(self._path)
         except GraphError as error:
@@ -199,13 +201,13 @@ class Session:
         return True
 
     def take_over(self) -> None:
-        """Saves the graph and has it put in force: robots are to drive on it from now on."""
+        """Saves the graph and puts it in force, so that robots drive on it from now on."""
         if self.is_saved or self.save():
             self.say(f'Taking over {self._path}')
             self.on_take_over(self.draft)
 
     def load_again(self) -> None:
-        """Takes up what is in the file; undo brings back what was there before."""
+        """Loads the file again; undo restores the draft from before."""
         try:
             self._file = GraphFile.load(self._path)
         except GraphError as error:
@@ -215,7 +217,7 @@ class Session:
         self.history.change('load again', self._file.draft)
         self._after_step(f'Loaded {self._path}')
 
-    # What is behind it
+    # Internals
 
     def _is_unchanged_on_disk(self) -> bool:
         if self._is_new:
@@ -234,9 +236,9 @@ class Session:
 
     def nearest_edge(self, place: Tuple[float, float], ids: Iterable[int],
                      reach: float = math.inf) -> Optional[int]:
-        """Of the edges with these `ids` the nearest to a place, within `reach` m.
+        """Returns the nearest of the edges with these `ids`, within `reach` m of a place.
 
-        An edge without length is as far away as its vertices.
+        The distance of an edge without length is the distance of its vertices.
         """
         best: Tuple[float, Optional[int]] = (reach, None)
         for id in ids:
@@ -252,7 +254,7 @@ class Session:
         return best[1]
 
     def _choose(self, kind: str, id: int, words: str) -> None:
-        """Selects what a person clicked; raises EditError where that is gone."""
+        """Selects the clicked element; raises EditError if it no longer exists."""
         if kind == 'vertex':
             self.draft.vertex(id)
         else:
@@ -265,7 +267,7 @@ class Session:
         self.version += 1
 
     def say(self, words: str) -> None:
-        """Words for the person at the screen."""
+        """Sets the message for the person at the screen."""
         self.said = words
         self.version += 1
 
@@ -279,10 +281,10 @@ class Session:
         if self.history.change(name, draft, gesture):
             self._after_step(name[0].upper() + name[1:])
         elif gesture is None:
-            self.say(f'It is so already: {name}')
+            self.say(f'Nothing has changed: {name}')
 
     def _after_step(self, words: str) -> None:
-        """Forgets what is not there any more."""
+        """Clears references to elements that no longer exist, and sets the message."""
         draft = self.draft
         if self.connecting_from not in draft.vertices:
             self.connecting_from = None

@@ -1,8 +1,8 @@
-"""Where the ids and labels of vertices are written, so that no text covers another.
+"""Finds places for the ids and labels of vertices, so that no text covers another.
 
-A text stands at its usual place where there is room, otherwise at the next free place around its
-vertex; one that finds none within REACH is not written. What is read already keeps its place: only
-texts that changed, and those that are not at their usual places, are placed anew.
+A text is at its usual place if that is free, otherwise at the nearest free place around its vertex.
+If there is no free place within REACH, the text is not shown. To keep the picture steady, only
+texts that have changed, and texts that are not at their usual places, get new places.
 """
 from __future__ import annotations
 
@@ -13,19 +13,22 @@ from typing import Dict, Iterator, Mapping, NamedTuple, Optional, Set, Tuple
 Point = Tuple[float, float]
 Box = Tuple[float, float, float, float]  # left, lower, right, upper; m
 Cell = Tuple[int, int]
-Key = Tuple[str, int]  # what is written, and the id of its vertex
+Key = Tuple[str, int]  # the kind of the text, and the id of its vertex
 
-REACH = 1.5   # m that the edge of a text may be away from its vertex
-STEP = 0.15   # m from one place to the next one outwards
-MARGIN = 0.2  # m from a vertex to the nearest of its texts that is not at its usual place
-_CELL = 1.0   # m, of the grid in which texts find their neighbours
-# Right and left come last: there edges are.
+REACH = 1.5   # m; largest distance between the edge of a text and its vertex
+STEP = 0.15   # m between two places in the outward direction
+MARGIN = 0.2  # m between a vertex and the nearest text that is not at its usual place
+_CELL = 1.0   # m; cell size of the grid for finding neighbouring texts
+# Right and left are tried last, because edges are often there.
 _SIDES = ((0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0))
 
 
 class Text(NamedTuple):
-    """What is to be written beside a vertex (m): the width and height of the words, and where
-    their middle is at their usual place, seen from the vertex."""
+    """A text beside a vertex, m.
+
+    size  -- width and height of the text
+    usual -- the middle of the text at its usual place, relative to the vertex
+    """
 
     vertex: Point
     size: Point
@@ -33,7 +36,7 @@ class Text(NamedTuple):
 
 
 class TextPlaces:
-    """The places of all texts; each has a key of its own."""
+    """The places of all texts; each text has a unique key."""
 
     def __init__(self) -> None:
         self._texts: Dict[Key, Text] = {}
@@ -42,11 +45,11 @@ class TextPlaces:
         self._cells: Dict[Cell, Set[Key]] = {}
 
     def middle(self, key: Key) -> Optional[Point]:
-        """The middle of a text (m); None: there is no room for it."""
+        """Returns the middle of a text (m); None if there is no free place for it."""
         return self._middles[key]
 
     def show(self, texts: Mapping[Key, Text]) -> None:
-        """These are to be written from now on; the first ones have the choice."""
+        """Places these texts; the first ones choose first."""
         for key, text in list(self._texts.items()):
             if texts.get(key) != text or self._middles[key] != _usual(text):
                 self._remove(key)
@@ -76,7 +79,7 @@ class TextPlaces:
 
 
 def overlap(one: Box, other: Box) -> bool:
-    """Do two texts cover each other anywhere?"""
+    """Returns whether two texts overlap."""
     return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
@@ -85,7 +88,7 @@ def _usual(text: Text) -> Point:
 
 
 def _places(text: Text) -> Iterator[Point]:
-    """Middles, the best one first: the usual one, then outwards on all sides."""
+    """Yields possible middles, the best first: the usual one, then outwards on all sides."""
     yield _usual(text)
     (x, y), (width, height) = text.vertex, text.size
     for ring in range(int((REACH - MARGIN) / STEP) + 1):

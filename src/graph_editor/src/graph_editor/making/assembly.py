@@ -1,4 +1,4 @@
-"""The trajectory graph that ways and places make: vertices, directions, speeds, parking."""
+"""Makes the trajectory graph from paths and places: vertices, directions, speeds, parking."""
 from __future__ import annotations
 
 import math
@@ -16,17 +16,17 @@ from graph_editor.site import Place, PlaceKind
 from trajectory_graph import CurveType, Edge, Graph, Vertex, split_edges
 
 PASS, PARKING = 'pass', 'parking'
-"""Labels of vertices that are no places of the map."""
-LINE_PARAMETER = 0.25  # m: lines have parameters in the file, which mean nothing
-SLOWEST = 0.3  # m/s, where just the robot fits, and towards docks
-FULL_SPEED_ROOM = 1.0  # m of clearance
-SPLINE_SPEED = 0.5  # m/s, at most
-TURN_RATE = 1.0  # rad/s that a robot turns at in a bend, at most
+"""The labels of vertices that are not places of the map."""
+LINE_PARAMETER = 0.25  # m; the parameters of a line have no effect, but the file requires them
+SLOWEST = 0.3  # m/s; speed at the narrowest places and towards docks
+FULL_SPEED_ROOM = 1.0  # m; clearance for the full speed
+SPLINE_SPEED = 0.5  # m/s; the highest speed on splines with a large turn
+TURN_RATE = 1.0  # rad/s; the highest turning rate of a robot in a bend
 
 
 def assemble(net: LaneNet, ways: Sequence[Way], places: Mapping[int, Place],
              frame_id: str, options: MakingOptions) -> Graph:
-    """The graph; vertices and edges are numbered from 1, in reading order of the map."""
+    """Returns the graph; vertices and edges are numbered from 1, in reading order of the map."""
     positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
     positions = positions or {node: net.positions[node] for node in net.nodes}
     vertices: Dict[int, Vertex] = {}
@@ -63,9 +63,10 @@ def assemble(net: LaneNet, ways: Sequence[Way], places: Mapping[int, Place],
 
 
 def _in_order(net: LaneNet, way: Way, places: Mapping[int, Place]) -> Way:
-    """The way in the direction in which its edges shall lead.
+    """Returns the path in the direction that its edges get.
 
-    To docks and other dead ends, but away from goals at a dead end; else eastwards, or northwards.
+    Edges lead towards docks and other dead ends, but away from goals at a dead end. All others lead
+    eastwards or northwards.
     """
     def weight(node: int) -> int:
         place = places.get(node)
@@ -97,10 +98,10 @@ def _edge(id: int, origin: int, destination: int, control: Optional[np.ndarray])
 
 
 def _with_headings(graph: Graph, places: Mapping[int, Place]) -> Graph:
-    """Keeps the headings of goals and docks.
+    """Returns the graph with the headings of goals and docks.
 
-    A robot waits at the end of a dead end facing out of it, and docks facing into it: so Theta is
-    the heading where that is meant, else the opposite.
+    A robot that waits at the end of a dead end faces out of it. A robot that docks faces into it.
+    So Theta is the heading of the place if the edge has this direction, else the opposite.
     """
     vertices = dict(graph.vertices)
     for id, place in places.items():
@@ -124,7 +125,7 @@ def _with_speeds(graph: Graph, floor: Floor, options: MakingOptions) -> Graph:
 
 
 def _speed(graph: Graph, edge: Edge, floor: Floor, options: MakingOptions) -> float:
-    """Slower where it is narrow, where it bends, and towards docks."""
+    """Returns the speed of an edge, m/s: lower in narrow places, in bends and towards docks."""
     curve = graph.curve(edge.id)
     room = float(floor.clearance_at(curve.sample(0.1)).min())
     share = (room - options.tight) / max(FULL_SPEED_ROOM - options.tight, 0.1)
@@ -140,7 +141,10 @@ def _speed(graph: Graph, edge: Edge, floor: Floor, options: MakingOptions) -> fl
 
 def _with_parking(graph: Graph, places: Mapping[int, Place], floor: Floor,
                   options: MakingOptions) -> Graph:
-    """Dead ends where a robot can turn, and is in no other robot's way, are parking."""
+    """Returns the graph with parking vertices.
+
+    These are the dead ends at which a robot can turn and does not block another robot.
+    """
     curves = {id: LineString(graph.curve(id).points) for id in graph.edges}
     vertices = dict(graph.vertices)
     for id, vertex in graph.vertices.items():
@@ -157,7 +161,7 @@ def _with_parking(graph: Graph, places: Mapping[int, Place], floor: Floor,
 
 
 def numbered(graph: Graph) -> Graph:
-    """The same with ids from 1: vertices from the top left as one reads, edges by their ends."""
+    """Returns the graph with ids from 1: vertices in reading order, edges by their ends."""
     order = sorted(graph.vertices.values(), key=lambda v: (-round(v.y, 1), v.x, v.id))
     ids = {vertex.id: number for number, vertex in enumerate(order, 1)}
     edges = sorted((replace(edge, origin=ids[edge.origin], destination=ids[edge.destination])
@@ -169,7 +173,7 @@ def numbered(graph: Graph) -> Graph:
 
 
 def _rounded(vertex: Vertex, id: int) -> Vertex:
-    """To the millimetre, and to a thousandth of a degree or so; never -0."""
+    """Rounds a vertex to 1 mm and about 0.001 degrees; no value becomes -0."""
     theta = round(vertex.theta, 5) + 0.0
     return replace(vertex, id=id, x=round(vertex.x, 3) + 0.0, y=round(vertex.y, 3) + 0.0,
                    theta=theta, theta_holonomic=theta)

@@ -1,4 +1,4 @@
-"""The directions that a building's walls have: lanes follow them where they nearly do anyway."""
+"""Finds the directions of a building's walls. Lanes that nearly follow them are aligned to them."""
 from __future__ import annotations
 
 import math
@@ -9,14 +9,17 @@ from scipy import ndimage
 
 from graph_editor.floor import Floor
 
-NEAR_WALLS = (0.25, 1.0)  # m: there the clearance grows straight away from the wall
-BINS = 180  # of half a degree
-SHARE = 0.12  # of the walls along the first axis that another must have, or more
-APART = 20.0  # deg between axes
+NEAR_WALLS = (0.25, 1.0)  # m; in this range the clearance increases at right angles to the wall
+BINS = 180  # number of bins of half a degree
+SHARE = 0.12  # least length of walls along a further axis, as a share of those along the first axis
+APART = 20.0  # deg; least angle between axes
 
 
 def axes_of(floor: Floor) -> List[float]:
-    """Directions (rad, within a quarter turn) of the walls, the commonest first; at least one."""
+    """Returns the directions (rad, within a quarter turn) of the walls, the most frequent first.
+
+    There is at least one direction.
+    """
     down, right = np.gradient(ndimage.gaussian_filter(floor.clearance, 1.0))
     steep = np.hypot(down, right) > 0.8 * floor.resolution
     near = (floor.clearance > NEAR_WALLS[0]) & (floor.clearance < NEAR_WALLS[1]) & steep
@@ -38,12 +41,12 @@ def axes_of(floor: Floor) -> List[float]:
 
 
 def _apart(one: float, other: float) -> float:
-    """Degrees between two directions of which each also means those at right angles."""
+    """Returns the angle (deg) between two directions; right angles between them do not count."""
     return abs((one - other + 45.0) % 90.0 - 45.0)
 
 
 def _refined(quarter: np.ndarray, peak: float) -> float:
-    """The mean direction around a peak; exactly along x where it is almost so."""
+    """Returns the mean direction around a peak; exactly 0 if it is almost along x."""
     offsets = (quarter - peak + math.pi / 4.0) % (math.pi / 2.0) - math.pi / 4.0
     around = offsets[np.abs(offsets) < math.radians(5.0)]
     axis = (peak + (float(around.mean()) if len(around) else 0.0)) % (math.pi / 2.0)

@@ -1,4 +1,4 @@
-"""Bays: short lanes at right angles, into floor that is too far from all other lanes."""
+"""Bays: short lanes at right angles into floor that is too far from all other lanes."""
 from __future__ import annotations
 
 import math
@@ -14,18 +14,19 @@ from graph_editor.making.lanes import LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import TOLERANCE
 
-LEAST_FLOOR = 0.6  # m2 that a bay must serve
-PER_METRE = 0.4  # m2 more for every metre of its length
-LONGEST = 8.0  # m
-STEP = 0.5  # m between the places where a bay may begin, and between those where it may end
-FROM_NODE = 0.8  # m between where a bay begins and the next node; else it begins at that
+LEAST_FLOOR = 0.6  # m2; least floor that a bay must serve
+PER_METRE = 0.4  # m2; additional floor that it must serve for each metre of its length
+LONGEST = 8.0  # m; largest length of a bay
+STEP = 0.5  # m between the places at which a bay may begin
+FROM_NODE = 0.8  # m; least distance between the start of a bay and a node; else it starts there
 
 
 def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
              options: MakingOptions) -> None:
-    """Adds bays, the best first, until none is worth its while.
+    """Adds bays, the best first, until no further bay is useful.
 
-    From a node without lanes, which is all there is then, they lead along the `axes` (rad).
+    A node without lanes is the only node of the net. From such a node bays lead along the `axes`
+    (rad).
     """
     far = coverage.mask.copy()
     for node in net.nodes:
@@ -51,7 +52,7 @@ def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
 
 def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequence[float],
               options: MakingOptions) -> Optional[Tuple[LaneOrNode, np.ndarray, np.ndarray]]:
-    """The bay that serves `floor` (N,2) best: its lane or node, and where it begins and ends."""
+    """Returns the bay that serves `floor` (N,2) best: its lane or node, its start and its end."""
     unserved = cKDTree(floor)
     best: Tuple[float, Optional[Tuple[LaneOrNode, np.ndarray, np.ndarray]]] = (0.0, None)
     for root, start, direction in _beginnings(net, axes):
@@ -72,7 +73,7 @@ def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequenc
 
 def _beginnings(net: LaneNet,
                 axes: Sequence[float]) -> Iterator[Tuple[LaneOrNode, np.ndarray, np.ndarray]]:
-    """Lane or node, place on it, and direction in which a bay may lead away from there."""
+    """Yields the possible starts of bays: lane or node, position on it, and direction."""
     for node in net.nodes:
         if net.degree(node) == 0:
             for axis in axes:
@@ -96,7 +97,7 @@ def _beginnings(net: LaneNet,
 
 
 def _is_open(net: LaneNet, node: int, direction: np.ndarray) -> bool:
-    """Does no lane lead from the node in about this direction?"""
+    """Returns whether no lane leads from the node in about this direction."""
     here = net.positions[node]
     for other in net.neighbours(node):
         away = net.positions[other] - here
@@ -113,5 +114,5 @@ def _draw(net: LaneNet, root: LaneOrNode, start: np.ndarray, end: np.ndarray) ->
 
 
 def dead_ends(net: LaneNet) -> List[int]:
-    """Nodes at which just one lane ends."""
+    """Returns the nodes with exactly one lane."""
     return [node for node in net.nodes if net.degree(node) == 1]

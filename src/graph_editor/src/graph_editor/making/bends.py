@@ -1,8 +1,9 @@
-"""Lanes as curves: ways between junctions in driving order, with splines for bends.
+"""Converts lanes to curves: paths between junctions in driving order, with splines for bends.
 
-Junctions stay corners, right angles right: there robots may go either way. Elsewhere a robot that
-must turn shall not have to stop for it. But it drives straight through a narrow door, and turns
-before and behind it: no vertex lies in a door, and the narrow corridor is a short one.
+- Junctions stay corners with right angles, because robots may drive in each direction there.
+- At other corners a spline lets a robot turn without a stop.
+- Through a narrow door a robot drives straight, and turns before and behind it. So no vertex is in
+  a door, and the narrow corridor is short.
 """
 from __future__ import annotations
 
@@ -18,16 +19,16 @@ from graph_editor.making.sight import TOLERANCE
 from trajectory_graph.curves import cubic_bezier
 
 LEAST_TURN = math.radians(6.0)
-MOST_TURN = math.radians(120.0)  # beyond: a robot turns on the spot
-FROM_CORNER = 0.42  # m between a spline and the corner that it takes the place of, at most
-LONGEST_TANGENT, SHORTEST_TANGENT = 3.0, 0.35  # m from the corner to where the spline begins
-SHARE = 0.45  # of a lane that one spline may take, if the other end is a junction
-SHORTEST_LANE = 0.4  # m between two splines
+MOST_TURN = math.radians(120.0)  # at a larger angle a robot turns on the spot
+FROM_CORNER = 0.42  # m; largest distance between a spline and the corner that it replaces
+LONGEST_TANGENT, SHORTEST_TANGENT = 3.0, 0.35  # m from the corner to the start of the spline
+SHARE = 0.45  # share of a lane that one spline may use if the other end is a junction
+SHORTEST_LANE = 0.4  # m; shortest lane between two splines
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A straight lane, or a spline, between two places (m); `need` m must stay free around it."""
+    """A straight lane or a spline between two points (m); `need` is its least clearance, m."""
 
     start: np.ndarray
     end: np.ndarray
@@ -38,14 +39,14 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """What leads from one node to another without a junction between, in driving order."""
+    """A path from one node to another without a junction between them, in driving order."""
 
     first: int
     last: int
     pieces: Tuple[Piece, ...]
 
     def turned_round(self) -> Way:
-        """The same, driven the other way."""
+        """Returns the path in the opposite direction."""
         return Way(self.last, self.first, tuple(
             Piece(piece.end, piece.start, piece.need,
                   None if piece.control is None else piece.control[::-1])
@@ -53,7 +54,7 @@ class Way:
 
 
 def ways_of(net: LaneNet, places: Collection[int], options: MakingOptions) -> List[Way]:
-    """All lanes of `net` as ways between junctions, dead ends and `places`."""
+    """Returns all lanes of `net` as paths between junctions, dead ends and `places`."""
     return [Way(nodes[0], nodes[-1], tuple(_pieces(net, nodes, options)))
             for nodes in _runs(net, set(places))]
 
@@ -72,7 +73,7 @@ def _runs(net: LaneNet, places: Set[int]) -> Iterator[List[int]]:
                 onward, = (node for node in net.neighbours(run[-1]) if node != run[-2])
                 run.append(onward)
             driven.update(net.lane(a, b).nodes for a, b in zip(run, run[1:]))
-            if run[0] == run[-1] and len(run) > 2:  # a ring: no vertex joins to itself
+            if run[0] == run[-1] and len(run) > 2:  # a ring: no edge joins a vertex to itself
                 yield run[:-1]
                 yield [run[-2], run[-1]]
             else:
@@ -100,9 +101,10 @@ def _pieces(net: LaneNet, nodes: Sequence[int], options: MakingOptions) -> Itera
 
 def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float],
               options: MakingOptions) -> List[float]:
-    """How far (m) before and behind each inner corner its spline begins and ends; 0: none.
+    """Returns the tangent (m) at each inner corner; 0: no spline.
 
-    Between two splines lies a lane of some length, or none at all.
+    The spline begins and ends at this distance from the corner. Two splines either touch, or have a
+    lane of at least SHORTEST_LANE between them.
     """
     lengths = [float(np.hypot(*(b - a))) for a, b in zip(corners, corners[1:])]
     inner = len(corners) - 2
@@ -123,7 +125,7 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
 
 
 def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: float) -> float:
-    """The longest that the spline around the middle one of three corners may have."""
+    """Returns the longest possible tangent (m) of a spline at the middle one of three corners."""
     turn = turn_of(corners)
     if not LEAST_TURN < turn < MOST_TURN:
         return 0.0
@@ -137,7 +139,7 @@ def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: fl
 
 
 def turn_of(corners: Sequence[np.ndarray]) -> float:
-    """By how much (rad, either way) a way over three corners turns at the one in the middle."""
+    """Returns the angle (rad, 0 or more) by which a path turns at the middle of three corners."""
     a, b, c = corners
     lengths = float(np.hypot(*(b - a)) * np.hypot(*(c - b)))
     cosine = float((b - a) @ (c - b)) / max(lengths, 1e-12)
@@ -145,7 +147,7 @@ def turn_of(corners: Sequence[np.ndarray]) -> float:
 
 
 def _spline(corners: Sequence[np.ndarray], tangent: float) -> np.ndarray:
-    """Control points (4,2) of a spline that is almost an arc of a circle."""
+    """Returns the control points (4,2) of a spline that is almost an arc of a circle."""
     a, b, c = corners
     arriving, leaving = (b - a) / np.hypot(*(b - a)), (c - b) / np.hypot(*(c - b))
     turn = turn_of(corners)

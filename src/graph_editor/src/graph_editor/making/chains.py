@@ -1,6 +1,7 @@
-"""A skeleton as it is worked on: chains of points between the nodes where they meet or end.
+"""The skeleton during its processing: chains of points between nodes, at which they meet or end.
 
-A chain's ends may be the same node. A node where just two chains meet is dissolved into one chain.
+Both ends of a chain may be the same node. If exactly two chains meet at a node, they are joined to
+one chain.
 """
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from graph_editor.floor import Floor
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A way from node `start` to node `end`; lengths in m."""
+    """A path from node `start` to node `end`; lengths in m."""
 
     id: int
     start: int
@@ -28,24 +29,24 @@ class Chain:
 
     @property
     def is_ring(self) -> bool:
-        """Does the chain end where it starts?"""
+        """Whether the chain ends at its start node."""
         return self.start == self.end
 
     @property
     def clearance(self) -> float:
-        """The least along the chain."""
+        """The least clearance along the chain, m."""
         return float(self.clearances.min())
 
     def other(self, node: int) -> int:
-        """The chain's other end."""
+        """Returns the node at the other end."""
         return self.end if node == self.start else self.start
 
     def path_from(self, node: int) -> np.ndarray:
-        """The path, beginning at one of its ends."""
+        """Returns the path, starting at the given end node."""
         return self.path if node == self.start else self.path[::-1]
 
     def clearances_towards(self, node: int) -> np.ndarray:
-        """The clearances of the path that ends at one of its ends."""
+        """Returns the clearances (m) along the path that ends at the given end node."""
         return self.clearances if node == self.end else self.clearances[::-1]
 
 
@@ -60,37 +61,37 @@ class ChainGraph:
 
     @property
     def nodes(self) -> List[int]:
-        """All nodes, in the order in which they came."""
+        """All nodes, in the sequence in which they were added."""
         return list(self._graph.nodes)
 
     @property
     def chains(self) -> List[Chain]:
-        """All chains, in the order in which they came."""
+        """All chains, in the sequence in which they were added."""
         return list(self._chains.values())
 
     def position(self, node: int) -> np.ndarray:
-        """(2,) m."""
+        """Returns the position (2,) of a node, m."""
         return self._graph.nodes[node]['position']
 
     def degree(self, node: int) -> int:
-        """How many chains end there; a ring counts twice."""
+        """Returns the number of chains that end at a node; a ring counts twice."""
         return self._graph.degree(node)
 
     def chains_at(self, node: int) -> List[Chain]:
-        """The chains that end at a node, a ring once."""
+        """Returns the chains that end at a node; a ring is listed once."""
         ids = {id for _, _, id in self._graph.edges(node, keys=True)}
         return [self._chains[id] for id in sorted(ids)]
 
     def has(self, chain: Chain) -> bool:
-        """Is the chain still there?"""
+        """Returns whether the chain is still in the graph."""
         return chain.id in self._chains
 
     def add_node(self, node: int, position: np.ndarray) -> None:
-        """A node without chains."""
+        """Adds a node without chains."""
         self._graph.add_node(node, position=np.asarray(position, float))
 
     def add_chain(self, start: int, end: int, path: np.ndarray) -> Chain:
-        """A chain along `path` (N,2), whose ends are the positions of the nodes."""
+        """Adds a chain along `path` (N,2), from the position of `start` to that of `end`."""
         steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
         chain = Chain(self._next_id, start, end, path, float(steps.sum()),
                       self.floor.clearance_at(path))
@@ -100,11 +101,11 @@ class ChainGraph:
         return chain
 
     def remove_chain(self, chain: Chain) -> List[Chain]:
-        """Takes a chain out, and dissolves what it leaves; returns the chains that came of it."""
+        """Removes a chain and dissolves its end nodes if possible; returns the new chains."""
         return self.remove_all([chain])
 
     def remove_all(self, chains: Sequence[Chain]) -> List[Chain]:
-        """The same for several chains at once; a last node without chains stays."""
+        """Removes several chains like `remove_chain`; a last node without chains stays."""
         for chain in chains:
             self.drop_chain(chain)
         made = []
@@ -116,9 +117,9 @@ class ChainGraph:
         return [new for new in made if self.has(new)]
 
     def cut_out(self, chain: Chain, first: int, last: int) -> List[Chain]:
-        """Takes out the stretch of a chain between two of its points, these included.
+        """Removes the part of a chain between two of its points, including these points.
 
-        What is left at either end becomes a dead end of its own.
+        The remaining part at each end becomes a dead end. Returns the new chains.
         """
         self.drop_chain(chain)
         made, bare = [], []
@@ -130,12 +131,12 @@ class ChainGraph:
                 made.append(self.add_chain(node, tip, path))
             else:
                 bare.append(node)
-        for node in dict.fromkeys(bare):  # both ends of a ring are one node
+        for node in dict.fromkeys(bare):  # both ends of a ring are the same node
             made += self.dissolve(node)
         return [chain for chain in made if self.has(chain)]
 
     def dissolve(self, node: int) -> List[Chain]:
-        """Makes one chain of two that meet at a node where no third does."""
+        """Joins two chains that meet at a node without a third chain; returns the new chain."""
         chains = self.chains_at(node)
         if self._graph.degree(node) != 2 or len(chains) != 2:
             return []
@@ -147,7 +148,7 @@ class ChainGraph:
         return [self.add_chain(first.other(node), second.other(node), path)]
 
     def move_node(self, node: int, path: np.ndarray) -> None:
-        """Moves a node along `path` (N,2), which begins at it; its chains follow that way."""
+        """Moves a node along `path` (N,2), which begins at the node; its chains are extended."""
         self._graph.nodes[node]['position'] = path[-1]
         for chain in self.chains_at(node):
             old = chain.path
@@ -159,7 +160,8 @@ class ChainGraph:
             self.add_chain(chain.start, chain.end, old)
 
     def unite(self, node: int, other: int) -> None:
-        """Gives `node` the chains of `other`, which is at the same place and goes."""
+        """Moves the chains of `other`, which is at the same position, to `node`; removes `other`.
+        """
         for chain in self.chains_at(other):
             self.drop_chain(chain)
             start, end = (node if place == other else place for place in (chain.start, chain.end))
@@ -167,7 +169,10 @@ class ChainGraph:
         self._graph.remove_node(other)
 
     def way_round(self, chain: Chain) -> Optional[float]:
-        """m from one end of a chain to the other without it; None for a bridge, 0 for a ring."""
+        """Returns the length (m) of the path between a chain's ends without the chain.
+
+        None: there is no such path; 0: the chain is a ring.
+        """
         if chain.is_ring:
             return 0.0
         self._graph.remove_edge(chain.start, chain.end, key=chain.id)
@@ -180,7 +185,7 @@ class ChainGraph:
             self._graph.add_edge(chain.start, chain.end, key=chain.id, length=chain.length)
 
     def dead_ends(self) -> Iterator[Tuple[int, Chain]]:
-        """Every node where just one chain ends, with that chain, if that leads to a junction."""
+        """Yields each node with exactly one chain, and the chain, if it leads to a junction."""
         for node in self.nodes:
             if self._graph.degree(node) == 1:
                 chain, = self.chains_at(node)
@@ -188,6 +193,6 @@ class ChainGraph:
                     yield node, chain
 
     def drop_chain(self, chain: Chain) -> None:
-        """Takes a chain out and leaves its nodes as they are."""
+        """Removes a chain; its nodes do not change."""
         del self._chains[chain.id]
         self._graph.remove_edge(chain.start, chain.end, key=chain.id)

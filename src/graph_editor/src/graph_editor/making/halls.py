@@ -1,4 +1,4 @@
-"""Lattices: crossing lanes in wide halls, in the place of the lanes down their middle."""
+"""Lattices: crossing lanes in wide halls, which replace the lanes in the middle."""
 from __future__ import annotations
 
 import math
@@ -12,11 +12,14 @@ from graph_editor.making.lanes import Lane, LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight, straight
 
-NEAR_NODE = 0.8  # m from a node of the lattice: there a lane from outside leads to it
+NEAR_NODE = 0.8  # m; a lane from outside leads to a node of the lattice within this distance
 
 
 def add_lattices(net: LaneNet, axes: Sequence[float], options: MakingOptions) -> LaneNet:
-    """`net` with a lattice in every hall; where what leads there cannot be joined, as it was."""
+    """Returns `net` with a lattice in each hall.
+
+    A hall stays as it is if the lanes that lead to it cannot be joined to its lattice.
+    """
     for hall in _halls(net.floor, options):
         made = net.copy()
         counts = [len(_lattice(net.copy(), hall, axis, options)) for axis in axes]
@@ -31,7 +34,10 @@ def add_lattices(net: LaneNet, axes: Sequence[float], options: MakingOptions) ->
 
 
 def _halls(floor: Floor, options: MakingOptions) -> List[np.ndarray]:
-    """Masks of the wide places: around where a lane has half a pitch more than one to each side."""
+    """Returns the masks of the wide places.
+
+    In the middle of a wide place the clearance is at least the pitch of the lattice.
+    """
     core = floor.clearance >= options.lattice_pitch
     near = ndimage.distance_transform_edt(~core) * floor.resolution < options.lattice_pitch
     parts, count = ndimage.label(near & (floor.clearance >= options.wide), EVERY_NEIGHBOUR)
@@ -39,7 +45,7 @@ def _halls(floor: Floor, options: MakingOptions) -> List[np.ndarray]:
 
 
 def _lattice(net: LaneNet, hall: np.ndarray, axis: float, options: MakingOptions) -> List[int]:
-    """Draws the lattice along an axis (rad) into the hall; its nodes, all joined."""
+    """Draws the lattice along an axis (rad) into the hall; returns its nodes, all connected."""
     floor = net.floor
     turn = np.array(((math.cos(axis), -math.sin(axis)), (math.sin(axis), math.cos(axis))))
     cells = floor.centres(*np.nonzero(hall)) @ turn
@@ -94,7 +100,8 @@ def _largest_part(joined: Dict[Tuple[int, int], List[Tuple[int, int]]]) -> List[
 
 
 def _cut_out(net: LaneNet, hall: np.ndarray) -> List[Tuple[int, np.ndarray]]:
-    """Takes out what leads through the hall; the ends outside, and the directions towards it."""
+    """Removes the lanes in the hall; returns the remaining ends and their directions to the hall.
+    """
     tips = []
     for lane in net.lanes:
         points = straight(net.floor, *net.ends(lane))
@@ -119,7 +126,7 @@ def _cut_out(net: LaneNet, hall: np.ndarray) -> List[Tuple[int, np.ndarray]]:
 
 def _join(net: LaneNet, tip: int, direction: np.ndarray, nodes: Sequence[int],
           options: MakingOptions) -> bool:
-    """Leads a lane from outside on, straight if it can be, to the lattice."""
+    """Connects a lane from outside to the lattice, straight if possible; returns the success."""
     here = net.positions[tip]
     lattice = set(nodes)
     ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []
@@ -151,7 +158,7 @@ def _join(net: LaneNet, tip: int, direction: np.ndarray, nodes: Sequence[int],
 
 def _crossing(here: np.ndarray, direction: np.ndarray, a: np.ndarray,
               b: np.ndarray) -> Optional[np.ndarray]:
-    """Where a ray meets the line from `a` to `b`, ahead of where it begins."""
+    """Returns the point at which a ray meets the line from `a` to `b`, ahead of its start."""
     along = b - a
     cross = direction[0] * along[1] - direction[1] * along[0]
     if abs(cross) < 1e-9:

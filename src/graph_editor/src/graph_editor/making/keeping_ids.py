@@ -1,4 +1,4 @@
-"""Ids that stay: what is still there in a new graph is called what it was called in the old one."""
+"""Keeps ids: a vertex or edge that still exists in a new graph keeps its id from the old graph."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -9,13 +9,14 @@ from scipy.spatial import cKDTree
 
 from trajectory_graph import CurveType, Edge, Graph
 
-SAME_PLACE = 0.75  # m between an old vertex and the new one that takes its id
+SAME_PLACE = 0.75  # m; largest distance between an old vertex and the new one with its id
 
 
 def with_ids_of(old: Graph, new: Graph) -> Graph:
-    """`new` with the ids of `old`: vertices by place, the nearest first; edges by their ends.
+    """Returns `new` with the ids of `old`.
 
-    What is new gets ids above all old ones, so that no id ever means something else.
+    Vertices are matched by position, the nearest first, and edges by their ends. New elements get
+    ids above all old ones, so that an id never changes its meaning.
     """
     vertex_ids = _vertex_ids(old, new)
     vertices = [replace(vertex, id=vertex_ids[vertex.id]) for vertex in new.vertices.values()]
@@ -48,7 +49,10 @@ def _vertex_ids(old: Graph, new: Graph) -> Dict[int, int]:
 
 
 def _with_edge_ids(old: Graph, new: Graph, edges: List[Edge]) -> List[Edge]:
-    """A line may be turned round to keep its id, as long as no heading hangs on its direction."""
+    """Returns the edges with their old ids.
+
+    A line may be turned round to keep its id if no heading depends on its direction.
+    """
     waiting: Dict[Tuple[int, int], List[int]] = {}
     for edge in old.edges.values():
         waiting.setdefault((edge.origin, edge.destination), []).append(edge.id)

@@ -1,4 +1,4 @@
-"""Straight lanes between nodes: what a skeleton becomes before it is a trajectory graph."""
+"""Straight lanes between nodes: the form between the skeleton and the trajectory graph."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -13,21 +13,21 @@ from graph_editor.making.sight import in_sight, straight
 
 @dataclass(frozen=True, eq=False)
 class Lane:
-    """A straight lane between two nodes, whose ids stand in order."""
+    """A straight lane between two nodes, in ascending order of their ids."""
 
     nodes: Tuple[int, int]
     need: float
-    """Clearance (m) that must stay, however the lane is moved."""
+    """The clearance (m) that the lane must keep when it is moved."""
     samples: np.ndarray
-    """(N,2) m: points of the skeleton that the lane stands for, from the first node on."""
+    """(N,2) m: the points of the skeleton that the lane represents, from the first node on."""
 
 
 LaneOrNode = Union[Lane, int]
-"""Where another lane may join."""
+"""The lane or node at which another lane may join."""
 
 
 class LaneNet:
-    """Nodes with positions (m) and the lanes between them; of two nodes, at most one lane."""
+    """Nodes with positions (m) and the lanes between them; two nodes have at most one lane."""
 
     def __init__(self, floor: Floor) -> None:
         self.floor = floor
@@ -37,16 +37,16 @@ class LaneNet:
 
     @property
     def lanes(self) -> List[Lane]:
-        """All lanes, in the order in which they came."""
+        """All lanes, in the sequence in which they were added."""
         return [lane for _, _, lane in self._graph.edges(data='lane')]
 
     @property
     def nodes(self) -> List[int]:
-        """All nodes, in the order in which they came."""
+        """All nodes, in the sequence in which they were added."""
         return list(self._graph.nodes)
 
     def copy(self) -> LaneNet:
-        """The same net, to be changed by itself."""
+        """Returns an independent copy of the net."""
         other = LaneNet(self.floor)
         other.positions = dict(self.positions)
         other._graph = self._graph.copy()
@@ -54,7 +54,7 @@ class LaneNet:
         return other
 
     def add_node(self, position: np.ndarray) -> int:
-        """A new node."""
+        """Adds a node and returns its id."""
         node = self._next_node
         self._next_node += 1
         self._graph.add_node(node)
@@ -62,7 +62,7 @@ class LaneNet:
         return node
 
     def add_lane(self, a: int, b: int, need: float, samples: np.ndarray) -> None:
-        """A lane from `a` to `b`; where there is one already, the one that needs more stays."""
+        """Adds a lane from `a` to `b`; of two lanes between them the one with more need stays."""
         if a == b:
             return
         old = self.lane(a, b) if self._graph.has_edge(a, b) else None
@@ -73,46 +73,46 @@ class LaneNet:
         self._graph.add_edge(a, b, lane=Lane((a, b), need, samples))
 
     def lane(self, a: int, b: int) -> Lane:
-        """The lane between two nodes."""
+        """Returns the lane between two nodes."""
         return self._graph.edges[a, b]['lane']
 
     def neighbours(self, node: int) -> List[int]:
-        """The nodes to which lanes lead from a node."""
+        """Returns the nodes to which lanes lead from a node."""
         return list(self._graph.neighbors(node))
 
     def degree(self, node: int) -> int:
-        """How many lanes meet at a node."""
+        """Returns the number of lanes at a node."""
         return self._graph.degree(node)
 
     def remove_lane(self, lane: Lane) -> None:
-        """Takes a lane out; its nodes stay."""
+        """Removes a lane; its nodes stay."""
         self._graph.remove_edge(*lane.nodes)
 
     def remove_node(self, node: int) -> None:
-        """Takes a node out, and its lanes."""
+        """Removes a node and its lanes."""
         self._graph.remove_node(node)
         del self.positions[node]
 
     def ends(self, lane: Lane) -> Tuple[np.ndarray, np.ndarray]:
-        """The positions of a lane's nodes."""
+        """Returns the positions of a lane's nodes."""
         a, b = lane.nodes
         return self.positions[a], self.positions[b]
 
     def length(self, lane: Lane) -> float:
-        """m."""
+        """Returns the length of a lane, m."""
         a, b = self.ends(lane)
         return float(np.hypot(*(b - a)))
 
     def clearance(self, lane: Lane) -> float:
-        """The least along the lane, m."""
+        """Returns the least clearance along the lane, m."""
         return float(self.floor.clearance_at(straight(self.floor, *self.ends(lane))).min())
 
     def is_free(self, lane: Lane) -> bool:
-        """Has the lane the clearance that it needs?"""
+        """Returns whether the lane has the clearance that it needs."""
         return in_sight(self.floor, *self.ends(lane), lane.need)
 
     def split(self, lane: Lane, position: np.ndarray) -> int:
-        """A new node on the lane, or as near to it as may be; the lane becomes two."""
+        """Splits a lane in two at a new node at `position`; returns the node."""
         a, b = lane.nodes
         node = self.add_node(position)
         self.remove_lane(lane)
@@ -122,11 +122,11 @@ class LaneNet:
         return node
 
     def joint(self, where: LaneOrNode, position: np.ndarray) -> int:
-        """The node at which a lane joins: `where` itself, or a new one on that lane."""
+        """Returns the node at which a lane joins: the node `where`, or a new one on that lane."""
         return self.split(where, position) if isinstance(where, Lane) else where
 
     def merge(self, node: int, other: int) -> None:
-        """Gives `node` the lanes of `other`, which goes."""
+        """Moves the lanes of `other` to `node`, and removes `other`."""
         for neighbour in self.neighbours(other):
             lane = self.lane(other, neighbour)
             self.remove_lane(lane)
@@ -135,9 +135,9 @@ class LaneNet:
         self.remove_node(other)
 
     def components(self) -> Iterator[Set[int]]:
-        """Sets of nodes that lanes join."""
+        """Yields the sets of connected nodes."""
         return nx.connected_components(self._graph)
 
     def with_need(self, lane: Lane, need: float) -> None:
-        """Gives a lane another need."""
+        """Sets the need of a lane, m."""
         self._graph.edges[lane.nodes]['lane'] = replace(lane, need=need)

@@ -1,4 +1,4 @@
-"""Site in, trajectory graph out: every step in its order."""
+"""Makes the trajectory graph of a site: it runs all steps in their sequence."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -31,22 +31,22 @@ from graph_editor.making.widening import widen
 from graph_editor.site import Place, PlaceKind, Site
 from trajectory_graph import Graph
 
-TIMES = 3  # that lanes are squared and rectified: one makes work for the other
+TIMES = 3  # number of rounds of squaring and rectifying, because each step influences the other
 
 
 @dataclass(frozen=True, eq=False)
 class MadeGraph:
-    """A graph, and what a person should know about how it was made, a sentence each."""
+    """A graph, and warnings for people about its making, one sentence each."""
 
     graph: Graph
     notes: Tuple[str, ...]
 
 
 def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
-    """The graph of a site; raises SiteError where there is no floor for one.
+    """Returns the graph of a site; raises SiteError if there is no floor for a graph.
 
-    Lanes get their shape from the cells of the floor, whose walls are smoother, and then as much
-    room as robots need from the places of obstacles.
+    The shape of the lanes is computed from the cells of the floor, which have smoother walls. Then
+    the positions of obstacles are used to give robots enough space.
     """
     exact = site.floor
     site = replace(site, floor=exact.of_cells())
@@ -100,9 +100,10 @@ def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[floa
 
 def _lanes_floor(site: Site, options: MakingOptions,
                  starts: List[Tuple[float, float]]) -> np.ndarray:
-    """Where lanes may run: the floor wide enough for the robot that the places are on.
+    """Returns the mask of the floor for lanes.
 
-    Without places it is the largest part.
+    This is the part of the floor with the places that is wide enough for the robot. Without places
+    it is the largest part.
     """
     open_cells = site.floor.clearance >= options.tight
     if starts:
@@ -110,20 +111,21 @@ def _lanes_floor(site: Site, options: MakingOptions,
     parts, count = ndimage.label(open_cells, EVERY_NEIGHBOUR)
     if not count:
         raise SiteError(f'{site.name}: there is no floor on which a robot {options.robot_width:g} '
-                        'm wide fits. Is the part that counts (--area) right?')
+                        'm wide fits. Is the part of the map that is used (--area) right?')
     return parts == int(np.argmax(np.bincount(parts.ravel())[1:])) + 1
 
 
 def _joined(open_cells: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """The parts of `open_cells` that `mask` touches."""
+    """Returns the parts of `open_cells` that `mask` touches."""
     parts, _ = ndimage.label(open_cells, EVERY_NEIGHBOUR)
     return np.isin(parts, np.unique(parts[mask & open_cells]))
 
 
 def _placed(site: Site, options: MakingOptions, notes: List[str]) -> List[Place]:
-    """The places on one connected floor: that of the docks, or of most goals, or of the homes.
+    """Returns the places on one connected floor.
 
-    A place that robots cannot reach from there gets a note.
+    It is the floor with the most docks, else the most goals, else the most homes. Each place that
+    robots cannot reach from there gets a note.
     """
     parts: Dict[int, List[Place]] = {}
     labels, _ = ndimage.label(site.floor.clearance >= options.tight, EVERY_NEIGHBOUR)
@@ -132,11 +134,11 @@ def _placed(site: Site, options: MakingOptions, notes: List[str]) -> List[Place]
         if part:
             parts.setdefault(part, []).append(place)
         else:
-            notes.append(f'{place.name or place.kind.value} is where no robot '
-                         f'{options.robot_width:g} m wide can stand.')
+            notes.append(f'{place.name or place.kind.value} is at a position at which a robot '
+                         f'{options.robot_width:g} m wide has no space.')
     if not parts:
         if site.places:
-            notes.append('No place of the map is on the floor: the largest part of it is taken.')
+            notes.append('No place of the map is on the floor: the largest part of it is used.')
         return []
     sizes = np.bincount(labels.ravel())
 
@@ -149,5 +151,5 @@ def _placed(site: Site, options: MakingOptions, notes: List[str]) -> List[Place]
         if part != chosen:
             notes += [f'{place.name or place.kind.value} cannot be reached from '
                       f'{parts[chosen][0].name or parts[chosen][0].kind.value} by a robot '
-                      f'{options.robot_width:g} m wide: it is no vertex.' for place in places]
+                      f'{options.robot_width:g} m wide: it gets no vertex.' for place in places]
     return parts[chosen]

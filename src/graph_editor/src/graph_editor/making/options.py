@@ -1,4 +1,4 @@
-"""What a made graph shall be like. Metres, m/s."""
+"""The requirements for a made graph. Metres, m/s."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,28 +9,28 @@ from graph_editor.robot import RobotSize
 
 
 class Halls(Enum):
-    """How wide places are filled."""
+    """The kind of lanes in wide places."""
 
     CENTRE = 'centre'
-    """Lanes down the middle, and bays where the floor is far from them."""
+    """Lanes in the middle, and bays into floor that is far from them."""
     LATTICE = 'lattice'
-    """Crossing lanes, `lattice_pitch` apart."""
+    """Crossing lanes with the distance `lattice_pitch`."""
 
 
 @dataclass(frozen=True)
 class MakingOptions(RobotSize):
-    """How big the robot is, and what its lanes shall be like.
+    """The size of the robot, and the requirements for its lanes.
 
-    Raises SiteError for numbers that fit no robot.
+    Raises SiteError for impossible numbers.
     """
 
     margin: float = 0.05
-    """What stays free on either side of robot and corridor, and covers the grid's inaccuracy."""
+    """Free space on each side of robot and corridor; it includes the inaccuracy of the grid."""
     longest_edge: float = 5.0
     reach: float = 2.0
-    """No reachable floor shall be farther from the lanes than this, by the way to drive."""
+    """The largest driving distance of reachable floor from the lanes."""
     speed: float = 1.0
-    """On straight lanes in wide places; narrow places and bends are slower."""
+    """The speed on straight lanes in wide places; it is lower in narrow places and bends."""
     halls: Halls = Halls.CENTRE
     lattice_pitch: float = 3.0
 
@@ -45,7 +45,7 @@ class MakingOptions(RobotSize):
 
     @property
     def tight(self) -> float:
-        """The least clearance of a lane: where just the robot fits."""
+        """The least clearance of a lane, which is just enough for the robot."""
         return self.robot_width / 2.0 + self.margin
 
     @property
@@ -55,10 +55,11 @@ class MakingOptions(RobotSize):
 
     @property
     def turning(self) -> float:
-        """The clearance of a place where the robot can turn on the spot."""
+        """The clearance of a place at which the robot can turn on the spot."""
         return self.half_diagonal + self.margin
 
     @property
     def least_turning(self) -> float:
-        """The same where there is no better place: what a robot's search for a way needs."""
+        """The clearance for turning if there is no better place: the least that a robot's own path
+        search needs."""
         return self.half_diagonal + self.margin / 4.0

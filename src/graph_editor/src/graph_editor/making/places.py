@@ -1,4 +1,4 @@
-"""Goals and docks as nodes of the lanes: on one that passes, or at the end of their own."""
+"""Makes goals and docks nodes of the lanes: on a passing lane, or at the end of an own lane."""
 from __future__ import annotations
 
 import math
@@ -15,15 +15,15 @@ from graph_editor.making.sight import TOLERANCE, in_sight, straight
 from graph_editor.making.straightening import straight_pieces
 from graph_editor.site import Place, PlaceKind
 
-ON_LANE = 0.6  # m: a goal so near to a lane gets no lane of its own, but becomes a part of it
-NEAR_NODE = 0.7  # m: a lane to a place that would begin so near to a node begins there
-STRAIGHT_IN = 1.0  # m that a robot drives straight on towards a dock
-FARTHEST = 8.0  # m that a place is joined straight to a lane from
-UNEVEN = 0.5  # m of way that a lane at an angle other than a right one costs
+ON_LANE = 0.6  # m; a goal within this distance of a lane gets no own lane, but becomes part of it
+NEAR_NODE = 0.7  # m; a lane to a place starts at a node if a node is within this distance
+STRAIGHT_IN = 1.0  # m; length of the straight path of a robot into a dock
+FARTHEST = 8.0  # m; largest distance of a place that is joined straight to a lane
+UNEVEN = 0.5  # m; additional cost of a lane that does not join at a right angle
 
 
 class Attached(NamedTuple):
-    """The nodes of the places, and what people should know about those that have none."""
+    """The nodes of the places, and notes for people about places without a node."""
 
     nodes: Dict[int, Place]
     notes: List[str]
@@ -31,7 +31,10 @@ class Attached(NamedTuple):
 
 def attach_places(net: LaneNet, places: Iterable[Place], options: MakingOptions,
                   there: Mapping[int, Place] = MappingProxyType({})) -> Attached:
-    """Makes a node of every goal and dock, beside those that are `there`; homes get none."""
+    """Makes a node for each goal and dock; homes get no node.
+
+    there -- places that already have nodes
+    """
     attached = Attached(dict(there), [])
     for place in places:
         if place.kind is PlaceKind.HOME:
@@ -48,12 +51,13 @@ def _attach(net: LaneNet, place: Place, attached: Attached,
     position = np.array(place.position)
     room = net.floor.clearance_of(position)
     if room < options.robot_width / 2.0 - TOLERANCE:
-        attached.notes.append(f'{place.name} is {room:.2f} m from an obstacle, where no robot '
-                              f'{options.robot_width:g} m wide fits: it is no vertex.')
+        attached.notes.append(f'{place.name} is {room:.2f} m from an obstacle, too near for a '
+                              f'robot {options.robot_width:g} m wide: it gets no vertex.')
         return None
     for node, other in attached.nodes.items():
         if np.hypot(*(net.positions[node] - position)) < 0.05:
-            attached.notes.append(f'{place.name} is where {other.name} is: they are one vertex.')
+            attached.notes.append(f'{place.name} is at the position of {other.name}: they are one '
+                                  'vertex.')
             return None
     if place.kind is not PlaceKind.DOCK:
         on_lane = _on_lane(net, position, attached.nodes)
@@ -63,7 +67,7 @@ def _attach(net: LaneNet, place: Place, attached: Attached,
 
 
 def _on_lane(net: LaneNet, position: np.ndarray, taken: Dict[int, Place]) -> Optional[int]:
-    """Bends a lane, or moves a node, so that it is at the place; None where nothing is near."""
+    """Moves a node, or bends a lane, to the position; returns the node, None if nothing is near."""
     near = [(float(np.hypot(*(net.positions[node] - position))), node) for node in net.nodes
             if node not in taken]
     near = [(distance, node) for distance, node in near if distance < ON_LANE]
@@ -115,7 +119,7 @@ def _with_lane_of_its_own(net: LaneNet, place: Place, attached: Attached,
     else:
         path = _path_to_lane(net, position, options)
         if path is None:
-            attached.notes.append(f'{place.name} cannot be reached from the lanes: it is no '
+            attached.notes.append(f'{place.name} cannot be reached from the lanes: it gets no '
                                   'vertex.')
             return None
         way, node = path
@@ -124,7 +128,7 @@ def _with_lane_of_its_own(net: LaneNet, place: Place, attached: Attached,
 
 def _straight_behind(net: LaneNet, position: np.ndarray, heading: float, taken: Dict[int, Place],
                      options: MakingOptions) -> Optional[int]:
-    """A node straight behind a dock, at least 0.4 m away: one that is there, or new on a lane."""
+    """Returns a node straight behind a dock, at least 0.4 m away: an old one, or one on a lane."""
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
     found: List[Tuple[float, int, LaneOrNode]] = []
@@ -150,7 +154,7 @@ def _straight_behind(net: LaneNet, position: np.ndarray, heading: float, taken: 
 
 
 def _draw(net: LaneNet, way: List[np.ndarray], node: int, options: MakingOptions) -> int:
-    """Lanes along `way`, which begins at a new node and ends at `node`; the new node."""
+    """Adds lanes along `way`, from a new node to `node`; returns the new node."""
     first = last = net.add_node(way[0])
     for here in [*way[1:-1], None]:
         onward = node if here is None else net.add_node(here)
@@ -163,7 +167,10 @@ def _draw(net: LaneNet, way: List[np.ndarray], node: int, options: MakingOptions
 
 def _start_of_lane(floor: Floor, place: Place,
                    options: MakingOptions) -> Tuple[np.ndarray, float]:
-    """Where the way straight in begins, for a dock with room for it; and the clearance there."""
+    """Returns the start of a place's lane, and the clearance that it needs there.
+
+    For a dock with enough space it is the start of the straight path into the dock.
+    """
     position = np.array(place.position)
     if place.kind is PlaceKind.DOCK and place.heading is not None:
         behind = position - STRAIGHT_IN * np.array((math.cos(place.heading),
@@ -174,14 +181,14 @@ def _start_of_lane(floor: Floor, place: Place,
 
 
 def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> float:
-    """What a lane from there needs: no more than there is, but never less than the robot."""
+    """Returns the clearance for a lane: not more than available, not less than the robot needs."""
     room = floor.clearance_of(position)
     return max(min(options.wide, room), options.robot_width / 2.0)
 
 
 def _straight_to_lane(net: LaneNet, start: np.ndarray, need: float, options: MakingOptions,
                       taken: Set[int]) -> Optional[Tuple[np.ndarray, LaneOrNode]]:
-    """The best straight way to a lane or node: its end there, and the node or lane."""
+    """Returns the end of the best straight path to a lane or node, and this lane or node."""
     ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []
     for lane in net.lanes:
         foot = _foot(net, lane, start)
@@ -203,7 +210,7 @@ def _straight_to_lane(net: LaneNet, start: np.ndarray, need: float, options: Mak
 
 def _path_to_lane(net: LaneNet, start: np.ndarray,
                   options: MakingOptions) -> Optional[Tuple[List[np.ndarray], int]]:
-    """A winding way to the nearest node, with room to the sides where there is any."""
+    """Returns a winding path to the nearest node, which keeps away from walls if possible."""
     floor = net.floor
     costs = np.where(floor.clearance >= options.robot_width / 2.0,
                      1.0 + 4.0 * np.exp(-4.0 * floor.clearance), -1.0)

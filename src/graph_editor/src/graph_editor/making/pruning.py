@@ -1,7 +1,7 @@
-"""What a person would leave out of a skeleton: spurs into corners, and loops that save no way.
+"""Removes useless parts of a skeleton: spurs into corners, and loops that do not shorten a path.
 
-A chain stays where it *serves* floor that no other chain does, or where it saves a detour.
-Junctions that lie close together become one.
+A chain stays if it *serves* floor that no other chain serves, or if it saves a detour. Junctions
+that are close together become one junction.
 """
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from graph_editor.making.coverage import Coverage
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
-LEAST_FLOOR = 1.0  # m2 that only a dead end serves, for it to stay
-LEAST_IN_CORNER = 6.0  # m2, where it leads into a corner: bays do that better
-WORTHWHILE_DETOUR = 9.0  # m that a side of a loop saves, for it to stay
-WORTHWHILE_FLOOR = 3.0  # m2 that only one side of a loop serves, for it to stay
-NARROW_IS_WORSE = 3.0  # so much more a lane must bring where its corridor does not fit
-MERGING = 1.0  # m between junctions that become one, where there is little room
-DOOR = 0.3  # m that a way must widen again by, to have come through something like a door
-AHEAD = 1.5  # m of each chain that must see the one junction
+LEAST_FLOOR = 1.0  # m2; a dead end stays if only it serves this much floor
+LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, because bays are better there
+WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
+WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if only it serves this much floor
+NARROW_IS_WORSE = 3.0  # factor of the required use if the corridor of a lane does not fit
+MERGING = 1.0  # m; junctions within this distance become one if there is little space
+DOOR = 0.3  # m; a path that widens again by this much has passed something like a door
+AHEAD = 1.5  # m; this part of each chain must be visible from the merged junction
 
 
 def prune(graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
-    """Takes out of the skeleton what is of no use; what is connected stays connected."""
+    """Removes the useless parts of the skeleton; connected parts stay connected."""
     _prune_spurs(graph)
     pruner = _Pruner(graph, coverage, options)
     pruner.prune_dead_ends()
@@ -37,7 +37,7 @@ def prune(graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None
 
 
 def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
-    """Makes one of junctions close together, as long as lanes can lead straight to it."""
+    """Merges junctions that are close together, if lanes can lead straight to the new junction."""
     refused = set()
     while True:
         chain = min((chain for chain in graph.chains if _is_short(graph, chain)
@@ -49,9 +49,10 @@ def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
 
 
 def _prune_spurs(graph: ChainGraph) -> None:
-    """Takes out dead ends that hardly leave the widest disc around where they begin.
+    """Removes dead ends that hardly leave the widest disc around their start.
 
-    All of a junction at once: of the two spurs at the end of a corridor neither is its end.
+    All spurs of a junction are removed together: of the two spurs at the end of a corridor, neither
+    is the real end of the corridor.
     """
     while True:
         spurs: Dict[int, List[Chain]] = {}
@@ -65,9 +66,10 @@ def _prune_spurs(graph: ChainGraph) -> None:
 
 
 def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
-    """Judged by how far the discs along the chain reach beyond the disc around its base.
+    """Returns whether a dead end is a spur.
 
-    A spur into a corner may reach farther than one behind a narrow place, like a door.
+    The criterion is how far the free discs along the chain reach beyond the disc around its base.
+    A spur into a corner may reach farther than a spur behind a narrow place, like a door.
     """
     clearances = chain.clearances_towards(tip)
     beyond = chain.length + clearances[-1] - clearances[0]
@@ -75,20 +77,23 @@ def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
 
 
 def _leads_into_corner(tip: int, chain: Chain) -> bool:
-    """Does a dead end narrow all the way, and end soon? From a hall's middle that is a corner."""
+    """Returns whether a dead end leads from the middle of a hall into a corner.
+
+    Such a dead end is short and becomes narrower along its whole length.
+    """
     clearances = chain.clearances_towards(tip)
     return (clearances[-1] < 0.6 * clearances[0] and chain.length < 2.2 * clearances[0]
             and not _widens(tip, chain))
 
 
 def _widens(tip: int, chain: Chain) -> bool:
-    """Does the way to a dead end's tip widen again, as behind a door?"""
+    """Returns whether the path to a dead end's tip widens again, as behind a door."""
     clearances = chain.clearances_towards(tip)
     return float((clearances - np.minimum.accumulate(clearances)).max()) >= DOOR
 
 
 class _Pruner:
-    """Counts for every cell of the floor how many chains serve it."""
+    """Prunes a skeleton; counts for each cell of the floor the chains that serve it."""
 
     def __init__(self, graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
         self._graph = graph
@@ -99,7 +104,7 @@ class _Pruner:
         self._take_up(graph.chains)
 
     def prune_dead_ends(self) -> None:
-        """Takes out dead ends that serve hardly anything alone, the least useful first."""
+        """Removes dead ends that serve hardly any floor alone, the least useful first."""
         while True:
             uses = [(self._use_of_dead_end(node, chain), node, chain)
                     for node, chain in self._graph.dead_ends()]
@@ -109,9 +114,10 @@ class _Pruner:
             self._remove(min(useless, key=lambda entry: entry[:2])[2])
 
     def open_narrow_loops(self) -> None:
-        """Cuts loops at their narrowest, where a whole corridor does not fit.
+        """Cuts loops at their narrowest place, if a whole corridor does not fit there.
 
-        Unless they save a long detour there. Rings that are as wide all round are cut half way.
+        A loop is not cut if this would cause a long detour. A ring with the same width everywhere
+        is cut in its middle.
         """
         for chain in self._graph.chains:
             if not self._graph.has(chain):
@@ -125,7 +131,7 @@ class _Pruner:
                     self._open(chain)
 
     def _open(self, chain: Chain) -> List[Chain]:
-        """Makes two dead ends of a chain; see `open_narrow_loops`."""
+        """Cuts a chain into two dead ends; see `open_narrow_loops`."""
         narrow = chain.clearances < self._options.corridor / 2.0
         if chain.is_ring and narrow.all() == narrow.any():
             first = last = len(chain.path) // 2
@@ -140,10 +146,10 @@ class _Pruner:
         return made
 
     def prune_loops(self) -> None:
-        """Takes out sides of loops, the least useful first.
+        """Removes sides of loops, the least useful first.
 
-        Taking one out can only make the others more useful, so a use that was worked out before
-        is a lower bound, and is worked out again only when its turn comes.
+        After a removal the other sides can only be more useful. So a use that was computed earlier
+        is a lower bound. It is computed again only when it is the lowest one.
         """
         waiting = [(0.0, chain.id, chain) for chain in self._graph.chains]
         heapq.heapify(waiting)
@@ -164,12 +170,15 @@ class _Pruner:
                 heapq.heappush(waiting, (0.0, made.id, made))
 
     def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
-        """1 and more where the chain is worth its while."""
+        """Returns the use of a dead end; the chain is useful if it is 1 or more."""
         least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
         return self._floor_of(chain) / self._price(chain) / least
 
     def _use_in_loop(self, chain: Chain) -> Optional[float]:
-        """1 and more where the chain is worth its while; None where nothing else joins its ends."""
+        """Returns the use of a side of a loop; the chain is useful if it is 1 or more.
+
+        None: no other path connects the ends of the chain.
+        """
         around = self._graph.way_round(chain)
         if around is None:
             return None
@@ -181,7 +190,7 @@ class _Pruner:
         return 1.0 if chain.clearance >= self._options.corridor / 2.0 else NARROW_IS_WORSE
 
     def _floor_of(self, chain: Chain) -> float:
-        """m2 that only this chain serves."""
+        """Returns the area (m2) that only this chain serves."""
         alone = np.count_nonzero(self._servants[self._served[chain.id]] == 1)
         return alone * self._coverage.cell_area
 
@@ -191,7 +200,7 @@ class _Pruner:
         return made
 
     def _exchange(self, made: List[Chain]) -> None:
-        """Takes up new chains, and forgets those that have gone."""
+        """Adds the counts of new chains, and removes those of removed chains."""
         left = {chain.id for chain in self._graph.chains}
         for id in [id for id in self._served if id not in left]:
             self._servants[self._served.pop(id)] -= 1
@@ -209,7 +218,7 @@ def _is_short(graph: ChainGraph, chain: Chain) -> bool:
 
 
 def _contract(graph: ChainGraph, chain: Chain, options: MakingOptions) -> bool:
-    """Puts both ends of a chain into its middle, if the chains around can be seen from there."""
+    """Moves both ends of a chain to its middle, if the adjacent chains are visible from there."""
     steps = np.linalg.norm(np.diff(chain.path, axis=0), axis=1)
     middle = int(np.searchsorted(np.cumsum(steps), chain.length / 2.0)) + 1
     middle = min(middle, len(chain.path) - 1)
@@ -228,7 +237,7 @@ def _contract(graph: ChainGraph, chain: Chain, options: MakingOptions) -> bool:
 
 def _sees(graph: ChainGraph, centre: np.ndarray, chain: Chain, node: int,
           options: MakingOptions) -> bool:
-    """Can a lane lead straight from the centre to a place some way along a chain?"""
+    """Returns whether a lane can lead straight from the centre to a point on a chain."""
     path = chain.path_from(node)
     arc = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
     ahead = path[min(int(np.searchsorted(arc, AHEAD)), len(path) - 1)]

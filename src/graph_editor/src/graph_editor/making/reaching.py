@@ -1,7 +1,7 @@
-"""Lanes to floor that nothing serves yet, over straights from one place to turn to the next.
+"""Adds lanes to floor that is not served yet, by straight lanes between places to turn.
 
-What robots can reach and the steps before have lost, in whichever way. The floor on which robots
-turn falls into parts; from one to another they drive straight.
+This is floor that robots can reach but that the earlier steps have lost. The floor on which robots
+can turn consists of several parts. From one part to another they drive straight.
 """
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.straights import Margin, margins_of, straights, ways_to_drive
 from graph_editor.making.tidying import LEAST_FLOOR
 
-STEP = 0.25  # m between places where lanes may begin, bend and end
-ENOUGH = 0.9  # of what a lane would serve at the far end of the floor: there it ends
-MIDDLE = 2.0  # m of way that a metre of clearance is worth, for a far end
+STEP = 0.25  # m between the places at which lanes may begin, bend and end
+ENOUGH = 0.9  # a lane ends where it serves this share of the floor that the longest lane serves
+MIDDLE = 2.0  # m of path that equal a metre of clearance in the choice of the far end
 
 Cell = Tuple[int, int]
 
 
 class Joint(NamedTuple):
-    """Where a lane can begin."""
+    """A place at which a lane can begin."""
 
     root: LaneOrNode
     position: np.ndarray
 
 
 class Way(NamedTuple):
-    """Lanes from a joint over `places` (N,2) to turn, of which the joint is the first."""
+    """Lanes from a joint over places to turn (`places`, (N,2)); the first place is the joint."""
 
     joint: Joint
     places: np.ndarray
     clearances: List[float]
-    """m, of each lane."""
+    """The clearance of each lane, m."""
 
 
 def reach_out(net: LaneNet, options: MakingOptions) -> None:
-    """Leads lanes to where robots could turn and no lane is near, to the largest such part first.
+    """Adds lanes to floor on which robots can turn and that is far from lanes, the largest first.
 
-    Parts of less than LEAST_FLOOR m2 are left, and those to which no way leads.
+    It ignores parts of less than LEAST_FLOOR m2, and parts to which there is no path.
     """
     floor = net.floor
     coverage = Coverage(floor, floor.clearance >= options.tight, options.reach)
@@ -70,7 +70,7 @@ def reach_out(net: LaneNet, options: MakingOptions) -> None:
 
 def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
             options: MakingOptions) -> Optional[Way]:
-    """The way into a `part` (rows, columns) of the coverage's cells; None where there is none."""
+    """Returns the path into a `part` (rows, columns) of the coverage's cells, or None."""
     floor, margin = net.floor, margins_of(options)[1]
     goals = coverage.points_of(*np.nonzero(part))
     costs = ways_to_drive(floor, margin, options, goals)
@@ -95,7 +95,7 @@ def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
 
 
 def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
-    """By cell, where there is room to turn: on lanes, and nodes, which are preferred."""
+    """Returns the joints with space to turn, by cell; nodes are preferred to places on lanes."""
     joints = []
     for lane in net.lanes:
         a, b = net.ends(lane)
@@ -110,7 +110,7 @@ def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
 
 def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: MakingOptions,
             floor: Floor) -> int:
-    """How many of the points (N,2) of a way serve nearly as much of the `part` as all of them."""
+    """Returns the number of points (N,2) of a path that serve nearly the same floor as all."""
     def served(count: int) -> int:
         return int(np.count_nonzero(part.flat[coverage.covered_by(points[:count])]))
     wanted = ENOUGH * served(len(points))
@@ -121,7 +121,7 @@ def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: M
 
 def _straightened(joint: Joint, points: np.ndarray, floor: Floor, margin: Margin,
                   options: MakingOptions) -> Optional[Way]:
-    """The cheapest lanes along points (N,2) that begin and end where robots can turn."""
+    """Returns the cheapest lanes along points (N,2) that start and end at places to turn."""
     roomy = floor.clearance_at(points) >= margin.turning
     jumping = ~roomy | np.roll(~roomy, 1) | np.roll(~roomy, -1)
     step = max(1, int(round(STEP / floor.resolution)))

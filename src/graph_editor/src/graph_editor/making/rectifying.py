@@ -1,8 +1,10 @@
-"""Lanes in the directions of the walls, right angles right, each in the middle of its way.
+"""Aligns lanes to the directions of the walls, with right angles, in the middle of the floor.
 
-Least squares over all nodes at once: every lane wants to lie on the points of the skeleton that it
-stands for, the more so the narrower it is there; a lane that nearly follows an axis must follow it.
-What would take a lane's clearance away is given up, lane by lane.
+The method is least squares over all nodes at once:
+- Each lane should be on the points of the skeleton that it represents. Narrow places have more
+  weight.
+- A lane that nearly follows an axis must follow it.
+- A condition that would reduce the clearance of a lane is dropped, lane by lane.
 """
 from __future__ import annotations
 
@@ -15,22 +17,22 @@ from scipy.sparse.linalg import spsolve
 
 from graph_editor.making.lanes import Lane, LaneNet
 
-NEARLY = math.radians(18.0)  # off an axis: such a lane shall follow it
-SHORT_OFFSET = 0.4  # m off an axis from one end to the other: such a lane shall follow it, too
-FARTHEST = 1.2  # m that a node may be moved
-SAMPLES = 8  # points of the skeleton that speak for a lane
-MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights: of axes, of nodes held fast, of nodes as they are
+NEARLY = math.radians(18.0)  # a lane with a smaller angle to an axis is aligned to it
+SHORT_OFFSET = 0.4  # m; a lane whose ends deviate less from an axis is aligned to it, too
+FARTHEST = 1.2  # m; largest movement of a node
+SAMPLES = 8  # number of points of the skeleton that represent a lane
+MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights of: axes, fixed nodes, present positions of nodes
 ROUNDS = 60
 Key = Tuple[int, int]
 
 
 def rectify(net: LaneNet, axes: Sequence[float], held: Collection[int] = ()) -> None:
-    """Moves the nodes of `net`, but for those that are `held`; every lane stays free that was."""
+    """Moves the nodes of `net` except the `held` ones; each free lane stays free."""
     _Rectifier(net, axes, held).run()
 
 
 def axis_of(direction: float, length: float, axes: Sequence[float]) -> Optional[float]:
-    """The direction (rad) of an axis that a lane nearly follows, or None."""
+    """Returns the direction (rad) of the axis that a lane nearly follows, or None."""
     best = None
     for axis in axes:
         quarters = round((direction - axis) / (math.pi / 2.0))
@@ -75,7 +77,7 @@ class _Rectifier:
             self._net.positions[node] = start
 
     def _give_up(self, wrong: List[Key], far: List[int]) -> None:
-        """What went wrong follows no axis any more; if it did not, its nodes stay put."""
+        """Drops conditions: wrong lanes no longer follow an axis, else their nodes are fixed."""
         for node in far:
             wrong += [(min(node, other), max(node, other)) for other in self._net.neighbours(node)]
         for key in set(wrong):
@@ -118,11 +120,11 @@ class _Rectifier:
         solution = spsolve((matrix.T @ matrix).tocsc(), matrix.T @ np.array(wanted))
         for node, k in self._index.items():
             self._net.positions[node] = solution[2 * k:2 * k + 2]
-        for node in self._places:  # a weight holds almost, a place stays
+        for node in self._places:  # the weight is not exact, but a place must not move at all
             self._net.positions[node] = self._start[node]
 
     def _samples(self, lane: Lane) -> List[Tuple[float, np.ndarray, float]]:
-        """Fraction of the lane, point of the skeleton there, and weight."""
+        """Returns fractions of the lane, the points of the skeleton there, and their weights."""
         chosen = lane.samples[np.linspace(0, len(lane.samples) - 1, SAMPLES + 2)[1:-1].astype(int)]
         a, b = (self._start[node] for node in lane.nodes)
         along = b - a

@@ -1,4 +1,4 @@
-"""Places that went with the lanes to them, once other lanes lead near."""
+"""Adds places again that were removed with their lanes, if other lanes lead near them."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, Sequence, Tuple
@@ -12,10 +12,10 @@ from graph_editor.site import Place
 
 def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, Place], options: MakingOptions,
            homes: Sequence[Tuple[float, float]]) -> LaneNet:
-    """The net with each place behind a gap to which lanes with room for robots can lead after all.
+    """Returns the net with the places behind gaps to which lanes can lead after all.
 
-    Adds their nodes to `places`. Each is tried on a copy: to a place that costs the net anything
-    else, no lane is drawn.
+    It adds their nodes to `places`. Each place is tried on a copy of the net. A place is not added
+    if the net would lose something else.
     """
     for place in (place for gap in gaps for place in gap.places):
         tried = net.copy()

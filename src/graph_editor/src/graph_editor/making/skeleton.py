@@ -1,4 +1,4 @@
-"""The skeleton of a mask as chains: where it forks and ends, and the cells between."""
+"""Makes the skeleton of a mask as chains: its forks and ends, and the cells between them."""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, Tuple
@@ -15,7 +15,10 @@ _AROUND = ((-1, 0), (0, -1), (0, 1), (1, 0), (-1, -1), (-1, 1), (1, -1), (1, 1))
 
 
 def skeleton_of(floor: Floor, mask: np.ndarray) -> ChainGraph:
-    """The skeleton of `mask`, a part of the floor; a part without forks and ends gets one node."""
+    """Returns the skeleton of `mask`, a part of the floor.
+
+    A connected part without forks and ends gets one node.
+    """
     skeleton = skeletonize(mask)
     neighbours = ndimage.convolve(skeleton.astype(np.uint8), np.ones((3, 3), np.uint8),
                                   mode='constant') - 1
@@ -37,7 +40,7 @@ def _centres(floor: Floor, cells: List[Cell]) -> np.ndarray:
 
 
 def _add_knots_to_rings(skeleton: np.ndarray, knots: np.ndarray) -> None:
-    """A closed chain without a knot gets one, at its first cell."""
+    """Adds a knot to each closed chain without one, at its first cell."""
     parts, _ = ndimage.label(skeleton, EVERY_NEIGHBOUR)
     with_knot = set(np.unique(parts[knots]).tolist())
     for part, window in enumerate(ndimage.find_objects(parts), 1):
@@ -47,7 +50,7 @@ def _add_knots_to_rings(skeleton: np.ndarray, knots: np.ndarray) -> None:
 
 
 def _middles(clusters: np.ndarray, count: int) -> Iterator[Cell]:
-    """The cell of each cluster that is nearest to the cluster's centroid."""
+    """Yields the cell of each cluster that is nearest to the cluster's centroid."""
     rows, columns = np.nonzero(clusters)
     labels = clusters[rows, columns]
     order = np.argsort(labels, kind='stable')
@@ -58,7 +61,7 @@ def _middles(clusters: np.ndarray, count: int) -> Iterator[Cell]:
 
 
 def _chains(skeleton: np.ndarray, clusters: np.ndarray) -> Iterator[Tuple[int, int, List[Cell]]]:
-    """Every chain once: the labels of its two clusters and the cells between them."""
+    """Yields each chain once: the labels of its two clusters and the cells between them."""
     cells = set(_cells(skeleton))
     labels = {cell: int(clusters[cell]) for cell in _cells(clusters)}
     seen = set()
@@ -83,9 +86,9 @@ def _neighbours(cell: Cell, cells: set) -> List[Cell]:
 
 
 def _follow(chain: List[Cell], knot: Cell, cells: set, labels: Dict[Cell, int]) -> Cell:
-    """Lengthens the chain, which begins beside `knot`, up to a knot, and returns that.
+    """Extends the chain, which begins beside `knot`, to the next knot, and returns that knot.
 
-    A cell that is no knot has exactly two neighbours: where the chain comes from, and whither.
+    A cell that is not a knot has exactly two neighbours: the previous cell and the next one.
     """
     before = knot
     while True:

@@ -1,8 +1,9 @@
-"""Lanes along the axes for slanting ones, where a skeleton cuts corners or leads askew.
+"""Replaces slanting lanes, which come from a skeleton that cuts corners, by lanes along the axes.
 
-A slant between a lane along one axis and a lane across it gives way to the corner in which the two
-meet when they are drawn on. A slant that ends at a lane across its axis meets that elsewhere, at a
-right angle. A slant that ends nowhere is turned.
+- A slant between a lane along one axis and a lane across it is replaced by the corner at which the
+  extensions of the two lanes meet.
+- A slant that ends at a lane across its axis is moved, so that it meets this lane at a right angle.
+- A slant that is a dead end is turned.
 """
 from __future__ import annotations
 
@@ -15,26 +16,26 @@ from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.rectifying import axis_of
 from graph_editor.making.sight import in_sight
 
-LONGEST_CUT = 3.5  # m, of a slant that cuts a corner
-FARTHEST_CORNER = 3.0  # m from either end of the slant
-LONGEST_SLANT = 12.0  # m
-STEEPEST = math.radians(40.0)  # off its axis, of a slant that is levelled
-FARTHEST_SHIFT = 2.5  # m that the end of a slant is moved by
-CLOSE = 0.6  # m from a node: there a lane ends at the node
+LONGEST_CUT = 3.5  # m; largest length of a slant that cuts a corner
+FARTHEST_CORNER = 3.0  # m; largest distance of the corner from the ends of the slant
+LONGEST_SLANT = 12.0  # m; longer lanes are not slants
+STEEPEST = math.radians(40.0)  # largest angle to the axis of a slant that is levelled
+FARTHEST_SHIFT = 2.5  # m; largest movement of the end of a slant
+CLOSE = 0.6  # m; a lane that would end within this distance of a node ends at the node
 
 
 class _Corner(NamedTuple):
-    """What would take the place of a slant."""
+    """The replacement of a slant."""
 
-    way: float  # m, from one end of the slant to the other by the corner
+    way: float  # m; length of the path from one end of the slant to the other over the corner
     position: np.ndarray
     slant: Lane
-    split: Optional[Lane]  # the lane that the corner lies on
+    split: Optional[Lane]  # the lane on which the corner is
     ends: Tuple[int, ...]  # the nodes that are joined to the corner
 
 
 def square(net: LaneNet, axes: Sequence[float]) -> None:
-    """Replaces slants, the shortest first; each that is there now, and hardly more, is tried."""
+    """Replaces slants, the shortest first; each slant is tried once."""
     refused: Set[Tuple[int, int]] = set()
     for _ in range(2 * len(net.lanes)):
         slant = min((lane for lane in net.lanes if lane.nodes not in refused
@@ -42,7 +43,7 @@ def square(net: LaneNet, axes: Sequence[float]) -> None:
                     key=lambda lane: (net.length(lane), lane.nodes), default=None)
         if slant is None:
             return
-        refused.add(slant.nodes)  # what is drawn now cannot be that slant again
+        refused.add(slant.nodes)  # do not try the same slant again
         corner = min([*_corners(net, slant, axes), *_levelled(net, slant, axes)],
                      key=lambda corner: corner.way, default=None)
         if corner is not None:
@@ -57,7 +58,7 @@ def _is_slant(net: LaneNet, lane: Lane, axes: Sequence[float]) -> bool:
 
 
 def _nearest_axis(direction: float, axes: Sequence[float]) -> float:
-    """The direction (rad) along an axis that is nearest."""
+    """Returns the nearest direction (rad) along an axis."""
     along = [axis + round((direction - axis) / (math.pi / 2.0)) * math.pi / 2.0 for axis in axes]
     return min(along, key=lambda candidate: abs(candidate - direction))
 
@@ -68,7 +69,7 @@ def _direction(net: LaneNet, start: int, end: int) -> float:
 
 
 def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """The corners that could replace a slant that cuts them, all of them free."""
+    """Yields the free corners that could replace a slant that cuts them."""
     a, b = slant.nodes
     if net.length(slant) > LONGEST_CUT:
         return
@@ -83,7 +84,7 @@ def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corn
 
 
 def _levelled(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """The places where a slant could end at a right angle, on a lane at its end or beyond."""
+    """Yields the places at which a slant could end at a right angle, on a lane or its extension."""
     for start, end in (slant.nodes, slant.nodes[::-1]):
         direction = _direction(net, start, end)
         along = _nearest_axis(direction, axes)
@@ -109,7 +110,7 @@ def _levelled(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Cor
 
 
 def _turn(net: LaneNet, slant: Lane, axes: Sequence[float]) -> None:
-    """Turns a dead end about where it begins, to the nearest axis along which it is free."""
+    """Turns a dead end about its start, to the nearest axis along which it is free."""
     base, tip = sorted(slant.nodes, key=net.degree, reverse=True)
     direction, length = _direction(net, base, tip), net.length(slant)
     turns = sorted((abs(math.remainder(axis + quarter * math.pi / 2.0 - direction, 2.0 * math.pi)),
@@ -128,7 +129,7 @@ def _turn(net: LaneNet, slant: Lane, axes: Sequence[float]) -> None:
 
 def _straight_lanes(net: LaneNet, node: int, without: int,
                     axes: Sequence[float]) -> Iterator[Tuple[Lane, float]]:
-    """The lanes at a node that follow an axis, and its direction."""
+    """Yields the lanes at a node that follow an axis, and the direction of the axis."""
     for other in net.neighbours(node):
         if other != without:
             lane = net.lane(node, other)

@@ -1,7 +1,7 @@
-"""Few straight lanes for a winding chain: as straight as a person would draw it, and free.
+"""Replaces a winding chain by a few free, straight lanes, as a person would draw them.
 
-Of all ways to cut the chain into straight pieces, the one with the least cost is found by dynamic
-programming: every piece costs 1, and so does straying half a metre from the chain for a metre.
+Dynamic programming finds the division of the chain into straight pieces with the least cost. Each
+piece costs 1. A deviation of half a metre from the chain over a length of one metre also costs 1.
 """
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
-STEP = 0.2  # m between the places of a chain where a piece may end
-STRAYING = 4.0  # cost per m2 of squared distance, and per m of the way
-LONGEST = 150  # steps that a piece may have
+STEP = 0.2  # m between the places of a chain at which a piece may end
+STRAYING = 4.0  # cost per m2 of squared deviation and per m of length
+LONGEST = 150  # largest number of steps in a piece
 
 
 def straighten(graph: ChainGraph, options: MakingOptions) -> LaneNet:
-    """Every chain as straight lanes; its nodes stay where they are."""
+    """Returns each chain as straight lanes; the nodes of the chains do not move."""
     net = LaneNet(graph.floor)
     nodes = {node: net.add_node(graph.position(node)) for node in graph.nodes}
     for chain in graph.chains:
@@ -35,13 +35,13 @@ def straighten(graph: ChainGraph, options: MakingOptions) -> LaneNet:
 
 
 def straight_pieces(floor: Floor, path: np.ndarray, wide: float) -> List[int]:
-    """Indices of the points of `path` (N,2) where the straight pieces begin and end.
+    """Returns the indices of the points of `path` (N,2) at which straight pieces begin and end.
 
-    A piece keeps the clearance that the path has along it, but needs no more than `wide`. A path
-    that returns to its start gets at least three pieces.
+    A piece has at least the clearance of its part of the path, but needs no more than `wide` (m). A
+    path that returns to its start gets at least three pieces.
     """
     stops = _stops(path)
-    near = path - path[0]  # small numbers, for the sake of precision
+    near = path - path[0]  # small numbers increase the precision
     moments = _moments(near)[stops]
     clearances = np.minimum(floor.clearance_at(path), wide)
     lows = np.minimum.reduceat(clearances, stops)  # from each stop to the next
@@ -65,14 +65,14 @@ def straight_pieces(floor: Floor, path: np.ndarray, wide: float) -> List[int]:
 
 
 def _stops(path: np.ndarray) -> List[int]:
-    """Indices of points about STEP apart, both ends included."""
+    """Returns the indices of points about STEP apart, including both ends."""
     arc = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
     count = max(int(round(arc[-1] / STEP)), 1)
     return np.unique(np.searchsorted(arc, np.linspace(0.0, arc[-1], count + 1) - 1e-9)).tolist()
 
 
 def _moments(path: np.ndarray) -> np.ndarray:
-    """(N,6): integrals of 1, x, y, x2, xy, y2 along the path up to each of its points."""
+    """Returns (N,6): integrals of 1, x, y, x2, xy, y2 along the path up to each of its points."""
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     x, y = ((path[1:] + path[:-1]) / 2.0).T
     parts = np.column_stack((np.ones_like(x), x, y, x * x, x * y, y * y)) * steps[:, None]
@@ -80,9 +80,10 @@ def _moments(path: np.ndarray) -> np.ndarray:
 
 
 def _straying(starts: np.ndarray, end: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """(N,) m3: integrals of the squared distance from the lines through `starts` (N,2) and `end`.
+    """Returns integrals (N,) of the squared distance from the lines `starts` (N,2) to `end`, m3.
 
-    `moments` (N,6) are those of the path between. Infinite where start and end coincide.
+    moments -- (N,6): the moments of the path between the points
+    The integral is infinite if start and end coincide.
     """
     along = end - starts
     length = np.hypot(*along.T)

@@ -1,4 +1,4 @@
-"""Straight lanes between places where robots can turn: where they can lead, and what they cost."""
+"""Straight lanes between places at which robots can turn: possible lanes and their costs."""
 from __future__ import annotations
 
 import math
@@ -13,22 +13,25 @@ from graph_editor.making.coverage import CLOSED
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import straight
 
-LONGEST = 3.0  # m of a lane between two of them
-PIECE = 0.5  # m of way that one more lane costs
-TIGHTNESS = 4.0  # m of way that a metre of clearance is worth
-AWAY = 8.0  # m around what ways shall join, within which they are looked for
-JUMP = 2.0  # m of a straight between parts of the floor to turn on, at most
+LONGEST = 3.0  # m; largest length of a lane between two such places
+PIECE = 0.5  # m of path that equal the cost of an additional lane
+TIGHTNESS = 4.0  # m of path that equal the cost of a metre less clearance
+AWAY = 8.0  # m; paths are searched within this distance around the points to connect
+JUMP = 2.0  # m; largest length of a straight between two parts of the floor for turning
 
 
 class Margin(NamedTuple):
-    """Clearances, m: of places to turn, and along lanes."""
+    """The least clearances, m: of places to turn, and along lanes."""
 
     turning: float
     straight: float
 
 
 def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
-    """From what lanes have elsewhere to the least that a robot's own search for a way needs."""
+    """Returns margins in descending order.
+
+    The first is that of other lanes, the last is the least that a robot's own path search needs.
+    """
     return (Margin(options.turning, options.tight),
             Margin(options.least_turning, options.tight),
             Margin(options.least_turning, options.robot_width / 2.0 + options.margin / 2.0))
@@ -36,7 +39,7 @@ def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
 
 def places_to_turn(floor: Floor, low: np.ndarray, high: np.ndarray,
                    margin: Margin) -> np.ndarray:
-    """(N,2) the places to turn between two corners."""
+    """Returns the places to turn (N,2) in the rectangle from `low` to `high`."""
     (top, bottom), (left, right) = floor.cells_of(np.array((low, high)))
     rows, columns = np.nonzero(floor.clearance[top:bottom + 1, left:right + 1]
                                >= margin.turning)
@@ -45,9 +48,9 @@ def places_to_turn(floor: Floor, low: np.ndarray, high: np.ndarray,
 
 def straights(floor: Floor, places: np.ndarray, ends: int, margin: Margin,
               options: MakingOptions) -> Tuple[np.ndarray, np.ndarray]:
-    """(N,N) costs of lanes between places, 0 where none can lead; and their clearances (m).
+    """Returns the costs (N,N) of lanes between places, and their clearances (N,N), m.
 
-    Lanes from the first places, the `ends`, may be of any length.
+    The cost is 0 if no lane is possible. Lanes from the first `ends` places may have any length.
     """
     costs = np.zeros((len(places), len(places)))
     clearances = np.zeros_like(costs)
@@ -63,7 +66,10 @@ def straights(floor: Floor, places: np.ndarray, ends: int, margin: Margin,
 
 
 def room_between(floor: Floor, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """(N,) m: the least clearance on each straight from `starts`, one or (N,2), to `ends` (N,2)."""
+    """Returns the least clearance (N,), m, on each straight from `starts` to `ends` (N,2).
+
+    starts -- one point or (N,2)
+    """
     longest = np.linalg.norm(ends - starts, axis=1).max(initial=0.0)
     room = np.full(len(ends), np.inf)
     for fraction in np.linspace(0.0, 1.0, int(math.ceil(longest / floor.resolution)) + 1):
@@ -72,16 +78,17 @@ def room_between(floor: Floor, starts: np.ndarray, ends: np.ndarray) -> np.ndarr
 
 
 def price(length: np.ndarray, room: np.ndarray, options: MakingOptions) -> np.ndarray:
-    """(N,) m: what lanes of a length (N,) and with some clearance (N,) cost."""
+    """Returns the costs (N,), m, of lanes with the given lengths (N,) and clearances (N,)."""
     return length + PIECE + TIGHTNESS * (options.wide - np.minimum(room, options.wide))
 
 
 def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
                   points: np.ndarray) -> np.ndarray:
-    """(rows, columns) what a cell of way costs, the more the narrower; CLOSED to robots.
+    """Returns the cost (rows, columns) of a path through each cell; narrow cells cost more.
 
-    Open is the floor on which robots turn, and the best straight from each part of it to each
-    other that is near; everything in the box around points (N,2), and AWAY m around that.
+    Open cells are those on which robots can turn, and those of the best straight between each two
+    near parts of this floor. All other cells are CLOSED, and so are cells outside the box around
+    points (N,2) with a border of AWAY m.
     """
     (top, bottom), (left, right) = floor.cells_of(
         np.array((points.min(axis=0) - AWAY, points.max(axis=0) + AWAY)))
@@ -97,7 +104,7 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
 
 def _jumps(floor: Floor, turning: np.ndarray, margin: Margin,
            options: MakingOptions) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
-    """The best straight between each two parts of the floor to turn on that are near by."""
+    """Yields the best straight between each two near parts of the floor for turning."""
     parts, _ = ndimage.label(turning, EVERY_NEIGHBOUR)
     rim = np.nonzero(turning & ~ndimage.binary_erosion(turning, EVERY_NEIGHBOUR))
     places, part = floor.centres(*rim), parts[rim]

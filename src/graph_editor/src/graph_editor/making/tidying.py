@@ -1,6 +1,6 @@
-"""Nodes and lanes as few as can be: what is close together becomes one, what is straight one lane.
+"""Reduces the number of nodes and lanes: merges near nodes, and joins lanes in a straight line.
 
-Nothing here takes the clearance that a lane needs.
+No step takes away the clearance that a lane needs.
 """
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from graph_editor.making.coverage import Coverage, dense
 from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.sight import in_sight
 
-CLOSE = 0.6  # m between nodes that become one
-TOUCHING = 0.35  # m between a node and a lane that passes it: then the lane leads through it
-STRAIGHT = math.radians(6.0)  # of turning, at a node that is none
-LEAST_FLOOR = 1.5  # m2 that only a dead end serves, for it to stay
+CLOSE = 0.6  # m; nodes within this distance are merged
+TOUCHING = 0.35  # m; a lane that passes a node within this distance leads through the node
+STRAIGHT = math.radians(6.0)  # at a smaller turn a node is unnecessary
+LEAST_FLOOR = 1.5  # m2; a dead end stays if only it serves this much floor
 
 
 def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None:
-    """Tidies everything but the nodes to `keep`, to which others may come.
+    """Tidies the net; the nodes to `keep` do not move, but others may be merged into them.
 
-    Lanes come to bend only where there is a clearance of `turning` m.
+    New bends are made only at places with a clearance of at least `turning` m.
     """
     kept = set(keep)
     _cross(net)
@@ -32,9 +32,9 @@ def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None
 
 
 def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
-    """Takes out dead ends that serve hardly any floor alone, the least useful first.
+    """Removes dead ends that serve hardly any floor alone, the least useful first.
 
-    A lane stays where the dead end that it leads to would end where there is no room to turn.
+    A lane stays if the remaining dead end would end at a place without space to turn.
     """
     served = {lane.nodes: coverage.covered_by(dense(np.array(net.ends(lane)), 0.05))
               for lane in net.lanes}
@@ -53,12 +53,12 @@ def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
 
 
 def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
-    """Would a dead end at this node be one where robots cannot turn?"""
+    """Returns whether a dead end at this node would have no space for robots to turn."""
     return net.degree(node) == 2 and net.floor.clearance_of(net.positions[node]) < turning
 
 
 def _cross(net: LaneNet) -> None:
-    """Where lanes cross they get a node."""
+    """Adds nodes at the crossings of lanes."""
     while True:
         found = _crossing(net)
         if found is None:
@@ -92,7 +92,7 @@ def _crossing(net: LaneNet) -> Optional[Tuple[Lane, Lane, np.ndarray]]:
 
 
 def _lead_through(net: LaneNet, turning: float) -> None:
-    """A lane that passes close to a node that is not its own leads through it."""
+    """Leads each lane that passes close to another node through this node."""
     again = True
     while again:
         again = False
@@ -147,16 +147,16 @@ def _merge(net: LaneNet, a: int, b: int, keep: set, turning: float) -> bool:
             continue
         if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
             if not around:
-                keep.add(node)  # else a dead end that bends goes node by node
+                keep.add(node)  # otherwise a bent dead end would be removed node by node
             net.merge(node, other)
             return True
     return not {a, b} & keep and _merge_in_corner(net, a, b, turning)
 
 
 def _merge_in_corner(net: LaneNet, a: int, b: int, turning: float) -> bool:
-    """Two bends become one where the lanes that lead to them meet.
+    """Replaces two bends by one, at the point at which the lanes to them meet.
 
-    The lanes get as little room there as the lane between the bends had.
+    The clearance of the lanes may then be as low as that of the lane between the bends.
     """
     if net.degree(a) != 2 or net.degree(b) != 2:
         return False

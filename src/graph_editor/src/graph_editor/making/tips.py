@@ -1,4 +1,4 @@
-"""Where dead ends end: at places to turn, for robots come back from there."""
+"""Moves the ends of dead ends to places to turn, because robots must come back from there."""
 from __future__ import annotations
 
 from typing import Collection, Optional, Sequence, Tuple
@@ -16,11 +16,14 @@ from graph_editor.making.widening import ASIDE
 
 def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
                    keep: Collection[int], homes: Sequence[Tuple[float, float]]) -> None:
-    """Moves the tips of dead ends to where robots can turn, but for the nodes to `keep`.
+    """Moves the tips of dead ends, except the nodes to `keep`, to places at which robots can turn.
 
-    Back along the lane; or, where that leaves floor unserved, to a place beside that a straight
-    leads to. A dead end that gets too short goes. Of the last lane a place to turn stays, near its
-    tip or where robots start (`homes`, m); where there is none, the lane stays.
+    - A tip moves back along its lane.
+    - If this would leave floor unserved, it moves to a place beside the lane that a straight lane
+      reaches.
+    - A dead end that becomes too short is removed.
+    - Of the last lane a place to turn remains, near its tip or at a start of robots (`homes`, m).
+      If there is no such place, the lane stays.
     """
     for tip in net.nodes:
         if tip in keep or tip not in net.positions or net.degree(tip) != 1:
@@ -39,7 +42,10 @@ def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
 
 def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
                options: MakingOptions) -> Optional[np.ndarray]:
-    """The place to turn that the lane shall end at: on it, or beside its tip if much were lost."""
+    """Returns the place to turn for the end of a lane.
+
+    It is on the lane, or beside its tip if much floor would be unserved otherwise.
+    """
     here = net.positions[tip]
     points = straight(net.floor, here, net.positions[base])
     roomy = np.flatnonzero(net.floor.clearance_at(points) >= options.turning)
@@ -59,7 +65,7 @@ def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
 
 def _left_unserved(net: LaneNet, coverage: Coverage, tip: int, base: int,
                    back: Optional[np.ndarray]) -> float:
-    """m2 of floor there that nothing would serve, if the lane ended at `back`, or went."""
+    """Returns the area (m2) that would be unserved if the lane ended at `back` (None: removed)."""
     lane = net.lane(tip, base)
     kept = [np.array(net.ends(other)) for other in net.lanes if other.nodes != lane.nodes]
     if back is not None:
@@ -73,14 +79,14 @@ def _left_unserved(net: LaneNet, coverage: Coverage, tip: int, base: int,
 
 
 def _nearest_to_turn(net: LaneNet, start: np.ndarray, margin: Margin) -> np.ndarray:
-    """(N,2) places to turn near `start`, the nearest first."""
+    """Returns places to turn (N,2) near `start`, the nearest first."""
     places = places_to_turn(net.floor, start - ASIDE, start + ASIDE, margin)
     return places[np.argsort(np.linalg.norm(places - start, axis=1), kind='stable')]
 
 
 def _leave(net: LaneNet, lane: Tuple[int, int], options: MakingOptions,
            homes: Sequence[Tuple[float, float]]) -> None:
-    """Puts one place to turn in the place of a lane that has none."""
+    """Replaces a lane without a place to turn by one place to turn."""
     for start in (*map(np.array, homes), *(net.positions[node] for node in lane)):
         places = _nearest_to_turn(net, start, margins_of(options)[-1])
         if len(places):

@@ -1,9 +1,9 @@
-"""As much room as robots need: narrow places are driven through straight, between wider ones.
+"""Gives robots enough space: lanes lead straight through narrow places, between wider places.
 
-A robot is wider across its corners than across its sides, so that there are places which it fits
-through and cannot turn in. Lanes that bend there, or have hardly the robot's width free, are drawn
-anew between places to turn near by, with the most margin that works. Where none does, no lane leads
-through.
+A robot is wider across its corners than across its sides. So there are places that it can pass but
+in which it cannot turn. If a lane bends there, or hardly has the width of the robot, it is replaced
+by new lanes between near places to turn, with the largest margin that is possible. If no margin is
+possible, no lane leads through.
 """
 from __future__ import annotations
 
@@ -31,39 +31,39 @@ from graph_editor.making.straights import (
 from graph_editor.robot import NEARLY_STRAIGHT
 from graph_editor.site import Place
 
-NEAR = 1.5  # m around a tight corner within which the lanes may be drawn anew
-ASIDE = 0.8  # m from the lanes, where places to turn are looked for
-PLACES = 120  # that are looked at, those nearest to where robots cannot turn
+NEAR = 1.5  # m; lanes within this distance of a tight corner may be replaced
+ASIDE = 0.8  # m; places to turn are searched within this distance of the lanes
+PLACES = 120  # number of places that are tried: those nearest to the tight places
 
 
 class Gap(NamedTuple):
-    """Where no lane leads through, and what went with it."""
+    """A place through which no lane leads, and the lanes and places that were lost behind it."""
 
     position: Tuple[float, float]
     clearance: float
-    """m."""
+    """The clearance there, m."""
     length: float
-    """m of lanes that were behind it."""
+    """The length of the lanes behind it, m."""
     places: Tuple[Place, ...]
-    """Those that were behind it."""
+    """The places behind it."""
 
     def note(self, found: Collection[Place]) -> str:
-        """What people should know; `found`: places to which other lanes lead."""
+        """Returns a note for people; `found`: places to which other lanes lead."""
         x, y = self.position
-        behind = f', nor this way to {self.length:.0f} m of lanes behind it' if self.length else ''
+        behind = f', nor to {self.length:.0f} m of lanes behind it' if self.length else ''
         names = ', '.join(place.name for place in self.places if place not in found)
-        return (f'At {x:.2f} {y:.2f} there are {self.clearance:.2f} m to the nearest obstacle, too '
-                f'little for a robot to turn or to pass: no lane leads through{behind}'
+        return (f'At {x:.2f} {y:.2f} the nearest obstacle is {self.clearance:.2f} m away, too near '
+                f'for a robot to turn or to pass: no lane leads through{behind}'
                 f'{", with " if names else ""}{names}.')
 
 
 def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
           homes: Sequence[Tuple[float, float]]) -> List[Gap]:
-    """Draws lanes anew where they are too narrow, but for the nodes of `places`.
+    """Replaces lanes that are too narrow, except at the nodes of `places`.
 
-    Where no way is found, no lane stays. What can be reached only through there goes, `places`
-    included: the part with the most of them stays, or the one that robots reach from most `homes`
-    (m), or the longest.
+    If no path is found, the lanes are removed, and so are the parts of the net that are only
+    reached through there, including their `places`. The part that stays is the one with the most
+    places, else the one that robots reach from the most `homes` (m), else the longest one.
     """
     margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
@@ -84,7 +84,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
 
 
 def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
-    """Puts a node where a lane is narrowest, if that is too narrow."""
+    """Adds a node at the narrowest place of each lane that is too narrow there."""
     for lane in net.lanes:
         points = straight(net.floor, *net.ends(lane))
         room = net.floor.clearance_at(points)
@@ -94,7 +94,7 @@ def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
 
 
 def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
-    """Nodes where a robot cannot pass, or would have to turn and cannot."""
+    """Yields nodes that a robot cannot pass, or at which it must turn but cannot."""
     for node in net.nodes:
         room = net.floor.clearance_of(net.positions[node])
         if room < least.straight and net.degree(node) > 1 or (
@@ -104,7 +104,7 @@ def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
 
 def _leave_out(net: LaneNet, places: Dict[int, Place], homes: Sequence[Tuple[float, float]],
                options: MakingOptions) -> Tuple[float, Tuple[Place, ...]]:
-    """Takes out all parts of the net but one: how long (m) their lanes were, and their places."""
+    """Removes all parts of the net except one; returns the length (m) and places of these parts."""
     parts = list(net.components())
     if len(parts) == 1:
         return 0.0, ()
@@ -122,7 +122,7 @@ def _leave_out(net: LaneNet, places: Dict[int, Place], homes: Sequence[Tuple[flo
 
 def _started_at(net: LaneNet, parts: Sequence[Set[int]], homes: Sequence[Tuple[float, float]],
                 options: MakingOptions) -> List[int]:
-    """From how many of the `homes` (m) robots can drive to each of the parts of the net."""
+    """Returns the number of `homes` (m) from which robots can drive to each part of the net."""
     costs = ways_to_drive(net.floor, margins_of(options)[1], options,
                           np.vstack((*homes, *net.positions.values())))
     floor, _ = ndimage.label(costs != CLOSED, EVERY_NEIGHBOUR)
@@ -138,7 +138,7 @@ def _bends(net: LaneNet, node: int) -> bool:
 
 
 def _cluster(net: LaneNet, corner: int, least: Margin, held: Set[int]) -> Set[int]:
-    """The nodes to draw anew: a corner, and near to it what else is too narrow or just bends."""
+    """Returns the nodes to replace: a corner, and near nodes that are too narrow or only bends."""
     tight = set(_too_narrow(net, least)) - held
     cluster, ahead = {corner}, [corner]
     while ahead:
@@ -152,7 +152,7 @@ def _cluster(net: LaneNet, corner: int, least: Margin, held: Set[int]) -> Set[in
 
 
 def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOptions) -> bool:
-    """Draws the lanes between what surrounds the cluster anew; False where there is no way."""
+    """Replaces the lanes of the cluster; returns False if there is no path."""
     lanes = {net.lane(node, other).nodes for node in cluster for other in net.neighbours(node)}
     ends = sorted({node for key in lanes for node in key} - cluster)
     along = np.vstack([straight(net.floor, *(net.positions[node] for node in key))
@@ -184,7 +184,7 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOpti
 
 def _places_along(net: LaneNet, along: np.ndarray, margin: Margin,
                   options: MakingOptions) -> np.ndarray:
-    """(N,2) places with room to turn, those nearest to where the lanes have none."""
+    """Returns places to turn (N,2): the nearest ones to the parts of the lanes without space."""
     places = places_to_turn(net.floor, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
     narrow = along[net.floor.clearance_at(along) < options.turning]
     if not len(places) or not len(narrow):

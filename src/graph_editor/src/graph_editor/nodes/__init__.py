@@ -1,1 +1,1 @@
-"""The editor as a ROS node: handles in RViz, the live graph, the window beside it."""
+"""The editor as a ROS node: handles in RViz, the live graph, and the window beside RViz."""

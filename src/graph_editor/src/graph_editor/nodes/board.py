@@ -1,6 +1,7 @@
-"""The editor's board in RViz: keeps the handles there true to the session, changing few at a time.
+"""Keeps the handles in RViz consistent with the session, and changes as few of them as possible.
 
-While a vertex is dragged, its group's handle holds no other: RViz moves all of it with the mouse.
+While a vertex is dragged, the handle of its group has no other vertex, because RViz moves the whole
+handle with the mouse.
 """
 from __future__ import annotations
 
@@ -31,23 +32,23 @@ from node_lifecycle.marker_server import OrderedMarkerServer
 from trajectory_graph import CurveType
 
 NAMESPACE = 'graph_editor'
-MOVED = 0.02  # m that the mouse must move a vertex by, for a drag and no click
+MOVED = 0.02  # m; a shorter movement of the mouse is a click and not a drag
 Key = Tuple[str, int]
 Shown = Any
-"""What a handle shows; it is drawn anew when that is another."""
+"""The contents of a handle; the handle is drawn anew when they change."""
 
 
 @dataclass
 class Grabbed:
-    """What the mouse holds."""
+    """The handle that the mouse holds."""
 
     handle: str
     vertex: Optional[int] = None
     start: Tuple[float, float] = (0.0, 0.0)
-    """m: where the vertex was."""
+    """The position of the vertex before the drag, m."""
     handle_start: Tuple[float, float] = (0.0, 0.0)
     moved: Tuple[float, float] = (0.0, 0.0)
-    """m: by the mouse, until now."""
+    """The movement by the mouse until now, m."""
     dragged: bool = False
 
 
@@ -55,7 +56,7 @@ class Board:
     """The handles of one session; the caller holds the session's lock."""
 
     def __init__(self, session: Session, lock: ContextManager, changed: Callable[[], None]) -> None:
-        """`changed` is called after what a person did in RViz, with the lock held."""
+        """`changed` is called after each action of a person in RViz, with the lock held."""
         self._session = session
         self._lock = lock
         self._changed = changed
@@ -68,17 +69,17 @@ class Board:
 
     @property
     def is_dragging(self) -> bool:
-        """Is a handle being dragged now?"""
+        """Whether a handle is being dragged now."""
         return self._grabbed is not None and self._grabbed.dragged
 
     @property
     def finding_places(self) -> List[Optional[Tuple[float, float]]]:
-        """The middles of the words of what is marked (m), as `show` placed them; None: nowhere."""
+        """The middles of the findings' texts (m), as `show` placed them; None: not shown."""
         return [None if text is None else self._texts.middle(('finding', number))
                 for number, text in enumerate(self._finding_texts)]
 
     def mark(self, findings: Sequence[Finding]) -> None:
-        """From now on these are wrong."""
+        """Sets the findings to mark from now on."""
         self._severities = {}
         self._finding_texts = [finding_text(finding) for finding in findings]
         for finding in findings:
@@ -88,7 +89,10 @@ class Board:
                     self._severities[key] = finding.severity
 
     def show(self, own_severities: Mapping[Key, Optional[Severity]]) -> None:
-        """Brings RViz up to date; the severities are those of elements that changed just now."""
+        """Updates RViz.
+
+        own_severities -- the severities of elements that have just changed
+        """
         draft = self._session.draft
         wanted: Dict[str, Shown] = {}
         looks = self._looks({**self._severities, **own_severities})
@@ -154,7 +158,7 @@ class Board:
                 self._insert(marker)
 
     def _looks(self, severities: Mapping[Key, Optional[Severity]]) -> Dict[str, Dict[int, Look]]:
-        """By kind and id, of all that do not look plain: few of many."""
+        """Returns the looks, by kind and id, of the few elements that do not look plain."""
         looks: Dict[str, Dict[int, Look]] = {'vertex': {}, 'edge': {}}
         for (kind, id), severity in severities.items():
             if severity is not None:
@@ -186,7 +190,7 @@ class Board:
         elif kind == InteractiveMarkerFeedback.MOUSE_UP:
             clicked = not self.is_dragging
             if not clicked and self._grabbed is not None and self._grabbed.vertex is not None:
-                self._shown.pop(feedback.marker_name, None)  # RViz has it where the mouse went
+                self._shown.pop(feedback.marker_name, None)  # RViz has moved it with the mouse
             self._grabbed = None
             self._session.end_drag()
             if clicked:
@@ -206,7 +210,7 @@ class Board:
             self._grabbed.start = self._session.draft.vertices[id].position
 
     def _drag(self, feedback: InteractiveMarkerFeedback) -> bool:
-        """Does what is held as the mouse does; False while that is no drag yet."""
+        """Moves the held element with the mouse; returns False while it is not a drag yet."""
         grabbed, selected = self._grabbed, self._session.selected
         if grabbed is None or grabbed.handle != feedback.marker_name:
             return False
@@ -225,7 +229,7 @@ class Board:
         return True
 
     def _meant(self, feedback: InteractiveMarkerFeedback) -> Tuple[str, int]:
-        """Kind and id of what is under the mouse: of what shares the handle the nearest to it."""
+        """Returns kind and id of the element under the mouse: the nearest one of the handle."""
         what, _, group = feedback.marker_name.rpartition(' ')
         place = _place_of(feedback.mouse_point)
         if what == handles.EDGES:

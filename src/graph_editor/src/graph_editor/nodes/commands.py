@@ -1,4 +1,4 @@
-"""The commands `make_graph` and `check_graph`, which read maps from topics, too."""
+"""The commands `make_graph` and `check_graph`, which can also read maps from topics."""
 from __future__ import annotations
 
 from graph_editor import check_cli, make_cli

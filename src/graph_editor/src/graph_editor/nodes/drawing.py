@@ -1,7 +1,7 @@
 """Markers in the map frame, flat on the floor. Metres, radians.
 
-RViz draws every marker by itself, and lines anew for every frame. So all that belongs together is
-one list of triangles: with a thousand edges that is ten times as fast.
+RViz draws each marker separately, and draws lines again for each frame. So the parts of one drawing
+are one list of triangles: with a thousand edges this is ten times as fast.
 """
 from __future__ import annotations
 
@@ -32,27 +32,28 @@ DIGITS = {
     '9': [(0.5, 0), (2.5, 1), (4, 4), (4, 6.5), (3, 8), (1, 8), (0, 6.5), (0, 4.7), (1, 3.3),
           (3, 3.3), (4, 4.7)],
 }
-"""Strokes of the digits, in eighths of their height: words are slow in RViz."""
-STROKE = 1.4  # eighths: their width
-LETTER_WIDTH, LINE_HEIGHT = 0.6, 1.1  # of the height of words, in RViz's font; few are wider
+"""The strokes of the digits, in eighths of their height. Digits are drawn because RViz is slow with
+text."""
+STROKE = 1.4  # width of a stroke, in eighths of the height
+LETTER_WIDTH, LINE_HEIGHT = 0.6, 1.1  # shares of the text height in RViz's font; few are wider
 
 
 class Part(NamedTuple):
     """A flat shape in one colour."""
 
     corners: np.ndarray
-    """(3 N, 2) m: of N triangles."""
+    """(3 N, 2) m: the corners of N triangles."""
     z: float
     paint: ColorRGBA
 
 
 def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
-    """Parts of 0..1."""
+    """Returns a colour; each part is 0..1."""
     return ColorRGBA(red, green, blue, alpha)
 
 
 def pose_at(x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Pose:
-    """A place and a direction."""
+    """Returns a pose from a position and a heading."""
     pose = Pose()
     pose.position.x, pose.position.y, pose.position.z = x, y, z
     pose.orientation = quaternion_from_yaw(yaw)
@@ -60,7 +61,7 @@ def pose_at(x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Pose:
 
 
 def flat(parts: Iterable[Part], at: Tuple[float, float] = (0.0, 0.0)) -> Marker:
-    """One marker of all parts, around a place."""
+    """Returns one marker of all parts, with its origin at `at`."""
     marker = Marker(type=Marker.TRIANGLE_LIST, pose=pose_at(*at), color=colour(1.0, 1.0, 1.0))
     marker.scale.x = marker.scale.y = marker.scale.z = 1.0
     for part in parts:
@@ -70,7 +71,7 @@ def flat(parts: Iterable[Part], at: Tuple[float, float] = (0.0, 0.0)) -> Marker:
 
 
 def disc(diameter: float, z: float, paint: ColorRGBA) -> Part:
-    """A disc around the origin."""
+    """Returns a disc around the origin."""
     angles = np.linspace(0.0, 2.0 * np.pi, DISC_CORNERS + 1)
     rim = diameter / 2.0 * np.column_stack((np.cos(angles), np.sin(angles)))
     triangles = np.stack((np.zeros((DISC_CORNERS, 2)), rim[:-1], rim[1:]), axis=1)
@@ -78,12 +79,12 @@ def disc(diameter: float, z: float, paint: ColorRGBA) -> Part:
 
 
 def moved(part: Part, to: Tuple[float, float]) -> Part:
-    """The part with what was its origin at another place."""
+    """Returns the part with its origin moved to another place."""
     return part._replace(corners=part.corners + np.array(to))
 
 
 def together(markers: Iterable[Marker]) -> Marker:
-    """One marker of what `flat` made at the origin."""
+    """Returns one marker of several that `flat` made at the origin."""
     whole = flat(())
     for marker in markers:
         whole.points += marker.points
@@ -92,7 +93,7 @@ def together(markers: Iterable[Marker]) -> Marker:
 
 
 def strip(points: np.ndarray, width: float, z: float, paint: ColorRGBA) -> Part:
-    """A line through points (N,2)."""
+    """Returns a line of the given width through points (N,2)."""
     along = np.diff(points, axis=0)
     along = along / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
     along = np.vstack((along[:1], along[1:] + along[:-1], along[-1:]))
@@ -104,14 +105,14 @@ def strip(points: np.ndarray, width: float, z: float, paint: ColorRGBA) -> Part:
 
 
 def arrow(yaw: float, length: float, width: float, z: float, paint: ColorRGBA) -> Part:
-    """A triangle whose tip is `length` ahead of the origin."""
+    """Returns a triangle with its tip at the distance `length` from the origin."""
     ahead = np.array((math.cos(yaw), math.sin(yaw)))
     aside = width / 2.0 * np.array((-ahead[1], ahead[0]))
     return Part(np.stack((length * ahead, aside, -aside)), z, paint)
 
 
 def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[Part]:
-    """A number's digits, from the origin to the right."""
+    """Returns the digits of a number, from the origin to the right."""
     unit, parts = height / 8.0, []
     for place, digit in enumerate(str(value)):
         stroke = np.array(DIGITS.get(digit, [(0, 4), (4, 4)]), float) + (6.0 * place, 0.0)
@@ -120,19 +121,19 @@ def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[Part]:
 
 
 def number_size(value: int, height: float) -> Tuple[float, float]:
-    """Width and height of a number; its middle is half of `height` above the origin."""
+    """Returns width and height of a number; its middle is half of `height` above the origin."""
     unit = height / 8.0
     return unit * (6.0 * len(str(value)) - 1.7 + STROKE), height + unit * STROKE
 
 
 def text_size(words: str, height: float) -> Tuple[float, float]:
-    """About the width and height of words that RViz writes."""
+    """Returns the approximate width and height of a text in RViz."""
     lines = words.split('\n')
     return LETTER_WIDTH * height * max(map(len, lines)), LINE_HEIGHT * height * len(lines)
 
 
 def text(words: str, x: float, y: float, z: float, height: float, paint: ColorRGBA) -> Marker:
-    """Words that face the viewer, in the middle of a place."""
+    """Returns a text that faces the viewer, with its middle at x, y, z."""
     marker = Marker(type=Marker.TEXT_VIEW_FACING, text=words, color=paint, pose=pose_at(x, y, z))
     marker.scale.z = height
     return marker

@@ -1,25 +1,26 @@
-"""Node `graph_editor`: a trajectory graph, edited in RViz on its map.
+"""Node `graph_editor`: edits a trajectory graph in RViz on its map.
 
 Publishes
   graph_editor/update, /update_full  handles of vertices and edges (interactive markers)
-  graph_editor/graph  itrci_nav_msgs/Graph, latched: the graph as it is edited, whenever it is valid
-  /graph              itrci_nav_msgs/Graph, latched: the graph that was taken over, where no fleet
-                      manager runs; elsewhere "take over" calls /reload_graph (std_srvs/Trigger)
-  graph_editor/map    nav_msgs/OccupancyGrid, latched: the map, outside what counts as unknown
-  graph_editor/findings  visualization_msgs/MarkerArray, latched: what is wrong, and the last words
-  graph_editor/words  std_msgs/String, latched: what was done, or why it was not
+  graph_editor/graph  itrci_nav_msgs/Graph, latched: the edited graph, whenever it is valid
+  /graph              itrci_nav_msgs/Graph, latched: the graph that was taken over, if no fleet
+                      manager runs; otherwise "take over" calls /reload_graph (std_srvs/Trigger)
+  graph_editor/map    nav_msgs/OccupancyGrid, latched: the map; cells outside the used part are
+                      unknown
+  graph_editor/findings  visualization_msgs/MarkerArray, latched: the findings and the last message
+  graph_editor/words  std_msgs/String, latched: the last action, or the reason why it was not done
   TF map -> graph_editor, so that RViz knows the frame
 Subscribes
   graph_editor/clicked_point  geometry_msgs/PointStamped: RViz's Publish Point adds a
                       vertex or cuts an edge
 Parameters
   ~map_file           .map of a robot, .yaml of a ROS map, or topic:NAME (required)
-  ~graph_file         graph to edit; one that is not there is made from the map (required)
-  ~area               '' or x1,y1,x2,y2: the part of the map that counts
-  ~grid               m, that vertices snap to (0: none)
+  ~graph_file         graph to edit; if it does not exist, it is made from the map (required)
+  ~area               '' or x1,y1,x2,y2: the part of the map that is used
+  ~grid               pitch of the grid to which vertices snap, m (0: no grid)
   ~corridor           m (0.9)
   ~robot_width, ~robot_length  m (0.5, 0.7)
-  ~window             true: a window for texts and numbers, and for what is wrong (true)
+  ~window             true: a window for texts, numbers and findings (true)
 """
 from __future__ import annotations
 
@@ -61,13 +62,13 @@ from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_editing import GraphFile
 from trajectory_graph.yaml_file import dump_graph
 
-TICK = 0.1  # s
-REST = 0.5  # s without a change: then everything is checked again
-GRAPH_PERIOD = 0.25  # s between two messages with drafts, at least
+TICK = 0.1  # s between two periodic steps
+REST = 0.5  # s without a change, after which the whole graph is checked again
+GRAPH_PERIOD = 0.25  # s; the shortest time between two messages with drafts
 
 
 class EditorNode:
-    """Connects a session with RViz, with the followers of its graph, and with the window."""
+    """Connects a session to RViz, to the subscribers of its graph, and to the window."""
 
     def __init__(self, session: Session, site: Site, rules: CheckRules) -> None:
         self.session = session
@@ -98,7 +99,7 @@ class EditorNode:
         self._timer.start()
 
     def show(self) -> None:
-        """Brings RViz up to date after a change; the reasons for red come a little later."""
+        """Updates RViz after a change; the texts of the findings follow a little later."""
         with self.lock:
             draft = self.session.draft
             if draft is not self._last_draft:
@@ -108,7 +109,7 @@ class EditorNode:
             self._words.publish(self.session.said)
 
     def _severities_of_changed(self) -> Dict[Key, Optional[Severity]]:
-        """How bad what changed since is, looked at by itself; None: nothing wrong."""
+        """Returns the severity of each changed element, checked alone; None: no finding."""
         draft, before = self.session.draft, self._last_draft
         vertices = {id for id, vertex in draft.vertices.items()
                     if before.vertices.get(id) is not vertex}
@@ -127,7 +128,7 @@ class EditorNode:
                 self.show()
 
     def _take_over(self, draft: Draft) -> None:
-        """The fleet manager's answer may take seconds, in which the editor stays usable."""
+        """Takes a draft over in a thread, because the fleet manager's answer may take seconds."""
         threading.Thread(target=self._put_in_force, args=(draft,), name='take over',
                          daemon=True).start()
 
@@ -182,10 +183,10 @@ class EditorNode:
 
 
 def _keep_the_collector_short() -> None:
-    """Takes what there is now out of the garbage collector's later passes.
+    """Excludes the present objects from later passes of the garbage collector.
 
-    One over the drawings of a thousand edges takes 80 ms, in which no drag is answered. Almost all
-    of them go by themselves when they are no longer used: they are in no cycles.
+    A pass over the drawings of a thousand edges takes 80 ms, during which the editor does not react
+    to a drag. Almost all drawings are freed without the collector, because they are in no cycles.
     """
     gc.collect()
     gc.freeze()
@@ -219,8 +220,10 @@ def _frame() -> TransformStamped:
 
 
 def _start() -> Tuple[EditorNode, bool]:
-    """The node, and whether it shall have a window; raises ConfigurationError, SiteError and the
-    files' errors."""
+    """Returns the node, and whether to open a window.
+
+    Raises ConfigurationError, SiteError and the errors of the files.
+    """
     map_file, graph_file = parameter('~map_file'), parameter('~graph_file')
     rules = CheckRules(robot_width=number('~robot_width', 0.5, 0.0),
                        robot_length=number('~robot_length', 0.7, 0.0),
@@ -234,7 +237,7 @@ def _start() -> Tuple[EditorNode, bool]:
             robot_width=rules.robot_width, robot_length=rules.robot_length,
             corridor=rules.corridor))
         file = GraphFile(dump_graph(made.graph), graph_file)
-        rospy.loginfo('%s is not there: a graph was made from %s; save it to keep it.',
+        rospy.loginfo('%s does not exist, so a graph was made from %s. Save it to keep it.',
                       graph_file, map_file)
     else:
         file = GraphFile.load(graph_file)
@@ -245,7 +248,7 @@ def _start() -> Tuple[EditorNode, bool]:
 
 
 def main() -> int:
-    """Run the node until it is ended, or its window is closed."""
+    """Run the node until it is shut down or its window is closed."""
     init_node('graph_editor')
     try:
         node, with_window = _start()
@@ -253,7 +256,7 @@ def main() -> int:
         rospy.logerr('%s', error)
         return 1
     if with_window:
-        from graph_editor.nodes.window import run_window  # Qt is not there on every computer
+        from graph_editor.nodes.window import run_window  # not every computer has Qt
         run_window(node)
         rospy.signal_shutdown('the window was closed')
     else:

@@ -1,4 +1,4 @@
-"""What is wrong, written in RViz where it is."""
+"""Shows findings as texts and rings in RViz."""
 from __future__ import annotations
 
 from typing import Iterable, List, Optional, Tuple
@@ -10,12 +10,12 @@ from graph_editor.editor.text_places import Text
 from graph_editor.nodes import drawing
 from graph_editor.nodes.handles import AMBER, RED
 
-HEIGHT, BELOW = 0.26, 0.6  # m; from what is wrong to the middle of its words
-LINE = 40                  # letters
+HEIGHT, BELOW = 0.26, 0.6  # m; text height, and distance from the finding to the text's middle
+LINE = 40                  # letters in a line
 
 
 def finding_text(finding: Finding) -> Optional[Text]:
-    """The words of a finding that has a place."""
+    """Returns the text of a finding; None if it has no place."""
     if finding.place is None:
         return None
     return Text(finding.place, drawing.text_size(_in_lines(finding), HEIGHT), (0.0, -BELOW))
@@ -23,7 +23,10 @@ def finding_text(finding: Finding) -> Optional[Text]:
 
 def finding_markers(findings: Iterable[Tuple[Finding, Optional[Tuple[float, float]]]]
                     ) -> List[Marker]:
-    """A ring around each finding; its words in the middle of a place, where there is one."""
+    """Returns a ring for each finding, and its text if a place for the text is given.
+
+    findings -- the findings, and the middles of their texts (m)
+    """
     markers = []
     for finding, words_place in findings:
         if finding.place is None:
@@ -37,7 +40,7 @@ def finding_markers(findings: Iterable[Tuple[Finding, Optional[Tuple[float, floa
 
 
 def _in_lines(finding: Finding) -> str:
-    """The reason, broken into lines that can be read on a map."""
+    """Returns the text of a finding in short lines for a map."""
     about = f'{finding.kind} {finding.id}: ' if finding.id is not None else ''
     lines, line = [], ''
     for word in f'{about}{finding.text}'.split():

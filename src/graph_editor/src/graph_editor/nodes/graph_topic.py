@@ -1,4 +1,4 @@
-"""A draft as a message, for the followers of a graph."""
+"""Publishes drafts as messages, for the subscribers of a graph."""
 from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Tuple
@@ -12,14 +12,14 @@ from trajectory_graph.editing import Draft
 from trajectory_graph.messages import edge_message, vertex_message
 
 Made = Dict[int, Tuple[Any, Any]]
-"""By id: an element, and its message."""
+"""The elements and their messages, by id."""
 
 
 class GraphTopic:
-    """Publishes drafts on a topic, latched. An element that stays the same keeps its message.
+    """Publishes drafts on a latched topic. An unchanged element keeps its message.
 
-    While a vertex is dragged that happens four times a second, beside the answers to the mouse:
-    1,500 new messages would hold one of those up.
+    During a drag this happens four times a second, while the editor also reacts to the mouse.
+    Creating 1,500 new messages would delay such a reaction.
     """
 
     def __init__(self, name: str) -> None:
@@ -28,7 +28,8 @@ class GraphTopic:
         self._edges: Made = {}
 
     def publish(self, draft: Draft) -> None:
-        """Sends a draft, but for one that is not valid: a follower keeps the last one that was."""
+        """Publishes a valid draft; ignores an invalid one, so subscribers keep the last valid one.
+        """
         try:
             draft.graph()
         except GraphError:

@@ -1,11 +1,11 @@
-"""The handles of vertices, edges and splines: what each looks like, as messages.
+"""The handles of vertices, edges and splines as messages.
 
-RViz is slow with many handles and words, so elements share handles: the place of the mouse tells
-which one is meant. As RViz moves all of a handle with the mouse, those of vertices cannot be seen,
-and what is seen of vertices is no handle.
+RViz is slow with many handles and texts, so several elements share one handle. The place of the
+mouse shows the element that the person means. RViz moves a whole handle with the mouse. So the
+handles of vertices are invisible, and the visible drawings of vertices are not handles.
 
-Left: a vertex is dragged or selected, an edge selected. Right: a menu. The selected vertex has a
-ball ahead of it that turns it; the selected spline has two that bend it.
+Left button: drags or selects a vertex, selects an edge. Right button: opens a menu. The selected
+vertex has a ball in front of it that turns it. The selected spline has two balls that bend it.
 """
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from trajectory_graph.editing import Draft
 VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
 ID_HEIGHT, ID_PLACE = 0.24, (0.16, 0.19)  # m; from the vertex to the left lower corner of its id
 LABEL_HEIGHT, LABEL_PLACE = 0.3, (0.0, -0.36)  # m; from the vertex to the middle of its label
-UNLABELLED = ('', 'pass', 'parking')  # labels that are not written
+UNLABELLED = ('', 'pass', 'parking')  # labels that are not shown
 HEADING_REACH = 0.75  # m from a vertex to the ball that turns it
-EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # the mouse finds what is on top
+EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # m; the mouse finds the highest one
 SMOOTH = 0.15  # m between the points of a drawn curve
 BLUE, VIOLET, NAVY = colour(0.1, 0.4, 0.8), colour(0.55, 0.25, 0.8), colour(0.12, 0.2, 0.35)
 ORANGE, PURPLE, GREEN = colour(0.95, 0.55, 0.0), colour(0.6, 0.0, 0.6), colour(0.0, 0.6, 0.25)
@@ -38,30 +38,31 @@ UNSEEN = colour(0.0, 0.0, 0.0, 0.0)
 YELLOW, RED, AMBER, BLACK = (colour(1.0, 0.85, 0.1), colour(0.9, 0.05, 0.05),
                              colour(1.0, 0.6, 0.1), colour(0.05, 0.05, 0.05))
 GROUP = 25
-"""Edges in one handle: RViz is slow with a thousand handles, an update with a thousand edges."""
+"""The number of edges in one handle. RViz is slow with a thousand handles, and also with the update
+of a handle of a thousand edges."""
 VERTEX_GROUP = 10
 EDGES, VERTICES, DRAWN = 'edges', 'vertices', 'drawn vertices'
-KEPT = 5_000  # drawings that are remembered; each drag makes new ones
+KEPT = 5_000  # largest number of cached drawings; each drag makes new ones
 TURNER, BENDERS = 'turn', ('bend f', 'bend b')
-"""Names of the handles of what is selected."""
+"""The names of the handles of the selected element."""
 
 
 class Look(NamedTuple):
-    """What a handle's colour depends on beside the element itself."""
+    """The properties, besides the element itself, on which the colour depends."""
 
     severity: Optional[Severity] = None
     selected: bool = False
     waiting: bool = False
-    """For its connection."""
+    """Whether the vertex waits to be connected."""
 
 
 PLAIN = Look()
 
 
 class ShownVertex(NamedTuple):
-    """What the drawing of a vertex depends on.
+    """The values on which the drawing of a vertex depends.
 
-    id_place, label_place -- the middles of its id and label (m); None: it is not written
+    id_place, label_place -- the middles of its id and label (m); None: not shown
     """
 
     vertex: Vertex
@@ -71,7 +72,7 @@ class ShownVertex(NamedTuple):
 
 
 class ShownEdge(NamedTuple):
-    """What the drawing of an edge depends on."""
+    """The values on which the drawing of an edge depends."""
 
     edge: Edge
     origin: Vertex
@@ -90,18 +91,21 @@ _EDGE_ENTRIES, EDGE_ACTIONS = _menu(EDGE_MENU)
 
 
 def edge_group(id: int) -> int:
-    """Which handle an edge belongs to."""
+    """Returns the number of the handle to which an edge belongs."""
     return (id - 1) // GROUP
 
 
 def vertex_group(id: int) -> int:
-    """Which handle a vertex belongs to."""
+    """Returns the number of the handle to which a vertex belongs."""
     return (id - 1) // VERTEX_GROUP
 
 
 def vertices_handle(group: int, places: Iterable[Tuple[float, float]],
                     moved: Tuple[float, float] = (0.0, 0.0)) -> InteractiveMarker:
-    """Discs that cannot be seen, at `places` and with the mouse `moved` from there."""
+    """Returns the handle of a group of vertices: invisible discs at `places`.
+
+    moved -- the movement of the discs by the mouse, m
+    """
     marker = _handle(f'{VERTICES} {group}', moved)
     marker.menu_entries = _VERTEX_ENTRIES
     shape = drawing.flat(drawing.moved(drawing.disc(VERTEX_SIZE, HANDLE_Z - 0.01, UNSEEN), place)
@@ -112,7 +116,7 @@ def vertices_handle(group: int, places: Iterable[Tuple[float, float]],
 
 
 def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMarker:
-    """What is seen of a group of vertices."""
+    """Returns the visible drawing of a group of vertices."""
     marker = _handle(f'{DRAWN} {group}', (0.0, 0.0))
     shown = [_drawn_vertex(*one) for one in vertices]
     marker.controls.append(InteractiveMarkerControl(
@@ -124,7 +128,7 @@ def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMa
 
 @lru_cache(maxsize=KEPT)
 def id_text(vertex: Vertex) -> Text:
-    """The id that is written beside a vertex."""
+    """Returns the id of a vertex as a text beside it."""
     width, height = drawing.number_size(vertex.id, ID_HEIGHT)
     edge = (height - ID_HEIGHT) / 2.0
     return Text(vertex.position, (width, height),
@@ -133,7 +137,7 @@ def id_text(vertex: Vertex) -> Text:
 
 @lru_cache(maxsize=KEPT)
 def label_text(vertex: Vertex) -> Optional[Text]:
-    """The label that is written beside a vertex, if any is."""
+    """Returns the label of a vertex as a text beside it; None if the label is not shown."""
     if vertex.label in UNLABELLED:
         return None
     return Text(vertex.position, drawing.text_size(vertex.label, LABEL_HEIGHT), LABEL_PLACE)
@@ -142,7 +146,7 @@ def label_text(vertex: Vertex) -> Optional[Text]:
 @lru_cache(maxsize=KEPT)
 def _drawn_vertex(vertex: Vertex, look: Look, id_place: Optional[Tuple[float, float]],
                   label_place: Optional[Tuple[float, float]]) -> Tuple[Marker, Optional[Marker]]:
-    """A disc, an arrow along the heading and the id; and the label, which RViz writes."""
+    """Returns a disc, an arrow along the heading and the id as one marker, and the label."""
     paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
     parts = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
              drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
@@ -163,7 +167,7 @@ def _drawn_vertex(vertex: Vertex, look: Look, id_place: Optional[Tuple[float, fl
 
 
 def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
-    """The curves of a group of edges, which can be clicked; which one it was, the place tells."""
+    """Returns the handle of a group of edges; the place of a click shows the clicked edge."""
     marker = _handle(f'{EDGES} {group}', (0.0, 0.0))
     marker.menu_entries = _EDGE_ENTRIES
     marker.controls.append(InteractiveMarkerControl(
@@ -175,7 +179,7 @@ def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
 
 @lru_cache(maxsize=KEPT)
 def _drawn(shown: ShownEdge) -> Marker:
-    """The curve of an edge, with an arrow for each way that may be driven."""
+    """Returns the curve of an edge, with an arrow for each direction that may be driven."""
     edge, origin, destination, look = shown
     paint = _warning(look) or (VIOLET if edge.curve_type is CurveType.SPLINE else BLUE)
     try:
@@ -195,7 +199,7 @@ def _drawn(shown: ShownEdge) -> Marker:
 
 
 def turner(vertex: Vertex) -> InteractiveMarker:
-    """The ball that turns the selected vertex."""
+    """Returns the ball that turns the selected vertex."""
     marker = _handle(TURNER, turner_place(vertex))
     marker.controls.append(_plane_control('turn', f'Heading of vertex {vertex.id}: drag',
                                           [_ball(YELLOW)]))
@@ -203,13 +207,13 @@ def turner(vertex: Vertex) -> InteractiveMarker:
 
 
 def turner_place(vertex: Vertex) -> Tuple[float, float]:
-    """Where the ball is that turns a vertex."""
+    """Returns the position of the ball that turns a vertex."""
     return (vertex.x + HEADING_REACH * math.cos(vertex.theta),
             vertex.y + HEADING_REACH * math.sin(vertex.theta))
 
 
 def benders(draft: Draft, edge: Edge) -> List[InteractiveMarker]:
-    """The balls that bend the selected spline."""
+    """Returns the balls that bend the selected spline."""
     markers = []
     for name, place, words in zip(BENDERS, bender_places(draft, edge), ('origin', 'destination')):
         marker = _handle(name, place)
@@ -220,7 +224,7 @@ def benders(draft: Draft, edge: Edge) -> List[InteractiveMarker]:
 
 
 def bender_places(draft: Draft, edge: Edge) -> List[Tuple[float, float]]:
-    """The spline's two inner control points."""
+    """Returns the two inner control points of a spline."""
     origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
     return [(origin.x + edge.param_f * math.cos(origin.theta),
              origin.y + edge.param_f * math.sin(origin.theta)),
@@ -235,18 +239,18 @@ def _warning(look: Look) -> Optional[ColorRGBA]:
 
 
 def _handle(name: str, place: Tuple[float, float]) -> InteractiveMarker:
-    marker = InteractiveMarker(name=name, scale=0.5)  # without a description: no label over it
+    marker = InteractiveMarker(name=name, scale=0.5)  # no description, so RViz shows no label
     marker.header.frame_id = MAP_FRAME
     marker.pose = drawing.pose_at(*place)
     return marker
 
 
 def _plane_control(name: str, description: str, shapes: List[Marker]) -> InteractiveMarkerControl:
-    """A control that is dragged over the floor."""
+    """Returns a control that is dragged on the floor."""
     control = InteractiveMarkerControl(
         name=name, description=description, always_visible=True, markers=shapes,
         interaction_mode=InteractiveMarkerControl.MOVE_PLANE)
-    control.orientation.w = control.orientation.y = math.sqrt(0.5)  # its plane's normal is z
+    control.orientation.w = control.orientation.y = math.sqrt(0.5)  # the normal of its plane is z
     return control
 
 

@@ -1,8 +1,9 @@
-"""How an edited graph becomes the one that robots drive on.
+"""Puts an edited graph in force, so that robots drive on it.
 
-Where a fleet manager runs, it owns /graph: its `graph_server` reads the file again, or says which
-robot drives on what has changed. Elsewhere the editor publishes /graph; a robot refuses it while
-it drives on what has changed.
+- If a fleet manager runs, it owns /graph. Its `graph_server` reads the file again, or names the
+  robot that drives on a changed element.
+- Otherwise the editor publishes /graph. A robot refuses the graph while it drives on a changed
+  element.
 """
 from __future__ import annotations
 
@@ -20,13 +21,13 @@ RELOAD = '/reload_graph'
 
 
 class TakeOver:
-    """Puts drafts in force. Before the first one, this node does not offer /graph at all."""
+    """Puts drafts in force. This node does not advertise /graph before the first draft."""
 
     def __init__(self) -> None:
         self._graphs: Optional[GraphTopic] = None
 
     def put_in_force(self, draft: Draft, file: str) -> str:
-        """Takes a draft over that `file` holds; returns what became of that, a sentence."""
+        """Puts the draft, which was saved to `file`, in force; returns the result as a sentence."""
         try:
             servers = _providers()
             if servers:
@@ -36,12 +37,12 @@ class TakeOver:
         if self._graphs is None:
             self._graphs = GraphTopic('/graph')
         self._graphs.publish(draft)
-        return ('Taken over: there is no fleet manager, robots hear of the graph on /graph. '
-                'Until its route has ended, a robot refuses what changes that')
+        return ('Taken over: there is no fleet manager, so the graph was published on /graph. '
+                'A robot refuses changes of its route until the route has ended')
 
 
 def _providers() -> List[str]:
-    """Names of the nodes that have a graph in force."""
+    """Returns the names of the nodes that put graphs in force."""
     _, _, services = rosgraph.Master(rospy.get_name()).getSystemState()
     names: List[str] = dict(services).get(RELOAD, [])
     return names
@@ -50,6 +51,6 @@ def _providers() -> List[str]:
 def _reloaded(server: str, file: str) -> str:
     theirs = str(rospy.get_param(f'{server}/graph_file', ''))
     if os.path.realpath(theirs) != os.path.realpath(file):
-        return f'NOT TAKEN OVER: the fleet manager drives on {theirs}, and this is {file}'
+        return f'NOT TAKEN OVER: the fleet manager uses {theirs}, but this file is {file}'
     answer = rospy.ServiceProxy(RELOAD, Trigger)()
     return f'{"Taken over" if answer.success else "NOT TAKEN OVER"}: {answer.message}'

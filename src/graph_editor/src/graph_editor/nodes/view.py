@@ -1,4 +1,5 @@
-"""Opens RViz with the whole map of the graph editor in view: no ROS node, it becomes RViz.
+"""Opens RViz with a view of the whole map. This program is not a ROS node; it replaces itself by
+RViz.
 
     graph_editor_view MAP_FILE CONFIGURATION [more arguments of rviz]
 """
@@ -20,11 +21,11 @@ from graph_editor.site import SiteOptions
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 BORDER = 0.8  # m around the map
-WORDS_ABOVE = 1.2  # m above it
+WORDS_ABOVE = 1.2  # m above the map for the message
 
 
 def fitted(text: str, floor: Floor) -> str:
-    """The RViz configuration `text` with a view that shows all of the floor."""
+    """Returns the RViz configuration `text` with a view that shows the whole floor."""
     (west, south), (east, north) = _bounds(floor)
     north += WORDS_ABOVE
     scale = min(WIDTH / (east - west + 2.0 * BORDER), HEIGHT / (north - south + 2.0 * BORDER))
@@ -42,14 +43,14 @@ def _bounds(floor: Floor) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def rendering_arguments() -> Tuple[str, ...]:
-    """Without a graphics card anti-aliasing costs more than all the rest."""
+    """Returns arguments that disable anti-aliasing, which is slow without a graphics card."""
     software = (os.environ.get('LIBGL_ALWAYS_SOFTWARE', '') not in ('', '0', 'false')
                 or not (glob.glob('/dev/dri/*') or glob.glob('/dev/nvidia[0-9]*')))
     return ('--disable-anti-aliasing',) if software else ()
 
 
 def main() -> None:
-    """Become RViz."""
+    """Replaces this process by RViz."""
     map_file, path, *arguments = sys.argv[1:]
     try:
         with open(path, encoding='utf-8') as stream:
@@ -58,5 +59,6 @@ def main() -> None:
         with open(path, 'w', encoding='utf-8') as stream:
             stream.write(text)
     except ERRORS as error:
-        print(f'RViz opens with the view of {path}: {error}', file=sys.stderr)
+        print(f'The view is not fitted to the map; RViz opens with the view of {path}: {error}',
+              file=sys.stderr)
     os.execvp('rviz', ['rviz', '-d', path, *rendering_arguments(), *arguments])

@@ -1,6 +1,6 @@
-"""The window beside RViz: texts and numbers of what is selected, what is wrong, undo and saving.
+"""The window beside RViz: texts and numbers of the selected element, findings, undo and saving.
 
-RViz's markers take no text and no numbers. The window follows the session ten times a second.
+RViz markers do not accept texts and numbers. The window is updated ten times a second.
 """
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class EditorWindow(QtWidgets.QMainWindow):
         layout = QtWidgets.QVBoxLayout()
         layout.addWidget(self._form)
         layout.addLayout(buttons)
-        layout.addWidget(QtWidgets.QLabel('What is wrong'))
+        layout.addWidget(QtWidgets.QLabel('Findings'))
         layout.addWidget(self._findings, 1)
         layout.addWidget(self._words)
         centre = QtWidgets.QWidget()
@@ -56,13 +56,13 @@ class EditorWindow(QtWidgets.QMainWindow):
         self._timer.start(PERIOD)
 
     def _put_beside_rviz(self) -> None:
-        """At the right edge of the screen, as high as the form and some findings need."""
+        """Moves the window to the right edge of the screen, with space for some findings."""
         screen = QtWidgets.QApplication.primaryScreen().availableGeometry()
         self.resize(WIDTH, min(HEIGHT, screen.height()))
         self.move(screen.right() - WIDTH, screen.top())
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:  # noqa: N802, Qt's name
-        """Asks before edits are lost."""
+        """Asks the person before unsaved edits are lost."""
         with self._node.lock:
             lost = not self._node.session.is_saved
         box = QtWidgets.QMessageBox
@@ -93,7 +93,7 @@ class EditorWindow(QtWidgets.QMainWindow):
         self._follow()
 
     def _follow(self) -> None:
-        """Shows what has changed."""
+        """Updates the window after a change."""
         if rospy.is_shutdown():
             QtWidgets.QApplication.quit()
             return
@@ -153,7 +153,7 @@ class _Form(QtWidgets.QStackedWidget):
             self.addWidget(page)
 
     def show_element(self, selected: Optional[Selected], draft: Any) -> None:
-        """The fields of what is selected; a field that is being typed into stays as it is."""
+        """Shows the fields of the selected element; does not change a field during typing."""
         if selected is None:
             self._element = None
             self.setCurrentIndex(0)
@@ -173,7 +173,7 @@ class _Form(QtWidgets.QStackedWidget):
 
 
 class _Fields(QtWidgets.QGroupBox):
-    """Widgets by the names of the fields that they show."""
+    """A group of widgets for the fields of an element."""
 
     def __init__(self, kind: str, change: Callable[..., None]) -> None:
         super().__init__()
@@ -224,8 +224,8 @@ class _VertexFields(_Fields):
         self._element: Optional[Vertex] = None
 
     def show_element(self, vertex: Vertex) -> None:
-        """The values of a vertex."""
-        self._element = None  # what is set now is no change
+        """Shows the values of a vertex."""
+        self._element = None  # so that setting the widgets is not taken for an edit
         self.setTitle(f'Vertex {vertex.id}')
         self._label.setText(vertex.label)
         self._x.setValue(vertex.x)
@@ -269,7 +269,7 @@ class _EdgeFields(_Fields):
         return changed
 
     def show_element(self, edge: Edge) -> None:
-        """The values of an edge."""
+        """Shows the values of an edge."""
         self._element = None
         self.setTitle(f'Edge {edge.id}')
         self._ends.setText(f'{edge.origin} to {edge.destination}')

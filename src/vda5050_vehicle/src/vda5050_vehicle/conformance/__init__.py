@@ -1,4 +1,4 @@
-"""vda5050_bench: a small master that tries any VDA 5050 vehicle, rule by rule of the standard.
+"""vda5050_bench: a small master that tests any VDA 5050 vehicle, rule by rule of the standard.
 
-Knows the wire only: nothing here uses the adapter's own codecs or values.
+It works on the JSON messages only; it does not use the codecs or values of the adapter.
 """

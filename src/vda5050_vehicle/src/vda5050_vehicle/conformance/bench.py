@@ -1,8 +1,9 @@
-"""Tries a VDA 5050 vehicle and prints a scorecard, one line per rule of the standard.
+"""Tests a VDA 5050 vehicle and prints a scorecard, one line per rule of the standard.
 
-The vehicle must stand on the track. Before each rule its order is cancelled, and it is driven to
-an end of the track. A rule of level MUST that is broken is BROKEN; advice of the standard (SHOULD)
-that is not followed is told as such, and does not count.
+The vehicle must stand on the track. Before each rule the bench cancels the vehicle's order and
+drives the vehicle to an end of the track. A vehicle that breaks a rule of level MUST gets the
+outcome BROKEN. A vehicle that does not follow a recommendation (SHOULD) gets the outcome "not
+followed", which does not change the exit status.
 """
 from __future__ import annotations
 
@@ -23,12 +24,12 @@ from vda5050_vehicle.conformance.trial import SlowAction, Trial
 from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
 from vda5050_vehicle.mqtt.link import Broker
 
-# By messages that are not as they must be; the last by a broker that is gone.
+# Exceptions that malformed messages cause; OSError if the broker is not reachable.
 _MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError, OSError)
 
 
 class Outcome(Enum):
-    """What came of a rule."""
+    """The outcome of a rule."""
 
     PASSED = 'passed'
     BROKEN = 'BROKEN'
@@ -38,7 +39,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """The outcome of a rule, and why."""
+    """The outcome of a rule, and the reason."""
 
     rule: Rule
     outcome: Outcome
@@ -46,7 +47,7 @@ class Verdict:
 
 
 class Bench:
-    """One run over the rules."""
+    """One run over all rules."""
 
     def __init__(self, trial: Trial, version: str) -> None:
         self.trial = trial
@@ -54,7 +55,7 @@ class Bench:
         self._is_silent = False
 
     def run(self) -> Iterator[Verdict]:
-        """Tries every rule; in the end the vehicle stands where its track begins, if it can."""
+        """Tries every rule, then drives the vehicle to the start of the track if possible."""
         for rule in self._rules:
             yield self._verdict(rule)
         if not self._is_silent:
@@ -76,7 +77,7 @@ class Bench:
                            else Outcome.NOT_FOLLOWED, str(problem))
         except _MALFORMED as error:
             return Verdict(rule, Outcome.NOT_TRIED,
-                           f'what this rule looks at cannot be read: {error!r}')
+                           f'the messages for this rule cannot be read: {error!r}')
         return Verdict(rule, Outcome.PASSED)
 
     def _prepare(self, start: Start) -> None:
@@ -91,7 +92,7 @@ class Bench:
                 raise NotTried(f'the vehicle cannot be brought back: {reason}') from None
 
     def _falls_silent(self, start: Start) -> bool:
-        """Whether no state comes any more; once known, no rule waits for one again."""
+        """Returns whether no state comes any more; after that no rule waits for a state."""
         if start is Start.NOTHING:
             return False
         try:
@@ -102,25 +103,25 @@ class Bench:
 
 
 def line(verdict: Verdict) -> str:
-    """A verdict's line of the scorecard; a second one tells what was seen."""
+    """Returns the line of a verdict; a second line says what the bench has observed."""
     rule = verdict.rule
     return (f'{verdict.outcome.value:12}  {rule.level.value:6}  {rule.section:22}  '
             f'{rule.sentence}' + (f'\n{"":14}{verdict.text}' if verdict.text else ''))
 
 
 def total(verdicts: Sequence[Verdict]) -> str:
-    """The last line of the scorecard."""
+    """Returns the last line of the scorecard."""
     return ', '.join(f'{sum(verdict.outcome is outcome for verdict in verdicts)} {outcome.value}'
                      for outcome in Outcome)
 
 
 def scorecard(verdicts: Sequence[Verdict]) -> str:
-    """One line per rule."""
+    """Returns the scorecard: one line per rule, and the last line."""
     return '\n'.join([*map(line, verdicts), total(verdicts)])
 
 
 def read_slow_action(text: str) -> Optional[SlowAction]:
-    """An action with parameters: `noop duration=5`; raises ValueError."""
+    """Parses an action with parameters, e.g. `noop duration=5`; raises ValueError."""
     if not text:
         return None
     kind, *parameters = text.split()
@@ -137,27 +138,29 @@ def read_slow_action(text: str) -> Optional[SlowAction]:
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """The program; returns 0 where no rule was broken, 1 where one was, 2 on wrong arguments."""
+    """Runs the program; returns 0: no rule was broken, 1: a rule was broken, 2: not tested."""
     parser = argparse.ArgumentParser(prog='vda5050_bench', description=__doc__)
     parser.add_argument('--broker', default='127.0.0.1:1883', help='host:port')
     parser.add_argument('--own-broker', action='store_true',
-                        help='start a mosquitto on that port of this computer, and kill it under '
-                             'way; the vehicle must connect to it')
+                        help='start a mosquitto on the port of --broker on this computer, and '
+                             'kill it during the test; the vehicle must connect to it')
     parser.add_argument('--credentials-file', default='', help='YAML with username and password')
-    parser.add_argument('--ca-file', default='', help='PEM; with it the connection is TLS')
+    parser.add_argument('--ca-file', default='', help='PEM file; switches TLS on')
     parser.add_argument('--interface', default='uagv', help='first level of the topics')
     parser.add_argument('--manufacturer', required=True)
     parser.add_argument('--serial', required=True)
-    parser.add_argument('--version', default='2.1.0', help='of the standard')
-    parser.add_argument('--track', help='file with an order in JSON: three nodes or more')
-    parser.add_argument('--graph', help='trajectory graph (YAML), in place of --track')
-    parser.add_argument('--vertices', type=int, nargs='+', help='of the graph, the track')
-    parser.add_argument('--map-id', default='map', help='mapId of the track made of a graph')
+    parser.add_argument('--version', default='2.1.0', help='version of the standard')
+    parser.add_argument('--track', help='file with an order in JSON that has three nodes or more')
+    parser.add_argument('--graph', help='trajectory graph (YAML), instead of --track')
+    parser.add_argument('--vertices', type=int, nargs='+',
+                        help='vertices of the graph over which the track leads')
+    parser.add_argument('--map-id', default='map', help='mapId of a track from a graph')
     parser.add_argument('--actions-key', default='actions',
-                        help='of instantActions; drafts of 2.0 say instantActions')
+                        help='JSON key of the list in instantActions; drafts of 2.0 use '
+                             'instantActions')
     parser.add_argument('--slow-action', default='', metavar='"TYPE KEY=VALUE ..."',
-                        help='an action of the vehicle, instant and at nodes, that takes 5 s or '
-                             'more and does no harm')
+                        help='a harmless action of the vehicle that takes 5 s or more, and that '
+                             'is allowed at nodes and as an instant action')
     parser.add_argument('--patience', type=float, default=60.0,
                         help='s that the vehicle may take for a part of the track')
     options = parser.parse_args(arguments)
@@ -183,7 +186,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             verdicts.append(verdict)
             print(line(verdict), flush=True)
     except TooLate as error:
-        print(f'The vehicle cannot be tried: {error}', file=sys.stderr)
+        print(f'The vehicle cannot be tested: {error}', file=sys.stderr)
         return 2
     finally:
         trial.close()
@@ -196,6 +199,6 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def tried(trial: Trial, version: str) -> Iterator[Verdict]:
-    """Waits for the vehicle, then tries every rule; raises TooLate where no state comes."""
+    """Waits for the vehicle, then tries every rule; raises TooLate if no state comes."""
     trial.master.wait(lambda s: True, 35.0, 'a state of the vehicle', after=0)
     return Bench(trial, version).run()

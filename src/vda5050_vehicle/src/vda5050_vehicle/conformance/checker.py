@@ -1,7 +1,7 @@
-"""Looks at every message of a vehicle for what the JSON schemas let pass.
+"""Checks every message of a vehicle for errors that the JSON schemas do not find.
 
-Plain JSON in, sentences about broken rules out. Section numbers are those of VDA 5050 2.1.0. What
-is odd and not forbidden is a remark.
+The checker receives JSON and returns sentences about broken rules. Section numbers are those of
+VDA 5050 2.1.0. A strange but permitted message causes a remark.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vda5050_vehicle.conformance.version_3 import in_2
 _TIMESTAMP = re.compile(r'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{2,9}Z')
 _ENDED = ('FINISHED', 'FAILED')
 
-# Figure 16: what may follow what; a status may be left out where nothing is to be told of it.
+# Figure 16: the statuses that may follow a status. A vehicle may skip a short status.
 _FOLLOWING: Mapping[str, Sequence[str]] = {
     'WAITING': ('INITIALIZING', 'RUNNING', 'PAUSED', 'RETRIABLE', 'FINISHED', 'FAILED'),
     'INITIALIZING': ('RUNNING', 'PAUSED', 'RETRIABLE', 'FINISHED', 'FAILED'),
@@ -37,9 +37,10 @@ State = Dict[str, Any]
 
 
 class VehicleChecker:
-    """Follows one vehicle; collects what it did wrong as `violations`, what is odd as `remarks`.
+    """Checks the messages of one vehicle.
 
-    Each is told once.
+    violations -- broken rules; each sentence is listed once
+    remarks    -- strange but permitted messages; each sentence is listed once
     """
 
     def __init__(self, manufacturer: str, serial_number: str, version: str = '2.1.0') -> None:
@@ -54,15 +55,15 @@ class VehicleChecker:
         self.messages = 0
 
     def feed(self, topic: str, payload: bytes) -> Optional[Dict[str, Any]]:
-        """A message; returns its JSON object in the words of 2.1, None where it is none."""
+        """Checks a message; returns its JSON object with the keys of 2.1, or None if malformed."""
         self.messages += 1
         try:
             message = json.loads(payload.decode('utf-8'), parse_constant=_refuse)
         except (ValueError, RecursionError) as error:
-            self._violate(topic, f'no JSON in UTF-8: {error}')
+            self._violate(topic, f'not JSON in UTF-8: {error}')
             return None
         if not isinstance(message, dict):
-            self._violate(topic, 'no JSON object')
+            self._violate(topic, 'not a JSON object')
             return None
         if self._is_3:
             message = in_2(topic, message)
@@ -86,11 +87,11 @@ class VehicleChecker:
         return message
 
     def restarted(self) -> None:
-        """The vehicle's program was restarted: header ids may begin anew."""
+        """Permits header ids to begin anew, because the vehicle's program was restarted."""
         self._restarted = dict.fromkeys(self._last, True)
 
     def broker_lost(self) -> None:
-        """The broker died, with messages on their way (QoS 0): header ids may jump on, once."""
+        """Permits one gap in the header ids, because the broker died and lost messages (QoS 0)."""
         self._lost = dict.fromkeys(self._last, True)
 
     def _look(self, topic: str, problems: Callable[..., Iterator[str]], *states: State) -> None:
@@ -103,7 +104,7 @@ class VehicleChecker:
     def _remark(self, topic: str, state: State, last: Optional[State]) -> None:
         unknown = sorted(set(state) - _STATE_KEYS)
         stamps = [message.get('timestamp') for message in (last or state, state)]
-        remarks = [f'{topic}: keys that the standard does not know: {unknown}'] if unknown else []
+        remarks = [f'{topic}: keys that are not in the standard: {unknown}'] if unknown else []
         if all(isinstance(stamp, str) for stamp in stamps) and stamps != sorted(map(str, stamps)):
             remarks.append(f'{topic}: timestamp goes back')
         self.remarks += [remark for remark in remarks if remark not in self.remarks]
@@ -121,12 +122,12 @@ class VehicleChecker:
         stamp, header_id = message.get('timestamp'), message.get('headerId')
         if not isinstance(stamp, str) or not _TIMESTAMP.fullmatch(stamp):
             yield f'timestamp {stamp!r} is not YYYY-MM-DDTHH:mm:ss.ffZ (6.4)'
-        will = message.get('connectionState') == 'CONNECTIONBROKEN'  # its header is an old one
+        will = message.get('connectionState') == 'CONNECTIONBROKEN'  # a last will has an old header
         if last is None or will or last.get('connectionState') == 'CONNECTIONBROKEN':
             return
         before = last.get('headerId')
         if not isinstance(header_id, int) or not isinstance(before, int):
-            yield f'headerId {header_id!r} is no uint32 (6.4)'
+            yield f'headerId {header_id!r} is not a uint32 (6.4)'
             return
         expected = before + 1
         if header_id != expected and not self._restarted.pop(topic, False) and not (
@@ -135,46 +136,46 @@ class VehicleChecker:
 
 
 def pose_problems(message: State) -> Iterator[str]:
-    """What is wrong with the pose in a state or a visualization."""
+    """Yields the errors in the pose of a state or a visualization."""
     pose = message.get('agvPosition')
     if pose and not -math.pi <= pose['theta'] <= math.pi:
         yield f'theta {pose["theta"]!r} is not within [-Pi ... Pi] (6.10.6)'
 
 
 def state_problems(state: State) -> Iterator[str]:
-    """What is wrong with one state by itself."""
+    """Yields the errors in a single state."""
     elements = _elements(state)
     ids = [element['sequenceId'] for element in elements]
     if ids and (ids != list(range(ids[0], ids[0] + len(ids))) or 'nodeId' not in elements[-1]):
-        yield f'sequenceIds of edges and nodes are {ids}, with gaps (6.6.2)'
+        yield f'sequenceIds of edges and nodes are {ids}: they have gaps (6.6.2)'
     kinds = ['nodeId' in element for element in elements]
     if any(one == other for one, other in zip(kinds, kinds[1:])):
-        yield 'nodes and edges do not take turns in sequenceId (6.6.2)'
+        yield 'nodes and edges do not alternate in sequenceId (6.6.2)'
     # The first node may be listed until the vehicle counts it as traversed (6.10.2).
     if ids and not kinds[0] and state['lastNodeSequenceId'] != ids[0] - 1:
-        yield 'lastNodeSequenceId is not that before the first edge (6.10.2)'
+        yield 'lastNodeSequenceId is not the sequenceId before the first edge (6.10.2)'
     released = [element['released'] for element in elements]
     if released != sorted(released, reverse=True):
-        yield 'a released element follows one that is not (6.6.1)'
+        yield 'a released element follows an element that is not released (6.6.1)'
     action_ids = [action['actionId'] for action in state['actionStates']]
     if len(action_ids) != len(set(action_ids)):
         yield 'an action is in actionStates twice (6.11)'
     if not 0.0 <= state['batteryState']['batteryCharge'] <= 100.0:
-        yield 'batteryCharge is no percentage (6.10.6)'
+        yield 'batteryCharge is not a percentage (6.10.6)'
 
 
 def order_problems(before: State, after: State) -> Iterator[str]:
-    """What is wrong with another order; figure 8 of 2.0 can be read otherwise."""
+    """Yields the errors in a change of the order; figure 8 of 2.0 is ambiguous here."""
     if before['orderId'] != after['orderId'] and before['nodeStates']:
-        yield 'orderId changes while nodeStates are left (figure 8)'
+        yield 'orderId changes while nodeStates remain (figure 8)'
 
 
 def step_problems(before: State, after: State) -> Iterator[str]:
-    """What is wrong with a state after the one before it."""
+    """Yields the errors in a state compared to the previous state."""
     same_order = before['orderId'] == after['orderId']
     if same_order:
         if after['orderUpdateId'] < before['orderUpdateId']:
-            yield 'orderUpdateId goes back'
+            yield 'orderUpdateId decreases'
         yield from _element_problems(before, after)
     yield from _action_problems(before, after, same_order)
 
@@ -215,10 +216,10 @@ def _action_problems(before: State, after: State, same_order: bool) -> Iterator[
         if now is None:
             replaced = after['orderUpdateId'] != before['orderUpdateId'] and was == 'WAITING'
             if same_order and not replaced and was not in _ENDED:
-                yield f'action {name} is gone before it ended (6.10.6)'
+                yield f'action {name} disappears before it has ended (6.10.6)'
         elif now != was and now not in _FOLLOWING.get(was, ()):
             yield f'action {name} was {was} and is {now} (figure 16)'
 
 
 def _refuse(constant: str) -> None:
-    raise ValueError(f'{constant} is no JSON number')
+    raise ValueError(f'{constant} is not a JSON number')

@@ -1,9 +1,9 @@
-"""Orders and layouts for masters, made of a trajectory graph.
+"""Creates orders and layouts for masters from a trajectory graph.
 
     vda5050_layout order --graph G.yaml --vertices 18 39 52 6 16    an order in JSON
     vda5050_layout lif --graph G.yaml                               a layout (VDMA LIF 1.0)
 
-With --manufacturer and --serial the order has a header, and can be sent as it is.
+With --manufacturer and --serial the order has a header and can be sent to the vehicle unchanged.
 """
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from vda5050_vehicle.protocol.headers import timestamp
 
 
 def shortest_edges(graph: Graph, vertices: Sequence[int]) -> List[int]:
-    """Signed edges of the shortest way that visits the vertices in order.
+    """Returns the signed edges of the shortest path that visits the vertices in the given sequence.
 
-    Raises ValueError where there is none, or a vertex is unknown.
+    Raises ValueError if there is no path, or if a vertex is unknown.
     """
     ways = networkx.MultiDiGraph()
     for edge in graph.edges.values():
@@ -41,14 +41,14 @@ def shortest_edges(graph: Graph, vertices: Sequence[int]) -> List[int]:
                 lengths = {signed: way['length'] for signed, way in ways[here][there].items()}
                 edges.append(min(lengths, key=lengths.__getitem__))
     except (networkx.NetworkXNoPath, networkx.NodeNotFound) as error:
-        raise ValueError(f'there is no way over these vertices: {error}') from None
+        raise ValueError(f'there is no path over these vertices: {error}') from None
     return edges
 
 
 def track_on(graph: Graph, vertices: Sequence[int], map_id: str) -> Track:
-    """The shortest way over the vertices as a track; raises ValueError."""
+    """Returns the shortest path over the vertices as a track; raises ValueError."""
     if len(vertices) < 2:
-        raise ValueError('a way needs two vertices or more')
+        raise ValueError('a path needs two vertices or more')
     edges = shortest_edges(graph, vertices)
     places = [graph.vertex(vertices[0]), *(graph.end_vertex(edge) for edge in edges)]
     return Track(tuple(Stop(str(v.id), v.x, v.y) for v in places), tuple(map(str, edges)),
@@ -56,9 +56,9 @@ def track_on(graph: Graph, vertices: Sequence[int], map_id: str) -> Track:
 
 
 def track_over(graph_file: Optional[str], vertices: Sequence[int], map_id: str) -> Track:
-    """The same on a graph's file; raises ValueError or OSError."""
+    """Returns the shortest path on the graph of a file as a track; raises ValueError, OSError."""
     if not graph_file:
-        raise ValueError('say where to drive: --track FILE, or --graph FILE --vertices ...')
+        raise ValueError('the track is missing: give --track FILE, or --graph FILE --vertices ...')
     try:
         return track_on(load_graph(graph_file), vertices, map_id)
     except TrajectoryGraphError as error:
@@ -66,7 +66,10 @@ def track_over(graph_file: Optional[str], vertices: Sequence[int], map_id: str) 
 
 
 def lif(graph: Graph, map_id: str, vehicle_type: str, created: float) -> Dict[str, Any]:
-    """The graph as a layout that masters read: VDMA Layout Interchange Format 1.0.0."""
+    """Returns the graph as a layout for masters: VDMA Layout Interchange Format 1.0.0.
+
+    created -- time of the export, s since 1970
+    """
     nodes = [{'nodeId': str(v.id), 'nodeName': v.label, 'mapId': map_id,
               'nodePosition': {'x': v.x, 'y': v.y},
               'vehicleTypeNodeProperties': [{'vehicleTypeId': vehicle_type}]}
@@ -91,17 +94,18 @@ def lif(graph: Graph, map_id: str, vehicle_type: str, created: float) -> Dict[st
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    """The program; returns 0, or 1 where the graph or the vertices are wrong."""
+    """Runs the program; returns 0, or 1 if the graph or the vertices are wrong."""
     parser = argparse.ArgumentParser(prog='vda5050_layout', description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('what', choices=('order', 'lif'))
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
-    parser.add_argument('--vertices', type=int, nargs='+', default=[], help='of the order')
-    parser.add_argument('--order-id', default='', help='of the order; else one of its own')
-    parser.add_argument('--manufacturer', default='', help='of the vehicle')
+    parser.add_argument('--vertices', type=int, nargs='+', default=[],
+                        help='vertices over which the order leads')
+    parser.add_argument('--order-id', default='', help='orderId; default: a random id')
+    parser.add_argument('--manufacturer', default='', help='manufacturer of the vehicle')
     parser.add_argument('--serial', default='', help='serialNumber of the vehicle')
     parser.add_argument('--map-id', default='map')
-    parser.add_argument('--vehicle-type', default='LD-90', help='of the layout')
+    parser.add_argument('--vehicle-type', default='LD-90', help='vehicle type in the layout')
     options = parser.parse_args(arguments)
     try:
         if options.what == 'order':

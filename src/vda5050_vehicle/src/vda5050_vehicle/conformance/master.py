@@ -1,4 +1,4 @@
-"""A master over MQTT: sends what it is told to, keeps all that the vehicle says, and waits."""
+"""A master over MQTT: it sends messages, stores all messages of the vehicle, and waits for them."""
 from __future__ import annotations
 
 import json
@@ -19,26 +19,32 @@ Message = Dict[str, Any]
 
 
 class TooLate(Exception):
-    """What was waited for did not come."""
+    """An awaited message did not come in time."""
 
 
 class Master:
-    """One vehicle's master. `messages[topic]` has what came, oldest first, in the words of 2.1."""
+    """The master of one vehicle.
+
+    messages  -- the received messages by topic, oldest first, with the keys of 2.1
+    arrivals  -- the times of their reception by topic, s
+    qualities -- the QoS levels by topic
+    sent      -- topic and payload of all messages that were sent
+    """
 
     def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',
                  on_payload: Optional[Callable[[str, bytes], None]] = None,
                  actions_key: str = 'actions') -> None:
-        """`on_payload` sees every payload, with its topic, before anything else does."""
+        """`on_payload` receives the topic and the payload of each message first."""
         self.prefix = prefix
         self.manufacturer, self.serial_number = prefix.split('/')[-2:]
         self.checker = VehicleChecker(self.manufacturer, self.serial_number, version)
         self.messages: Dict[str, List[Message]] = {}
         self.arrivals: Dict[str, List[float]] = {}
-        self.qualities: Dict[str, Set[int]] = {}  # levels of QoS by topic
+        self.qualities: Dict[str, Set[int]] = {}
         self.sent: List[Tuple[str, bytes]] = []
         self._version = version
         self._on_payload = on_payload
-        self._actions_key = actions_key  # drafts of 2.0 say instantActions
+        self._actions_key = actions_key  # drafts of 2.0 use instantActions
         self._headers: Dict[str, int] = {}
         self._retained: Set[Tuple[str, bytes]] = set()
         self._changed = threading.Condition()
@@ -56,7 +62,7 @@ class Master:
         client.loop_start()
 
     def close(self) -> None:
-        """Leaves the broker."""
+        """Disconnects from the broker."""
         self._client.disconnect()
         self._client.loop_stop()
 
@@ -65,7 +71,7 @@ class Master:
             'connection', 'state', 'factsheet', 'visualization')])
 
     def receive(self, topic: str, payload: bytes, retained: bool = False, qos: int = 1) -> None:
-        """A message of the vehicle; never raises, for any content."""
+        """Stores and checks a message of the vehicle; never raises, whatever it contains."""
         moment = self.now()
         if self._on_payload:
             self._on_payload(topic, payload)
@@ -76,20 +82,20 @@ class Master:
                 if found is not None:
                     self.messages.setdefault(topic, []).append(found)
                     self.arrivals.setdefault(topic, []).append(moment)
-            if topic in ('connection', 'factsheet'):  # a broker may give them once more
+            if topic in ('connection', 'factsheet'):  # a broker may send retained ones again
                 self._retained.add((topic, payload))
             self._changed.notify_all()
 
     def now(self) -> float:
-        """The time (s) by which this master waits."""
+        """Returns the time of this master's clock, in s."""
         return time.monotonic()
 
     def rest(self, seconds: float) -> None:
-        """Until a message comes, at most so long; the caller holds the messages."""
+        """Waits for a message, at most the given seconds; the caller must hold the condition."""
         self._changed.wait(seconds)
 
     def is_retained(self, topic: str) -> bool:
-        """Whether a client that comes now gets the last message on a topic."""
+        """Returns whether a new client receives the last message on a topic."""
         got = threading.Event()
         client = make_client(f'late_{uuid.uuid4().hex[:12]}')
         client.on_connect = lambda *_: client.subscribe(f'{self.prefix}/{topic}')
@@ -102,23 +108,28 @@ class Master:
         client.loop_stop()
         return found
 
-    # --- what the vehicle says --------------------------------------------------------------------
+    # --- messages of the vehicle ------------------------------------------------------------------
 
     @property
     def state(self) -> Message:
-        """The last state; raises TooLate before any."""
+        """The last state; raises TooLate before the first state."""
         states = self.messages.get('state')
         if not states:
             raise TooLate('no state has come')
         return states[-1]
 
     def count(self, topic: str = 'state') -> int:
-        """How many messages came on a topic."""
+        """Returns the number of messages that came on a topic."""
         return len(self.messages.get(topic, ()))
 
     def wait(self, predicate: Callable[[Message], Any], seconds: float, what: str,
              topic: str = 'state', after: Optional[int] = None) -> Message:
-        """The first message from index `after` on (None: the last one) with `predicate`."""
+        """Waits for a message that satisfies `predicate`, and returns it; raises TooLate.
+
+        seconds -- time limit
+        what    -- name of the message in the error
+        after   -- index of the first message that counts; None: the last message
+        """
         deadline = self.now() + seconds
         with self._changed:
             seen = max(self.count(topic) - 1, 0) if after is None else after
@@ -134,11 +145,13 @@ class Master:
                                   f'{summary(topic, self.messages.get(topic))}')
                 self.rest(left)
 
-    # --- what it is told --------------------------------------------------------------------------
+    # --- messages to the vehicle ------------------------------------------------------------------
 
     def send(self, topic: str, body: Mapping[str, Any]) -> int:
-        """Sends a message of 2.1, as the version has it, with a header; returns how many states had
-        come before."""
+        """Sends a message with a header; returns the number of states that came before.
+
+        body -- the message with the keys of 2.1; it is converted to the version of the vehicle
+        """
         if self._version.startswith('3.'):
             body = in_3(topic, body)
         number = self._headers.get(topic, 0)
@@ -150,7 +163,7 @@ class Master:
         return self.send_bytes(topic, json.dumps({**header, **body}).encode())
 
     def send_bytes(self, topic: str, payload: bytes) -> int:
-        """Sends it, of any content."""
+        """Sends a payload with any content; returns the number of states that came before."""
         before = self.count()
         self.sent.append((topic, payload))
         self._publish(topic, payload)
@@ -166,18 +179,18 @@ class Master:
         return action_id
 
     def act_all(self, actions: Sequence[Message]) -> int:
-        """Sends instant actions."""
+        """Sends instant actions; returns the number of states that came before."""
         return self.send('instantActions', {self._actions_key: list(actions)})
 
     def ended(self, action_id: str, seconds: float = 10.0) -> Message:
-        """The state of an action once it has ended."""
+        """Waits for the end of an action, and returns its actionState; raises TooLate."""
         state = self.wait(lambda state: status_of(state, action_id) in ('FINISHED', 'FAILED'),
                           seconds, f'the end of action {action_id}')
         return next(found for found in state['actionStates'] if found['actionId'] == action_id)
 
 
 def summary(topic: str, messages: Optional[Sequence[Message]]) -> str:
-    """The last message on a topic, in short."""
+    """Returns a short text about the last message on a topic."""
     if not messages:
         return f'no {topic} came'
     last = messages[-1]
@@ -185,14 +198,14 @@ def summary(topic: str, messages: Optional[Sequence[Message]]) -> str:
         return f'last {topic}: {json.dumps(last)[:300]}'
     try:
         return f'last state: {_told(last)}'
-    except (AttributeError, TypeError):  # another type than the standard has
+    except (AttributeError, TypeError):  # a field does not have the type of the standard
         return f'last state: {json.dumps(last)[:300]}'
 
 
 def _told(last: Message) -> Dict[str, Any]:
     told = {key: last.get(key) for key in ('orderId', 'orderUpdateId', 'lastNodeId', 'driving',
                                            'paused')}
-    told['nodes left'] = len(last.get('nodeStates', ()))
+    told['remaining nodes'] = len(last.get('nodeStates', ()))
     told['errors'] = [f'{error.get("errorType")}: {error.get("errorDescription")}'
                       for error in last.get('errors', ())]
     told['actions'] = {a.get('actionId'): a.get('actionStatus')
@@ -201,11 +214,11 @@ def _told(last: Message) -> Dict[str, Any]:
 
 
 def status_of(state: Message, action_id: str) -> Optional[str]:
-    """The status of an action in a state; None where it is not there."""
+    """Returns the status of an action in a state; None if the state does not have the action."""
     return next((found['actionStatus'] for found in state['actionStates']
                  if found['actionId'] == action_id), None)
 
 
 def error_types(state: Message) -> List[str]:
-    """Of all errors of a state."""
+    """Returns the types of all errors of a state."""
     return [error['errorType'] for error in state['errors']]

@@ -1,4 +1,4 @@
-"""A broker that may be killed while a vehicle drives."""
+"""A broker that the bench can kill while the vehicle drives."""
 from __future__ import annotations
 
 import subprocess
@@ -9,7 +9,7 @@ from vda5050_vehicle.mqtt.embedded_broker import configuration, find_mosquitto
 
 
 class OwnBroker:
-    """A mosquitto that the bench may kill and start again."""
+    """A mosquitto process that the bench can kill and start again."""
 
     def __init__(self, port: int) -> None:
         self._folder = tempfile.TemporaryDirectory()
@@ -19,16 +19,16 @@ class OwnBroker:
         self.start()
 
     def start(self) -> None:
-        """Starts it."""
+        """Starts the broker."""
         self._process = subprocess.Popen([find_mosquitto(), '-c', str(self._file)],
                                          stderr=subprocess.DEVNULL)
 
     def kill(self) -> None:
-        """As if the power had failed."""
+        """Kills the broker, as a power failure does."""
         self._process.kill()
         self._process.wait()
 
     def close(self) -> None:
-        """Ends it for good."""
+        """Ends the broker and removes its files."""
         self.kill()
         self._folder.cleanup()

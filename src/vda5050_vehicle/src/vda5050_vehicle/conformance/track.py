@@ -1,4 +1,4 @@
-"""Where a vehicle is tried: a row of nodes that it can drive there and back, and orders over it."""
+"""The track for the test of a vehicle: nodes that it can drive in both directions, and orders."""
 from __future__ import annotations
 
 import json
@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 @dataclass(frozen=True)
 class Stop:
-    """A node: id, and where it is (m)."""
+    """A node of the track: its id and position (m)."""
 
     node_id: str
     x: float
@@ -17,7 +17,11 @@ class Stop:
 
 @dataclass(frozen=True)
 class Track:
-    """Nodes in a row, and the ids of the edges between them, there and back."""
+    """The nodes of the track in sequence.
+
+    edges      -- ids of the edges between the nodes in the forward direction
+    edges_back -- ids of the same edges in the opposite direction
+    """
 
     stops: Tuple[Stop, ...]
     edges: Tuple[str, ...]
@@ -25,11 +29,11 @@ class Track:
     map_id: str = 'map'
 
     def reversed(self) -> Track:
-        """The same the other way round."""
+        """Returns the track in the opposite direction."""
         return Track(self.stops[::-1], self.edges_back[::-1], self.edges[::-1], self.map_id)
 
     def part(self, first: int, last: Optional[int] = None) -> Track:
-        """From stop `first` to stop `last`, both included."""
+        """Returns the part from stop `first` to stop `last` (None: the last), both included."""
         end = len(self.stops) if last is None else last + 1
         return Track(self.stops[first:end], self.edges[first:end - 1],
                      self.edges_back[first:end - 1], self.map_id)
@@ -37,9 +41,10 @@ class Track:
     def order(self, order_id: str, update: int = 0, base: Optional[int] = None,
               first_sequence: int = 0, start_deviation: float = 0.0,
               actions: Optional[Mapping[str, Sequence[Dict[str, Any]]]] = None) -> Dict[str, Any]:
-        """An order over all of it, without header; `base` nodes are released, None: all.
+        """Returns an order over the whole track, without header.
 
-        `actions` by nodeId or edgeId.
+        base    -- number of released nodes; None: all nodes
+        actions -- the actions by nodeId or edgeId
         """
         released = len(self.stops) if base is None else base
         actions = actions or {}
@@ -59,27 +64,28 @@ class Track:
 
 
 def track_from_order(order: Mapping[str, Any]) -> Track:
-    """The track of an order in JSON; raises KeyError, TypeError or ValueError."""
+    """Returns the track of an order in JSON; raises KeyError, TypeError or ValueError."""
     stops = tuple(Stop(str(node['nodeId']), float(node['nodePosition']['x']),
                        float(node['nodePosition']['y'])) for node in order['nodes'])
     edges = tuple(str(edge['edgeId']) for edge in order['edges'])
     if len(stops) < 2 or len(edges) != len(stops) - 1:
-        raise ValueError('a track needs two nodes, and one edge between each two')
+        raise ValueError('a track needs two nodes or more, and one edge between each two nodes')
     return Track(stops, edges, edges, order['nodes'][0]['nodePosition']['mapId'])
 
 
 def read_track(path: str) -> Track:
-    """The track of a file with an order in JSON; raises OSError or ValueError."""
+    """Returns the track of a file with an order in JSON; raises OSError or ValueError."""
     with open(path, encoding='utf-8') as file:
         try:
             return track_from_order(json.load(file))
         except (KeyError, TypeError) as error:
-            raise ValueError(f'{path} is no order whose nodes have positions: {error}') from None
+            raise ValueError(f'{path} is not an order with positions at all nodes: {error}'
+                             ) from None
 
 
 def action(action_type: str, action_id: str, blocking: str = 'NONE', **parameters: Any,
            ) -> Dict[str, Any]:
-    """An action in JSON."""
+    """Returns an action in JSON."""
     found: Dict[str, Any] = {'actionType': action_type, 'actionId': action_id,
                              'blockingType': blocking}
     if parameters:
@@ -89,5 +95,5 @@ def action(action_type: str, action_id: str, blocking: str = 'NONE', **parameter
 
 
 def node_ids(state: Mapping[str, Any]) -> List[str]:
-    """Of a state's nodeStates."""
+    """Returns the node ids in the nodeStates of a state."""
     return [node['nodeId'] for node in state['nodeStates']]

@@ -1,4 +1,4 @@
-"""What rules do with a vehicle: bring it back, give it orders, and see what it refuses."""
+"""The steps that rules use: bring the vehicle back, give it orders, and check its refusals."""
 from __future__ import annotations
 
 import json
@@ -12,12 +12,12 @@ from vda5050_vehicle.conformance.own_broker import OwnBroker
 from vda5050_vehicle.conformance.track import Track, action
 from vda5050_vehicle.conformance.verdicts import Broken, NotTried, expect
 
-ANSWER = 5.0       # s for a state that an event brings (6.10)
-QUIET = 1.0        # s in which a vehicle must not do what is forbidden
-INTERVAL = 30.0    # s, the longest time between two states (6.10)
-AGAIN = 5.0        # s for bringing a vehicle back that could not be brought back before
-NEAR = 0.2         # m from a node at which a vehicle stands on it
-REACH = 1000.0     # m, a deviation that any vehicle on the track is within
+ANSWER = 5.0       # s within which a state must follow an event (6.10)
+QUIET = 1.0        # s during which the bench checks that a vehicle does nothing forbidden
+INTERVAL = 30.0    # s; the longest time between two states (6.10)
+AGAIN = 5.0        # s for another attempt to bring a vehicle back after a failed attempt
+NEAR = 0.2         # m; a vehicle stands at a node within this distance
+REACH = 1000.0     # m; a deviation that includes each position on the track
 REJECTIONS = ('validationError', 'orderError', 'orderUpdateError', 'noRouteError')
 ENDED = ('FINISHED', 'FAILED')
 
@@ -30,16 +30,16 @@ class SlowAction:
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
     def with_id(self, action_id: str, blocking: str = 'NONE') -> Dict[str, Any]:
-        """In JSON."""
+        """Returns the action in JSON."""
         return action(self.kind, action_id, blocking, **self.parameters)
 
 
 class Trial:
-    """One vehicle that is tried.
+    """The test of one vehicle.
 
-    track    -- where it may be driven, from end to end
-    ahead    -- the same from the end at which the vehicle stands
-    patience -- s that driving from node to node may take
+    track    -- the whole track that the vehicle may drive
+    ahead    -- the track, starting at the end at which the vehicle stands
+    patience -- s that the drive from one node to the next may take
     """
 
     def __init__(self, master: Master, track: Track, patience: float,
@@ -52,11 +52,11 @@ class Trial:
         self._was_stuck = False
 
     def new_id(self) -> str:
-        """An id that was not used before."""
+        """Returns an id that was not used before."""
         return uuid.uuid4().hex[:12]
 
     def slow_action(self, blocking: str = 'NONE') -> Dict[str, Any]:
-        """The action of --slow-action; raises NotTried where there is none."""
+        """Returns the action of --slow-action; raises NotTried if it was not given."""
         if self._slow is None:
             raise NotTried('needs --slow-action')
         return self._slow.with_id(self.new_id(), blocking)
@@ -64,13 +64,16 @@ class Trial:
     # --- before a rule ----------------------------------------------------------------------------
 
     def fetch(self) -> Message:
-        """A state from now; raises TooLate where the vehicle is silent for `INTERVAL`."""
+        """Requests and returns a new state; raises TooLate if none comes within INTERVAL."""
         before = self.master.count()
         self.master.act('stateRequest')
         return self.master.wait(lambda s: True, INTERVAL + 1.0, 'a state', after=before)
 
     def bring_back(self) -> None:
-        """Cancels, ends a pause, drives to an end of the track; raises TooLate or NotTried."""
+        """Cancels the order, ends a pause and drives the vehicle to an end of the track.
+
+        Raises TooLate or NotTried.
+        """
         patience = AGAIN if self._was_stuck else self.patience
         self._was_stuck = True
         self._become_idle(patience)
@@ -91,10 +94,11 @@ class Trial:
         try:
             master.wait(is_idle, patience, 'an end of all actions')
         except TooLate:
-            return  # the next order tells whether that matters to the vehicle
+            return  # the next order shows whether the vehicle still accepts orders
 
     def _release_the_rest(self, patience: float) -> None:
-        """Where cancelOrder does not help: the vehicle drives to the end of its order."""
+        """Releases the rest of the order, so that the vehicle ends it; after a failed cancelOrder.
+        """
         state = self.master.state
         base = [(node['nodeId'], node['sequenceId']) for node in state['nodeStates']
                 if node['released']]
@@ -119,7 +123,7 @@ class Trial:
         self.ahead = self.track if index == 0 else self.track.reversed()
 
     def _way_from(self, index: int, is_there: bool) -> Track:
-        """To the nearer end; from the middle of an edge as it was driving."""
+        """Returns the direction to the nearer end; on an edge: the present direction."""
         last, back = len(self.track.stops) - 1, self.track.reversed()
         if index in (0, last):
             return self.track if index == 0 else back
@@ -135,13 +139,16 @@ class Trial:
         self.ahead = way.reversed()
 
     def bring_home(self) -> None:
-        """Without an order, at the beginning of the track; raises TooLate or NotTried."""
+        """Brings the vehicle, without an order, to the start of the track.
+
+        Raises TooLate or NotTried.
+        """
         self.bring_back()
         if self.ahead != self.track:
             self._drive(self.ahead, len(self.track.stops) - 1, True, self.patience)
 
     def _index_of(self, state: Message) -> int:
-        """Of the stop that the vehicle passed last, else of the nearest one."""
+        """Returns the index of the stop that was passed last, otherwise of the nearest stop."""
         ids = [stop.node_id for stop in self.track.stops]
         if state['lastNodeId'] in ids:
             return ids.index(state['lastNodeId'])
@@ -156,7 +163,7 @@ class Trial:
         return None if not pose else math.hypot(pose['x'] - stop.x, pose['y'] - stop.y)
 
     def nearest(self, state: Message) -> float:
-        """Distance of the nearest stop (m); raises NotTried where no agvPosition is told."""
+        """Returns the distance (m) of the nearest stop; raises NotTried without agvPosition."""
         found = [distance for distance in (self._distance(state, index) for index
                                            in range(len(self.track.stops)))
                  if distance is not None]
@@ -169,7 +176,7 @@ class Trial:
         return distance is None or distance <= NEAR
 
     def clear_rejections(self) -> None:
-        """An order of one node where the vehicle stands: what it refused before is over."""
+        """Clears earlier rejections with an order of one node at the vehicle's position."""
         if self.master.state['errors'] and is_idle(self.master.state):
             self.ordered(self.ahead.part(0, 0), ANSWER)
             self.master.wait(is_idle, self.patience, 'an end of an order of one node')
@@ -183,32 +190,32 @@ class Trial:
         return order_id
 
     def accepted(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
-        """The first state with this order, or update, on the vehicle; else raises NotTried."""
+        """Sends an order or update; returns the first state that has it; raises NotTried."""
         try:
             return self.taken(order, seconds)
         except TooLate as error:
             raise NotTried(f'an order that this rule needs is not accepted: {error}') from None
 
     def taken(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
-        """The same, where taking it is what the rule demands; raises TooLate."""
+        """Like `accepted`, if the acceptance is the subject of the rule; raises TooLate."""
         before = self.master.send('order', order)
         return self.master.wait(lambda s: has(s, order), seconds, 'the order in the state',
                                 after=before)
 
     def at_end_of(self, track: Track, seconds: Optional[float] = None) -> Message:
-        """The state in which the vehicle has driven a track to its end."""
+        """Waits for the state in which the vehicle has driven a track to its end."""
         last = track.stops[-1].node_id
         return self.master.wait(
             lambda s: s['lastNodeId'] == last and not has_order(s), seconds or self.patience,
-            f'standing at {last}, without nodes left')
+            f'standing at {last}, without remaining nodes')
 
     def refused(self, order: Mapping[str, Any], what: str) -> Dict[str, Any]:
-        """Sends an order that must be refused, and changes nothing; returns the error."""
+        """Sends an order that the vehicle must refuse without a change; returns the error."""
         return self.refused_bytes(lambda: self.master.send('order', order), what, order)
 
     def refused_bytes(self, send: Callable[[], int], what: str,
                       order: Optional[Mapping[str, Any]] = None) -> Dict[str, Any]:
-        """The same for what is no order."""
+        """Like `refused`, for a payload that is not an order."""
         was = self.master.state
         before = send()
 
@@ -219,7 +226,8 @@ class Trial:
             state = self.master.wait(is_answer, ANSWER, 'a new error', after=before)
         except TooLate as error:
             if any(found['errorType'] in REJECTIONS for found in was['errors']):
-                raise NotTried(f'{what}: a new error cannot be told from one of before') from None
+                raise NotTried(f'{what}: a new error cannot be distinguished from an earlier one'
+                               ) from None
             raise Broken(f'{what}: {error}') from None
         if order is not None:
             expect(not has(state, order), f'{what}: it is accepted')
@@ -228,7 +236,10 @@ class Trial:
         return new_errors(was, state)[0]
 
     def stays(self, predicate: Callable[[Message], bool], what: str) -> None:
-        """Every state of the next second is so, and the one on request."""
+        """Checks that each state satisfies `predicate` for QUIET, and a requested state too.
+
+        Raises Broken.
+        """
         before = self.master.count()
         try:
             self.master.wait(lambda s: not predicate(s), QUIET, what, after=before)
@@ -238,36 +249,36 @@ class Trial:
         raise Broken(f'it does not stay so: {what}')
 
     def let_pass(self, seconds: float) -> None:
-        """Time goes by, regardless of the vehicle."""
+        """Waits for the given seconds, regardless of the vehicle."""
         try:
             self.master.wait(lambda s: False, seconds, 'nothing')
         except TooLate:
             return
 
     def close(self) -> None:
-        """Leaves the vehicle."""
+        """Closes the connection of the master."""
         self.master.close()
 
 
 def has(state: Message, order: Mapping[str, Any]) -> bool:
-    """Whether a state tells that the vehicle has this order, or this update."""
+    """Returns whether a state shows that the vehicle has this order or update."""
     return bool(state['orderId'] == order.get('orderId')
                 and state['orderUpdateId'] == order.get('orderUpdateId'))
 
 
 def has_order(state: Message) -> bool:
-    """Whether nodes or edges are left, or the vehicle drives."""
+    """Returns whether nodes or edges remain, or the vehicle drives."""
     return bool(state['nodeStates'] or state['edgeStates'] or state['driving'])
 
 
 def is_idle(state: Message) -> bool:
-    """Whether a new order may be accepted: figure 8 (3)."""
+    """Returns whether the vehicle may accept a new order: figure 8 (3)."""
     return not has_order(state) and all(found['actionStatus'] in ENDED
                                         for found in state['actionStates'])
 
 
 def new_errors(was: Message, state: Message) -> List[Dict[str, Any]]:
-    """Errors of a state that were not there before."""
+    """Returns the errors of a state that an earlier state did not have."""
     rest = list(was['errors'])
     found = []
     for error in state['errors']:
@@ -279,13 +290,13 @@ def new_errors(was: Message, state: Message) -> List[Dict[str, Any]]:
 
 
 def references(error: Mapping[str, Any]) -> Dict[str, str]:
-    """The errorReferences of an error by key."""
+    """Returns the errorReferences of an error by key."""
     found: Sequence[Mapping[str, Any]] = error.get('errorReferences') or ()
     return {str(item.get('referenceKey')): str(item.get('referenceValue')) for item in found}
 
 
 def changed(order: Mapping[str, Any], **changes: Any) -> Dict[str, Any]:
-    """A copy of an order with changes: `nodes__1__released=True` changes nodes[1].released."""
+    """Returns a changed copy of an order: `nodes__1__released=True` sets nodes[1].released."""
     copy: Dict[str, Any] = json.loads(json.dumps(order))
     for path, value in changes.items():
         *parents, last = [int(part) if part.isdigit() else part for part in path.split('__')]

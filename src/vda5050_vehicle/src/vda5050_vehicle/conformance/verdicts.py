@@ -1,18 +1,18 @@
-"""What becomes of a rule that is tried and not kept."""
+"""The exceptions of a rule that the vehicle breaks, or that cannot be tried."""
 from __future__ import annotations
 
 from typing import Any
 
 
 class Broken(Exception):
-    """The vehicle broke a rule; the text says what was seen."""
+    """The vehicle broke a rule; the text says what the bench has observed."""
 
 
 class NotTried(Exception):
-    """The rule could not be tried; the text says why."""
+    """The rule could not be tried; the text gives the reason."""
 
 
 def expect(condition: Any, text: str) -> None:
-    """Raises Broken unless the condition holds."""
+    """Raises Broken if the condition is false."""
     if not condition:
         raise Broken(text)

@@ -1,7 +1,7 @@
-"""Messages of VDA 5050 3.0 in the words of 2.1, and back, so that there is one set of rules.
+"""Converts messages between VDA 5050 3.0 and 2.1, so that the bench needs one set of rules only.
 
-Plain JSON in and out. What only 3.0 has is left out of a state; a message that is not as the
-standard has it is left as it is, for the checker to see.
+Input and output are JSON. A converted state does not have the fields that only 3.0 has. A message
+that does not conform to the standard is not converted, so that the checker finds its errors.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ACTIONS = {'initializePosition': 'initPosition'}
 
 
 def in_2(topic: str, message: Json) -> Json:
-    """A vehicle's message of 3.0 as 2.1 would have it."""
+    """Converts a message of a vehicle from 3.0 to 2.1."""
     translate = _TO_2.get(topic)
     try:
         return translate(message) if translate else message
@@ -38,7 +38,7 @@ def in_2(topic: str, message: Json) -> Json:
 
 
 def in_3(topic: str, body: Mapping[str, Any]) -> Mapping[str, Any]:
-    """A master's message of 2.1, without header, as 3.0 has it."""
+    """Converts a message of a master, without header, from 2.1 to 3.0."""
     if topic == 'instantActions':
         return {**body, 'actions': [_action_in_3(action) for action in body['actions']]}
     nodes = body.get('nodes')
@@ -91,7 +91,7 @@ _TO_2: Mapping[str, Callable[[Json], Json]] = {
 
 
 def _action_in_3(action: Json) -> Json:
-    """Instant actions never block in 3.0."""
+    """Converts an action to 3.0, in which instant actions never block."""
     names = {old: new for new, old in _ACTIONS.items()}
     kind = action['actionType']
     return {**action, 'actionType': names.get(kind, kind), 'blockingType': 'NONE'}

@@ -1,1 +1,1 @@
-"""A VDA 5050 vehicle without ROS, MQTT and files: it is told what happens, and says what to do."""
+"""A VDA 5050 vehicle without ROS, MQTT and files: it receives events and returns effects."""

@@ -1,4 +1,4 @@
-"""Runs the actions of an order and those that came at once: starts them, and ends each once."""
+"""Runs the actions of orders and the instant actions: starts them, and ends each exactly once."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -10,7 +10,7 @@ from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.action_queue import Entry
 from vda5050_vehicle.protocol.values import ActionStatus, Edge, Reference
 
-AWAY = 'the adapter was away when it was its turn'
+AWAY = 'the adapter was not running when the action was due'
 
 
 class ActionRunner:
@@ -21,7 +21,7 @@ class ActionRunner:
         self._state = context.state
 
     def start(self) -> None:
-        """Starts those whose turn it is."""
+        """Starts the actions that are due."""
         context = self._context
         if self._state.paused or self._state.cancelling:
             return
@@ -30,7 +30,7 @@ class ActionRunner:
             try:
                 spec = context.table.check(entry.action, scope)
                 if spec.call is None:
-                    raise WrongAction('actionType', 'it is done at once or not at all')
+                    raise WrongAction('actionType', 'it is an instant action only')
             except WrongAction as wrong:
                 self.end(action_id, ActionStatus.FAILED, str(wrong))
                 continue
@@ -38,7 +38,7 @@ class ActionRunner:
             context.do(fx.StartAction(action_id, spec, spec.arguments_of(entry.action)))
 
     def leave_edge(self, edge: Edge) -> None:
-        """The edge was driven: its actions end with it."""
+        """Ends the actions of an edge that the robot has left."""
         for entry in self._state.actions.of(edge.sequence_id):
             action_id = entry.action.action_id
             if entry.status is ActionStatus.RETRIABLE:
@@ -51,12 +51,12 @@ class ActionRunner:
                          'the edge was left before the action could start')
 
     def miss(self, sequence_id: int) -> None:
-        """The adapter was not running when the node was passed."""
+        """Fails the actions of a node that was passed while the adapter was not running."""
         for entry in self._state.actions.of(sequence_id):
             self.end(entry.action.action_id, ActionStatus.FAILED, AWAY)
 
     def fail(self, action_id: str, text: str) -> None:
-        """An action has failed; one that may be tried again waits until the master says so."""
+        """Ends a failed action; a retriable action waits for the decision of the master."""
         entry = self._state.actions[action_id]
         if entry.action.retriable and entry.belongs_to_order and not self._state.cancelling:
             self._context.update_action(action_id, ActionStatus.RETRIABLE, text)
@@ -65,8 +65,10 @@ class ActionRunner:
             self.end(action_id, ActionStatus.FAILED, text)
 
     def end(self, action_id: str, status: ActionStatus, text: str) -> None:
-        """An action has ended for good; a failed one of the order, for which the vehicle was to
-        stand, holds it."""
+        """Ends an action finally.
+
+        If an action of the order fails for which the vehicle must stand, the vehicle stops there.
+        """
         entry = self._state.actions[action_id]
         if entry.status.has_ended:
             return

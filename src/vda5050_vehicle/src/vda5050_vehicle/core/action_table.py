@@ -1,7 +1,8 @@
-"""The table of actions: what a vehicle can do beside driving, and how it is done on its robot.
+"""The table of actions: the actions of a vehicle other than driving, and their execution.
 
-The table is a YAML file (`actions.yaml`), so that this package knows no robot. An action is a goal
-of a ROS action; its text fields may hold the action's parameters, e.g. `say {text}`.
+The table is a YAML file (`actions.yaml`), so that this package does not depend on a robot. Each
+action is executed as a goal of a ROS action. The text fields of the goal may contain parameters of
+the action, e.g. `say {text}`.
 """
 from __future__ import annotations
 
@@ -18,11 +19,11 @@ PRINTABLE = r'[^\x00-\x1f\x7f]*'
 
 
 class WrongTable(Exception):
-    """A table that cannot be used; the text says which line and what to do."""
+    """A table that cannot be used; the text names the entry and the remedy."""
 
 
 class WrongAction(Exception):
-    """An action that the vehicle cannot do; `key` is what is wrong with it."""
+    """An action that the vehicle cannot execute; `key` is the wrong field or parameter."""
 
     def __init__(self, key: str, description: str) -> None:
         super().__init__(description)
@@ -36,7 +37,11 @@ _TYPES: Mapping[str, Tuple[type, ...]] = {
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an action; `pattern` must match all of a text, bounds hold for numbers."""
+    """A parameter of an action.
+
+    pattern     -- regular expression that must match a whole text
+    least, most -- bounds of a number
+    """
 
     key: str
     type: str
@@ -48,21 +53,21 @@ class Parameter:
     default: Any = ''
 
     def check(self, value: Any) -> None:
-        """Raises WrongAction."""
+        """Raises WrongAction if the value is not allowed."""
         value = self.value_of(value)
         if (not isinstance(value, _TYPES[self.type])
                 or isinstance(value, bool) is not (self.type == 'BOOL')):
             raise WrongAction(self.key, f'{self.key} must be of type {self.type}')
         if isinstance(value, str):
             if len(value) > TEXT_LIMIT or not re.fullmatch(self.pattern, value):
-                raise WrongAction(self.key, f'{self.key} has at most {TEXT_LIMIT} characters and '
-                                            f'must match {self.pattern}')
+                raise WrongAction(self.key, f'{self.key} may have up to {TEXT_LIMIT} characters '
+                                            f'and must match {self.pattern}')
         elif isinstance(value, (int, float)) and not self.least <= value <= self.most:
             raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
 
 
     def value_of(self, value: Any) -> Any:
-        """What is meant: JSON knows no integers, so 1.0 is one."""
+        """Returns the value; 1.0 becomes an integer if required, as JSON has no integer type."""
         if self.type == 'INTEGER' and isinstance(value, float) and value.is_integer():
             return int(value)
         return value
@@ -70,27 +75,26 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Call:
-    """A goal of a ROS action: its name, its type, and the goal's fields."""
+    """A goal of a ROS action: the action's name and type, and the fields of the goal."""
 
     server: str
     type: str
     goal: Mapping[str, Any]
 
     def fields(self, arguments: Mapping[str, Any]) -> Dict[str, Any]:
-        """The goal's fields for these arguments."""
+        """Returns the fields of the goal for the given arguments."""
         return {name: value.format(**arguments) if isinstance(value, str) else value
                 for name, value in self.goal.items()}
 
 
 @dataclass(frozen=True)
 class ActionSpec:
-    """A line of the table; without `call` the vehicle does it by itself.
+    """An entry of the table; without `call` the vehicle executes the action itself.
 
-    moves       -- the robot is elsewhere after it, so no order may be under way
-    executed_as -- how it blocks, regardless of the `blocking` with which it comes; None: as it
-    comes
-    cancellable -- cancelOrder ends it
-    commands_motion -- the robot takes it for a drive, with an epoch of its own
+    moves           -- whether it moves the robot; then no order may be active
+    executed_as     -- the blocking type on this robot; None: the blocking type of the message
+    cancellable     -- whether cancelOrder ends it
+    commands_motion -- whether the robot treats it as a drive with a new epoch
     """
 
     action_type: str
@@ -106,9 +110,9 @@ class ActionSpec:
     call: Optional[Call] = field(default=None, compare=False)
 
     def check(self, action: Action, scope: Scope) -> None:
-        """Raises WrongAction where the action is not as the table has it."""
+        """Raises WrongAction if the action does not agree with the table."""
         if scope not in self.scopes:
-            raise WrongAction('actionType', f'{self.action_type} is no {scope.value} action')
+            raise WrongAction('actionType', f'{self.action_type} is not a {scope.value} action')
         if action.blocking_type not in self.blocking:
             raise WrongAction('blockingType', f'{self.action_type} must be '
                               + ' or '.join(kind.value for kind in self.blocking))
@@ -123,20 +127,20 @@ class ActionSpec:
                 raise WrongAction(key, f'{self.action_type} needs the parameter {key}')
 
     def arguments_of(self, action: Action) -> Dict[str, Any]:
-        """Its arguments, with defaults."""
+        """Returns the arguments of the action, with default values."""
         given = action.arguments
         return {p.key: p.value_of(given.get(p.key, p.default)) for p in self.parameters
                 if p.optional or p.key in given}
 
 
 class ActionTable:
-    """The actions by type."""
+    """The entries of the table by action type."""
 
     def __init__(self, specs: Tuple[ActionSpec, ...]) -> None:
         self.specs: Mapping[str, ActionSpec] = {spec.action_type: spec for spec in specs}
 
     def check(self, action: Action, scope: Scope) -> ActionSpec:
-        """The line of an action; raises WrongAction."""
+        """Returns the entry of an action; raises WrongAction."""
         spec = self.specs.get(action.action_type)
         if spec is None:
             raise WrongAction('actionType', f'the vehicle has no action {action.action_type!r}')
@@ -144,28 +148,28 @@ class ActionTable:
         return spec
 
     def as_executed(self, action: Action) -> Action:
-        """The action with the blocking type that it has on this robot."""
+        """Returns the action with its blocking type on this robot."""
         spec = self.specs.get(action.action_type)
         if spec is None or spec.executed_as is None:
             return action
         return replace(action, blocking_type=spec.executed_as)
 
     def moves(self, action: Action) -> bool:
-        """Whether the robot is elsewhere after it."""
+        """Returns whether the action moves the robot."""
         spec = self.specs.get(action.action_type)
         return spec is not None and spec.moves
 
     def commands_motion(self, action: Action) -> bool:
-        """Whether the epoch of the robot's motion may change for it."""
+        """Returns whether the action may change the epoch of the robot's motion."""
         spec = self.specs.get(action.action_type)
         return spec is not None and (spec.moves or spec.commands_motion)
 
 
 def read_table(document: Any) -> Tuple[ActionSpec, ...]:
-    """The lines of an `actions.yaml`, as YAML reads it. Raises WrongTable."""
+    """Returns the entries of a parsed `actions.yaml`; raises WrongTable."""
     actions = document.get('actions') if isinstance(document, dict) else None
     if not isinstance(actions, dict):
-        raise WrongTable('it has no `actions:` with one entry per action type')
+        raise WrongTable('it needs the key `actions:` with one entry per action type')
     return tuple(_spec(str(name), line) for name, line in actions.items())
 
 
@@ -177,8 +181,8 @@ def _spec(name: str, line: Any) -> ActionSpec:
     if not isinstance(line, dict) or not {'server', 'type', 'goal', 'scopes'} <= set(line):
         raise WrongTable(f'action {name} needs server, type, goal and scopes')
     if set(line) - _KEYS:
-        raise WrongTable(f'action {name} has {", ".join(sorted(set(line) - _KEYS))}, which no '
-                         f'action has; there are {", ".join(sorted(_KEYS))}')
+        raise WrongTable(f'action {name} has unknown keys: {", ".join(sorted(set(line) - _KEYS))};'
+                         f' the known keys are {", ".join(sorted(_KEYS))}')
     try:
         parameters = tuple(Parameter(key, **values)
                            for key, values in (line.get('parameters') or {}).items())
@@ -199,11 +203,11 @@ def _spec(name: str, line: Any) -> ActionSpec:
     for parameter in parameters:
         if parameter.type not in _TYPES:
             raise WrongTable(f'action {name}: parameter {parameter.key} has type '
-                             f'{parameter.type}; there are {", ".join(_TYPES)}')
+                             f'{parameter.type}; the types are {", ".join(_TYPES)}')
     used = {field for value in call.goal.values() if isinstance(value, str)
             for _, field, _, _ in string.Formatter().parse(value) if field is not None}
     unknown = used - {parameter.key for parameter in parameters}
     if unknown:
-        raise WrongTable(f'action {name}: its goal uses {", ".join(sorted(unknown))}, which is no '
-                         'parameter of it')
+        raise WrongTable(f'action {name}: its goal uses {", ".join(sorted(unknown))}, which is not '
+                         'a parameter of the action')
     return spec

@@ -1,4 +1,4 @@
-"""What the parts of a vehicle share: its state, its robot and driver, and what is to be done."""
+"""The context that the parts of a vehicle share: its state, robot, driver and pending effects."""
 from __future__ import annotations
 
 from collections import deque
@@ -17,12 +17,12 @@ from vda5050_vehicle.protocol.codecs import Codec
 from vda5050_vehicle.protocol.order_state import OrderState
 from vda5050_vehicle.protocol.reporting import Reporter
 
-HISTORY = 500        # events that a log report holds
+HISTORY = 500        # number of events in a log report
 
 
 @dataclass
 class Context:
-    """See the module's text. Only `state` is to be remembered."""
+    """See the module's docstring. Only `state` is stored for a restart."""
 
     identity: Identity
     codec: Codec
@@ -35,27 +35,29 @@ class Context:
     effects: List[fx.Effect] = field(default_factory=list)
 
     def do(self, effect: fx.Effect) -> None:
-        """Adds to what is to be done."""
+        """Adds an effect that the caller must carry out."""
         self.effects.append(effect)
 
     def note(self, text: str) -> None:
-        """Adds to what a log report tells."""
+        """Adds an event to the log report."""
         self.history.append(text)
 
     def update_action(self, action_id: str, status: v.ActionStatus, text: str = '') -> None:
-        """An action is farther."""
+        """Sets a new status of an action."""
         self.state.actions = self.state.actions.updated(action_id, status, text)
 
     def is_cancellable(self, entry: Entry) -> bool:
-        """Whether cancelOrder ends this action."""
+        """Returns whether cancelOrder ends this action."""
         return self.table.specs[entry.action.action_type].cancellable
 
     # --- motion -----------------------------------------------------------------------------------
 
     @property
     def standing(self) -> bool:
-        """Whether the vehicle stands as far as actions are concerned: it is seen not to drive, or
-        has driven what it was sent to."""
+        """Whether actions that require a standing vehicle may start.
+
+        The robot is seen to stand, or it has driven everything that it was sent.
+        """
         drive, robot = self.state.drive, self.robot
         if not drive.at_rest:
             return False
@@ -63,27 +65,31 @@ class Context:
 
     @property
     def is_known_to_stand(self) -> bool:
-        """Whether the robot has told that it stands, since it was to."""
+        """Whether the robot has reported that it stands, after its drive ended."""
         drive, robot = self.state.drive, self.robot
         return drive.at_rest and robot.stands and robot.seen_at >= drive.rest_since
 
     def stop(self, now: float) -> None:
-        """The master stops the robot: in each state of its route, unless it is known to stand, or
-        an action has it."""
+        """Stops the robot for the master.
+
+        It stops the robot in each state of its route, except in these cases:
+        - the robot has completed its route and is known to stand
+        - the robot has completed its route and an action controls it
+        """
         drive = self.state.drive
         if not (drive.in_order and (self.is_known_to_stand
                                     or self.state.actions.hold_the_robot)):
             self.driver.stop(now)
 
     def forgive(self) -> None:
-        """A failure was seen to: by stopPause, by another order, or because its order has ended."""
+        """Clears a failure, after stopPause, a new order or the end of the order."""
         self.state.errors = self.state.errors.without_failures()
         self.driver.forgive()
 
-    # --- where it is ------------------------------------------------------------------------------
+    # --- the robot's node -------------------------------------------------------------------------
 
     def place_at(self, node_id: str) -> None:
-        """The robot is at this node, though no order brought it there."""
+        """Sets the node of a robot that reached it without an order."""
         order = self.state.order
         if order.is_driven and node_id and node_id != order.last_node[0]:
             node = v.Node(node_id, 0, True)
@@ -93,7 +99,7 @@ class Context:
             self.state.legs = ()
 
     def look_where_it_is(self) -> None:
-        """The robot moved without an order: it may be at another node than the last one."""
+        """Updates the last node after the robot may have moved without an order."""
         pose, nodes = self.robot.pose, self.state.order.nodes
         if pose is None or not nodes:
             return

@@ -1,4 +1,4 @@
-"""What the vehicle wants done; carried out in this order by its caller."""
+"""The effects that the vehicle requests; its caller carries them out in the given sequence."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class SendFactsheet:
 
 @dataclass(frozen=True)
 class StartAction:
-    """Begin an action of the table; its end is told by `action_ended`."""
+    """Start an action of the table; the caller reports its end with `action_ended`."""
 
     action_id: str
     spec: ActionSpec
@@ -33,21 +33,21 @@ class StartAction:
 
 @dataclass(frozen=True)
 class CancelAction:
-    """End an action that was started."""
+    """Cancel an action that was started."""
 
     action_id: str
 
 
 @dataclass(frozen=True)
 class SetPose:
-    """Tell the robot where it is."""
+    """Set the pose of the robot's localization."""
 
     pose: Pose
 
 
 @dataclass(frozen=True)
 class WriteLog:
-    """Store a log report; its end is told by `action_ended`."""
+    """Store a log report; the caller reports the end with `action_ended`."""
 
     action_id: str
     reason: str
@@ -56,9 +56,9 @@ class WriteLog:
 
 @dataclass(frozen=True)
 class Keep:
-    """Store what a restarted vehicle must know, before what comes after.
+    """Store the state for a restart, before the caller carries out the next effects.
 
-    before -- what was stored last; None: nothing was
+    before -- the state that was stored last; None: no state was stored
     """
 
     before: Optional[VehicleState]
@@ -67,7 +67,7 @@ class Keep:
 
 @dataclass(frozen=True)
 class Command:
-    """A command of the driver's own kind."""
+    """A command of the driver; its type depends on the driver."""
 
     command: Any
 

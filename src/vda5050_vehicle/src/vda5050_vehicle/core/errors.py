@@ -1,4 +1,4 @@
-"""The errors that are reported, each for as long as it holds."""
+"""The errors that the vehicle reports, each as long as it applies."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -8,17 +8,21 @@ from vda5050_vehicle.drivers.robot_view import RobotView
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Error, EStop, Reference
 
-# Masters take an error that refers to nothing for a rejection of their last order.
+# Masters interpret an error without references as a rejection of their last order.
 _OF_NO_ORDER = Reference('topic', 'state')
-MAX_REJECTIONS = 10  # of the newest, until an order is accepted
+MAX_REJECTIONS = 10  # number of the newest rejections that are reported
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Rejections stay until an order is taken, those of instant actions until one of these is;
-    failures until they are seen to; conditions of the robot as long as they hold.
+    """The present errors.
 
-    drive, action -- why the vehicle does not drive on: only a person or the master sees to that
+    - Rejections of orders stay until an order is accepted.
+    - Rejections of instant actions stay until an instant action is accepted.
+    - Failures stay until a person or the master deals with them.
+    - Conditions of the robot stay as long as they exist.
+
+    drive, action -- the failure because of which the vehicle does not drive on
     """
 
     rejections: Tuple[Error, ...] = ()
@@ -27,24 +31,24 @@ class Errors:
     action: Optional[Error] = None
 
     def with_rejection(self, error: Error) -> Errors:
-        """An order was not taken up."""
+        """Returns the errors after an order was rejected."""
         return replace(self, rejections=_with(self.rejections, error))
 
     def with_refused_action(self, error: Error) -> Errors:
-        """An instant action was not taken up."""
+        """Returns the errors after an instant action was rejected."""
         return replace(self, refused_actions=_with(self.refused_actions, error))
 
     def without_failures(self) -> Errors:
-        """Failures were seen to."""
+        """Returns the errors after the failures were dealt with."""
         return replace(self, drive=None, action=None) if self.failure else self
 
     @property
     def failure(self) -> Optional[Error]:
-        """Why the vehicle does not drive on by itself."""
+        """The failure because of which the vehicle does not drive on; None if there is none."""
         return self.drive or self.action
 
     def all(self, robot: RobotView) -> Tuple[Error, ...]:
-        """What to report."""
+        """Returns all errors to report."""
         failures = tuple(error for error in (self.drive, self.action) if error)
         return (*self.rejections, *self.refused_actions, *failures, *_conditions(robot))
 
@@ -56,11 +60,11 @@ def _with(errors: Tuple[Error, ...], error: Error) -> Tuple[Error, ...]:
 def _conditions(robot: RobotView) -> Tuple[Error, ...]:
     found = []
     if robot.e_stop is not EStop.NONE:
-        found.append(e.EMERGENCY_STOP.error('the emergency stop is pressed, or not acknowledged',
+        found.append(e.EMERGENCY_STOP.error('the emergency stop is pressed or not acknowledged',
                                             _OF_NO_ORDER))
     if robot.lost:
         found.append(e.VEHICLE_LOST.error(robot.lost, _OF_NO_ORDER))
     elif not robot.localized:
-        found.append(e.LOCALIZATION_ERROR.error('the robot does not know where it is',
+        found.append(e.LOCALIZATION_ERROR.error('the robot has lost its localization',
                                                 _OF_NO_ORDER))
     return tuple(found)

@@ -1,4 +1,4 @@
-"""The factsheet: what a master may know of the vehicle, made from its file and its actions."""
+"""The factsheet: the description of the vehicle for masters, from its file and its actions."""
 from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, Tuple
@@ -13,28 +13,28 @@ SECTIONS = ('typeSpecification', 'physicalParameters', 'agvGeometry', 'loadSpeci
 _ARRAYS = ('order.nodes', 'order.edges', 'node.actions', 'edge.actions',
            'actions.actionsParameters', 'instantActions')
 
-# Optional fields that are honoured, by their path in the messages.
+# The optional fields that the vehicle honours: path in the messages, and description.
 _SUPPORTED: Tuple[Tuple[str, str], ...] = (
-    ('order.nodes.nodePosition', 'matched with the vehicle\'s places within 0.3 m'),
+    ('order.nodes.nodePosition', 'must be within 0.3 m of a node that the vehicle knows'),
     ('order.nodes.nodePosition.allowedDeviationXY',
-     'of the first node of a new order; of others where the vehicle passes them so near'),
-    ('order.edges.length', 'known without it'),
-    ('order.edges.maxHeight', 'where the vehicle is not higher'),
+     'of the first node of a new order; of other nodes if the vehicle passes them near enough'),
+    ('order.edges.length', 'accepted; the vehicle uses its own value'),
+    ('order.edges.maxHeight', 'if the vehicle is not higher'),
     ('state.agvPosition', ''), ('state.velocity', ''), ('state.newBaseRequest', ''),
     ('state.paused', ''), ('state.distanceSinceLastNode', ''), ('state.maps', ''))
 
 
 class WrongVehicle(Exception):
-    """A `vehicle.yaml` that cannot be used; the text says which entry and what to do."""
+    """A `vehicle.yaml` that cannot be used; the text names the entry and the remedy."""
 
 
 def check_vehicle(document: Any) -> Mapping[str, Any]:
-    """A `vehicle.yaml`, as YAML reads it; raises WrongVehicle."""
+    """Returns a parsed `vehicle.yaml` after checking it; raises WrongVehicle."""
     if not isinstance(document, dict):
-        raise WrongVehicle('it holds no entries')
+        raise WrongVehicle('it has no entries')
     for section in SECTIONS:
         if not isinstance(document.get(section), dict):
-            raise WrongVehicle(f'{section} is missing, or holds no entries')
+            raise WrongVehicle(f'{section} is missing, or has no entries')
     for key in ('speedMax', 'heightMax'):
         value = document['physicalParameters'].get(key)
         if not isinstance(value, (int, float)) or isinstance(value, bool):
@@ -43,7 +43,7 @@ def check_vehicle(document: Any) -> Mapping[str, Any]:
 
 
 def abilities(document: Mapping[str, Any], map_id: str, ignored: Tuple[str, ...]) -> Abilities:
-    """What the robot does by itself, of a `vehicle.yaml`; raises WrongVehicle."""
+    """Returns the abilities of the robot from a `vehicle.yaml`; raises WrongVehicle."""
     physical, more = document['physicalParameters'], document.get('abilities', {})
     try:
         return Abilities(
@@ -51,11 +51,11 @@ def abilities(document: Mapping[str, Any], map_id: str, ignored: Tuple[str, ...]
             float(more['corridor']), float(more.get('passing', Abilities.passing)), map_id,
             frozenset(ignored))
     except (KeyError, TypeError, ValueError) as error:
-        raise WrongVehicle(f'abilities: {error} is missing, or no number') from None
+        raise WrongVehicle(f'abilities: {error} is missing, or not a number') from None
 
 
 def factsheet(document: Mapping[str, Any], table: ActionTable) -> Dict[str, Any]:
-    """The body of the message, without header; codecs make of it what their version has."""
+    """Returns the message without header; the codecs convert it to their version."""
     return {
         **{section: document[section] for section in SECTIONS},
         'protocolLimits': {

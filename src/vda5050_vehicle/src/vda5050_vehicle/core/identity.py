@@ -9,7 +9,7 @@ from vda5050_vehicle.protocol.values import Header
 
 @dataclass(frozen=True)
 class Identity:
-    """Manufacturer and serial number are levels of the MQTT topics, too."""
+    """The identity; manufacturer and serial number are also levels of the MQTT topics."""
 
     manufacturer: str
     serial_number: str
@@ -17,7 +17,7 @@ class Identity:
     map_version: str = ''
 
     def check(self, header: Header) -> None:
-        """Raises Malformed where a message is for another vehicle; masters may name none."""
+        """Raises Malformed if a message names another vehicle; it may name no vehicle."""
         for key, theirs, ours in (('manufacturer', header.manufacturer, self.manufacturer),
                                   ('serialNumber', header.serial_number, self.serial_number)):
             if theirs and theirs != ours:

@@ -1,4 +1,4 @@
-"""Messages of the master as they come in: read, or refused under the ids that can be read."""
+"""Reads the messages of the master; a refusal names the ids that can be read."""
 from __future__ import annotations
 
 from typing import Any, Iterator, Mapping, Tuple
@@ -10,13 +10,13 @@ from vda5050_vehicle.protocol.fields import TEXT, UINT, Kind, Malformed, read_js
 from vda5050_vehicle.protocol.order_rules import check_order
 from vda5050_vehicle.protocol.values import Error, Reference
 
-# What a master waits for. An actionId would make it an error of that action alone.
+# The ids by which a master recognises the error. An actionId would make it an error of one action.
 _IDS: Mapping[str, Tuple[Tuple[str, Kind], ...]] = {
     'order': (('orderId', TEXT), ('orderUpdateId', UINT)), 'instantActions': ()}
 
 
 class Refused(Exception):
-    """A message that cannot be read, or is for another vehicle; `error` is what to report."""
+    """A message that cannot be read, or is for another vehicle; `error` is to be reported."""
 
     def __init__(self, error: Error) -> None:
         super().__init__(error.description)
@@ -24,14 +24,14 @@ class Refused(Exception):
 
 
 class Inbox:
-    """Reads what comes to one vehicle."""
+    """Reads the messages to one vehicle."""
 
     def __init__(self, identity: Identity, codec: Codec) -> None:
         self._identity = identity
         self._codec = codec
 
     def read(self, topic: str, payload: bytes) -> Any:
-        """The message on `topic`; raises Refused."""
+        """Returns the message on `topic`; raises Refused."""
         try:
             header, message = self._codec.read(topic, payload)
             self._identity.check(header)
@@ -45,7 +45,7 @@ class Inbox:
 
 
 def _ids_in(topic: str, payload: bytes) -> Iterator[Reference]:
-    """The ids of a malformed message, as far as they can be read."""
+    """Yields the ids of a malformed message that can be read."""
     try:
         message = read_json(payload)
     except Malformed:

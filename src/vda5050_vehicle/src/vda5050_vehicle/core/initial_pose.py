@@ -1,4 +1,4 @@
-"""When the robot has taken the pose that initPosition told it. Metres, radians, seconds."""
+"""Decides whether the robot has taken the pose of initPosition. Metres, radians, seconds."""
 from __future__ import annotations
 
 import math
@@ -7,14 +7,14 @@ from typing import Optional, Tuple
 
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 
-WITHIN = (0.5, 0.3)  # m, rad: as far off a robot may be that has matched its surroundings
-SAME = (0.1, 0.1)    # m, rad: the pose told
-PATIENCE = 10.0      # s until the robot must have taken it
+WITHIN = (0.5, 0.3)  # m, rad: the largest error of a robot that has matched its surroundings
+SAME = (0.1, 0.1)    # m, rad: within this a pose equals the requested pose
+PATIENCE = 10.0      # s within which the robot must take the pose
 
 
 @dataclass(frozen=True)
 class PoseWish:
-    """A pose that the robot was told; `within` (m, rad) of it, the robot has taken it."""
+    """A pose that was sent to the robot; it counts as taken within `within` (m, rad)."""
 
     action_id: str
     pose: Pose
@@ -25,9 +25,10 @@ class PoseWish:
     @staticmethod
     def told(action_id: str, pose: Pose, last_node: str, before: Optional[Pose],
              now: float) -> PoseWish:
-        """The robot is told now; `before` is its pose until then.
+        """Returns the wish for a pose that is sent to the robot now.
 
-        A pose has become the one told where it has lost half its distance to it, at least.
+        before -- the robot's pose until now. The robot must cover at least half of the distance
+                  from it to the requested pose.
         """
         within = WITHIN
         if before is not None:
@@ -37,7 +38,7 @@ class PoseWish:
         return PoseWish(action_id, pose, last_node, within, now + PATIENCE)
 
     def is_taken(self, robot: RobotView) -> bool:
-        """Whether the robot is where it was told to be."""
+        """Returns whether the robot has taken the pose."""
         return robot.pose is not None and robot.localized and all(
             apart <= within for apart, within in zip(_apart(robot.pose, self.pose), self.within))
 

@@ -1,7 +1,7 @@
-"""Instant actions: those that every vehicle has, and those of its table.
+"""Instant actions: the built-in ones of every vehicle, and those of the vehicle's table.
 
-cancelOrder, startPause, stopPause, stateRequest, factsheetRequest, initPosition and logReport are
-done here; others are queued like the actions of an order.
+This module executes cancelOrder, startPause, stopPause, stateRequest, factsheetRequest,
+initPosition and logReport itself. It queues other actions like the actions of an order.
 """
 from __future__ import annotations
 
@@ -19,41 +19,41 @@ from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.action_queue import Entry, Scope
 from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
 
-# They stop or tell; a late copy of any other one is not done again.
+# These actions stop the vehicle or only report. A late copy of any other action is not executed.
 STOPPING = frozenset({'cancelOrder', 'startPause'})
 HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
                              'clearInstantActions'}
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
 
 BUILT_IN: Tuple[ActionSpec, ...] = (
-    ActionSpec('cancelOrder', 'Stops where the robot is, and ends the order.', _INSTANT,
-               parameters=(Parameter('orderId', 'STRING', 'the order meant', optional=True),)),
-    ActionSpec('startPause', 'Stops where the robot is; the order is kept.', _INSTANT),
+    ActionSpec('cancelOrder', 'Stops the robot at once, and ends the order.', _INSTANT,
+               parameters=(Parameter('orderId', 'STRING', 'order to cancel', optional=True),)),
+    ActionSpec('startPause', 'Stops the robot at once; the order is kept.', _INSTANT),
     ActionSpec('stopPause', 'Drives on after a pause or a failure.', _INSTANT),
     ActionSpec('stateRequest', 'Sends a state.', _INSTANT),
     ActionSpec('factsheetRequest', 'Sends the factsheet.', _INSTANT),
-    ActionSpec('initPosition', 'Tells the robot where it is.', _INSTANT, moves=True, parameters=(
+    ActionSpec('initPosition', 'Sets the pose of the robot.', _INSTANT, moves=True, parameters=(
         Parameter('x', 'NUMBER', 'm', least=-1e6, most=1e6),
         Parameter('y', 'NUMBER', 'm', least=-1e6, most=1e6),
         Parameter('theta', 'NUMBER', 'rad', least=-7.0, most=7.0),
         Parameter('mapId', 'STRING', 'the map of x, y and theta'),
-        Parameter('lastNodeId', 'STRING', 'the node there', optional=True))),
-    ActionSpec('logReport', 'Stores what happened last in a file.', _INSTANT,
+        Parameter('lastNodeId', 'STRING', 'the node at this pose', optional=True))),
+    ActionSpec('logReport', 'Stores the last events in a file.', _INSTANT,
                result='name of the file', parameters=(
-                   Parameter('reason', 'STRING', 'why', optional=True),)),
+                   Parameter('reason', 'STRING', 'reason', optional=True),)),
 )
 
 BUILT_IN_3: Tuple[ActionSpec, ...] = (
-    ActionSpec('clearInstantActions', 'Forgets the instant actions that have ended.', _INSTANT),
-    ActionSpec('retry', 'Tries an action again that is RETRIABLE.', _INSTANT, parameters=(
+    ActionSpec('clearInstantActions', 'Removes the instant actions that have ended.', _INSTANT),
+    ActionSpec('retry', 'Retries a RETRIABLE action.', _INSTANT, parameters=(
         Parameter('actionId', 'STRING', 'the action'),)),
-    ActionSpec('skipRetry', 'Ends an action as FAILED that is RETRIABLE.', _INSTANT, parameters=(
+    ActionSpec('skipRetry', 'Ends a RETRIABLE action as FAILED.', _INSTANT, parameters=(
         Parameter('actionId', 'STRING', 'the action'),)),
 )
 
 
 class InstantActionHandler:
-    """Takes instant actions for a vehicle, and brings those that take time to their end."""
+    """Receives the instant actions of a vehicle, and ends those that take time."""
 
     def __init__(self, context: Context, inbox: Inbox, runner: ActionRunner) -> None:
         self._context = context
@@ -68,7 +68,7 @@ class InstantActionHandler:
             'retry': self._retry, 'skipRetry': self._skip_retry}
 
     def receive(self, payload: bytes, now: float) -> None:
-        """A message on the topic `instantActions`."""
+        """Processes a message on the topic `instantActions`."""
         context, state = self._context, self._state
         context.reporter.ask()
         try:
@@ -89,14 +89,14 @@ class InstantActionHandler:
         for action in message.actions:
             known = state.actions.by_id.get(action.action_id)
             if known is not None and not self._is_meant_again(action, known):
-                continue  # one that is sent again is done once
+                continue  # a repeated action is executed once
             self._context.note(f'instant action {action.action_id}, {action.action_type}')
             action = self._with_blocking_type(action)
             try:
-                if known is not None:  # what is told under this id is how the other one ended
+                if known is not None:  # this id reports the end of the other action
                     self._do(replace(action, action_id=''), is_copy, now)
-                    raise WrongAction('actionId', 'another action has this id; it is done without '
-                                      'a state of its own')
+                    raise WrongAction('actionId', 'another action has this id; this action is '
+                                      'executed, but its state is not reported')
                 state.actions = state.actions.with_entries(
                     Entry(self._context.table.as_executed(action), Scope.INSTANT))
                 self._do(action, is_copy, now)
@@ -109,7 +109,7 @@ class InstantActionHandler:
             self._fail(action, reason)
 
     def _is_meant_again(self, action: Action, known: Entry) -> bool:
-        """Whether a stop is done again under an id that is known: there is something to stop."""
+        """Returns whether a stop with a known id is executed again: there is a motion to stop."""
         state = self._state
         is_under_way = not known.belongs_to_order and not known.status.has_ended
         return not is_under_way and (
@@ -117,31 +117,34 @@ class InstantActionHandler:
             or action.action_type == 'startPause' and not state.paused)
 
     def _do(self, action: Action, is_copy: bool, now: float) -> None:
-        """Does an action, or queues it. Raises WrongAction."""
+        """Executes an action or queues it; raises WrongAction."""
         handler = self._handlers.get(action.action_type)
-        if handler and action.action_type in STOPPING:  # never refused for a parameter too many
+        if handler and action.action_type in STOPPING:  # an unknown parameter does not matter
             handler(action, now)
             return
         spec = self._context.table.check(action, Scope.INSTANT)
         if spec.moves and self._state.busy:
-            raise WrongAction('actionType', 'an order is under way')
+            raise WrongAction('actionType', 'an order is active; cancel it or wait for its end')
         if is_copy and action.action_type not in HARMLESS_AGAIN:
-            raise WrongAction('actionId', 'this message came before, and is not done '
-                              'again; another one has a header of its own')
+            raise WrongAction('actionId', 'this message is a copy and is not executed again; send '
+                              'it with a new header')
         if handler:
             handler(action, now)
         else:
             self._state.actions = self._state.actions.with_triggered(action.action_id)
 
     def _with_blocking_type(self, action: Action) -> Action:
-        """In 3.0 it is always NONE; what the vehicle must not do meanwhile is in its table."""
+        """Returns the action with a blocking type that its table entry allows.
+
+        In 3.0 the blocking type of an instant action is always NONE. The table has the true one.
+        """
         spec = self._context.table.specs.get(action.action_type)
         if not self._context.codec.is_3 or spec is None or action.blocking_type in spec.blocking:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
     def _fail(self, action: Action, wrong: WrongAction) -> None:
-        """An action that cannot be done is told as FAILED: a master repeats what is ignored."""
+        """Reports a rejected action as FAILED, because a master repeats an ignored action."""
         if not self._state.actions[action.action_id].belongs_to_order:
             self._end(action.action_id, ActionStatus.FAILED, str(wrong))
         self._state.errors = self._state.errors.with_refused_action(e.INSTANT_ACTION_ERROR.error(
@@ -157,7 +160,7 @@ class InstantActionHandler:
     def _finish(self, action: Action, text: str = '') -> None:
         self._end(action.action_id, ActionStatus.FINISHED, text)
 
-    # --- those that are done at once --------------------------------------------------------------
+    # --- actions that end at once -----------------------------------------------------------------
 
     def _request_state(self, action: Action, now: float) -> None:
         self._context.reporter.ask()
@@ -182,11 +185,11 @@ class InstantActionHandler:
 
     def _skip_retry(self, action: Action, now: float) -> None:
         self._runner.end(self._retriable(action), ActionStatus.FAILED,
-                         'the master does not want it tried again')
+                         'the master has decided not to retry the action')
         self._finish(action)
 
     def _retriable(self, action: Action) -> str:
-        """Id of the action that is meant."""
+        """Returns the id of the action that `action` refers to; raises WrongAction."""
         action_id = str(action.arguments['actionId'])
         entry = self._state.actions.by_id.get(action_id)
         if entry is None or entry.status is not ActionStatus.RETRIABLE:
@@ -198,13 +201,13 @@ class InstantActionHandler:
         if robot.e_stop is not EStop.NONE:
             raise WrongAction('eStop', 'the emergency stop is not released')
         if robot.pose is None:
-            raise WrongAction('errors', robot.lost or 'nothing was heard of the robot yet')
-        self._end_pauses(ActionStatus.FAILED, 'stopPause came before the robot stood')
+            raise WrongAction('errors', robot.lost or 'the robot has not reported yet')
+        self._end_pauses(ActionStatus.FAILED, 'stopPause came before the robot stood still')
         self._state.paused = False
         self._context.forgive()
         self._finish(action)
 
-    # --- those that take time ---------------------------------------------------------------------
+    # --- actions that take time -------------------------------------------------------------------
 
     def _start_pause(self, action: Action, now: float) -> None:
         self._state.paused = True
@@ -242,7 +245,7 @@ class InstantActionHandler:
         context, arguments = self._context, action.arguments
         map_id = context.identity.map_id
         if map_id and arguments['mapId'] != map_id:
-            raise WrongAction('mapId', f'the vehicle has map {map_id!r} only')
+            raise WrongAction('mapId', f'the vehicle has only map {map_id!r}; use this map')
         pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
         last_node = str(arguments.get('lastNodeId', ''))
         if last_node and not context.driver.knows(last_node, pose):
@@ -255,7 +258,7 @@ class InstantActionHandler:
         context.do(fx.SetPose(pose))
 
     def go_on(self, now: float) -> None:
-        """Ends what has come to its end."""
+        """Ends cancellations, pauses and initPosition if their conditions are met."""
         context, state = self._context, self._state
         if (state.cancels and context.is_known_to_stand and state.actions.order_has_ended):
             state.order = state.order.emptied()
@@ -280,18 +283,18 @@ class InstantActionHandler:
             self._context.look_where_it_is()
             self._context.place_at(wish.last_node)
         elif now > wish.until:
-            self._end(wish.action_id, ActionStatus.FAILED, 'the robot does not take the pose')
+            self._end(wish.action_id, ActionStatus.FAILED, 'the robot has not taken the pose')
         else:
             return
         self._state.wish = None
 
     def restart(self) -> None:
-        """What was begun before a restart has failed, but for stops: these go on."""
+        """Ends the actions from before a restart as failed, except stops, which continue."""
         kept = {*self._state.cancels, *self._state.pauses}
         for entry in self._state.actions:
             was_started = entry.is_active or entry.status is ActionStatus.INITIALIZING
             if entry.action.action_id not in kept and (
                     was_started or not entry.belongs_to_order and not entry.status.has_ended):
-                self._runner.fail(entry.action.action_id, 'the adapter was restarted; the action '
-                                                          'is not run again by itself')
+                self._runner.fail(entry.action.action_id, 'the adapter was restarted and does not '
+                                                          'repeat the action by itself')
         self._state.wish = None

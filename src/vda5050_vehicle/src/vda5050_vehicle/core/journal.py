@@ -1,8 +1,11 @@
-"""What a restarted vehicle must know, as a log: one line of JSON for each change of its state.
+"""The journal: the state for a restart as a log, with one line of JSON per change of the state.
 
-A value is written whole as `=`, a record as the changes of its fields `~`, a table as the entries
-that changed `+` and went `-`, a sequence as how much of its beginning went `<`, how much of the
-rest stayed `keep`, and what came behind that `+`.
+Keys of a change:
+- whole value: `=` the new value
+- record: `~` the changes of its fields
+- table: `+` the new or changed entries, `-` the removed entries
+- sequence: `<` number of items removed at the start, `keep` number of items kept after that,
+  `+` the items after these
 """
 from __future__ import annotations
 
@@ -32,17 +35,20 @@ _PLAIN: FrozenSet[type] = frozenset({str, int, float, bool})
 
 
 class WrongRecord(Exception):
-    """A journal that cannot be used; the text says why."""
+    """A journal that cannot be used; the text gives the reason."""
 
 
 def line(before: Optional[VehicleState], now: VehicleState) -> str:
-    """What changed; all of it where nothing was stored before."""
+    """Returns the line with the changes; with the whole state if `before` is None."""
     change = {'=': _json(now)} if before is None else _change(before, now)
     return json.dumps({'version': VERSION, **change} if before is None else change)
 
 
 def read(lines: Iterable[str], drive: Type[Drive]) -> VehicleState:
-    """The state after all lines; `drive` is what the driver remembers. Raises WrongRecord."""
+    """Returns the state after all lines; raises WrongRecord.
+
+    drive -- the class of the driver's memory
+    """
     value: Any = None
     try:
         for number, text in enumerate(lines):
@@ -68,7 +74,7 @@ def _change(before: Any, now: Any) -> Dict[str, Any]:
         gone = [key for key in before if key not in now]
         new = {key: item for key, item in now.items() if before.get(key) is not item}
         kept = [key for key in before if key in now]
-        if list(now)[:len(kept)] == kept:  # what came is behind what stayed
+        if list(now)[:len(kept)] == kept:  # the new entries are behind the kept ones
             return {'+': {key: _json(item) for key, item in new.items()}, '-': gone}
     if isinstance(now, tuple) and isinstance(before, tuple):
         begin = len(before) - len(now)
@@ -85,7 +91,7 @@ def _differ(before: Any, now: Any) -> bool:
 
 
 def _changed(value: Any, change: Mapping[str, Any]) -> Any:
-    """The JSON of a value after a change of it."""
+    """Returns the JSON of a value after a change."""
     if '=' in change:
         return change['=']
     if '~' in change:
@@ -117,8 +123,10 @@ def _hints(kind: type) -> Dict[str, Any]:
 
 
 def _value(kind: Any, found: Any, instead: Mapping[str, type]) -> Any:
-    """The value of a type that some JSON means; `instead` names types of fields that are narrower
-    than what the class says. Raises TypeError, ValueError, KeyError."""
+    """Converts JSON to a value of type `kind`; raises TypeError, ValueError, KeyError.
+
+    instead -- types of fields that are narrower than the annotations in the class
+    """
     origin, arguments = get_origin(kind), get_args(kind)
     if kind is Any:
         return found
@@ -137,6 +145,6 @@ def _value(kind: Any, found: Any, instead: Mapping[str, type]) -> Any:
         return make(**{name: _value(hints[name], item, {}) for name, item in found.items()})
     if kind in _PLAIN:
         if not isinstance(found, (int, float) if kind is float else kind):
-            raise TypeError(f'{found!r:.40} is no {kind.__name__}')
+            raise TypeError(f'{found!r:.40} is not of type {kind.__name__}')
         return found
     return kind(found)  # an enum

@@ -1,4 +1,4 @@
-"""Where orders come in: read, judged by the standard's figure, planned, and taken up whole."""
+"""Receives orders: it reads, judges (by figure 8 of the standard), plans and accepts them."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -19,7 +19,7 @@ from vda5050_vehicle.protocol.values import Order, Reference
 
 
 class OrderDesk:
-    """Takes orders for a vehicle. An order that is not taken up changes nothing but the errors."""
+    """Receives the orders of a vehicle; a rejected order changes only the errors."""
 
     def __init__(self, context: Context, inbox: Inbox, abilities: Abilities) -> None:
         self._context = context
@@ -28,7 +28,7 @@ class OrderDesk:
         self._abilities = abilities
 
     def receive(self, payload: bytes) -> None:
-        """A message on the topic `order`."""
+        """Processes a message on the topic `order`."""
         context, state = self._context, self._state
         context.reporter.ask()
         try:
@@ -39,12 +39,12 @@ class OrderDesk:
             return
         rejection = self._consider(order, payload)
         context.note(f'order {order.order_id}, update {order.order_update_id}: '
-                     + (rejection.error.description if rejection else 'taken'))
+                     + (rejection.error.description if rejection else 'accepted'))
         if rejection:
             state.errors = state.errors.with_rejection(rejection.error)
 
     def _consider(self, order: Order, payload: bytes) -> Optional[Rejection]:
-        """Takes the order up, or says why not."""
+        """Accepts the order and returns None, or returns the reason of the rejection."""
         context, state = self._context, self._state
         try:
             verdict = judge(self._held(), order, self._is_near(order), context.codec.is_3)
@@ -53,9 +53,8 @@ class OrderDesk:
             if verdict is Acceptance.DUPLICATE:
                 return self._compare(order)
             if payload in state.received:
-                raise NotDrivable(e.ORDER_ERROR, 'this message was taken before, and its order '
-                                  'is not driven again; another one has a header of its own',
-                                  'headerId')
+                raise NotDrivable(e.ORDER_ERROR, 'this message is a copy, and its order is not '
+                                  'driven again; send the order with a new header', 'headerId')
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
             begins_at = context.robot.pose if verdict is Acceptance.NEW else None
@@ -82,11 +81,14 @@ class OrderDesk:
         return None
 
     def _compare(self, order: Order) -> Optional[Rejection]:
-        """A repeated orderUpdateId is ignored; in 3.0 only where nothing else was changed."""
+        """Returns the rejection of a repeated orderUpdateId; None if the order is ignored.
+
+        In 3.0 the order must be the same as before; in 2.x it is always ignored.
+        """
         if not self._context.codec.is_3 or _digest_of(order) == self._state.taken:
             return None
         return Rejection(e.SAME_UPDATE.error(
-            f'orderUpdateId {order.order_update_id} came before with another content',
+            f'orderUpdateId {order.order_update_id} came before with different contents',
             *e.order_references(order)))
 
     def _held(self) -> Held:
@@ -101,7 +103,7 @@ class OrderDesk:
                     moving[0].action_id if moving else '')
 
     def _is_near(self, order: Order) -> bool:
-        """Question 4; asked of a new order to an idle vehicle only. Raises NotDrivable."""
+        """Answers question 4, for new orders to an idle vehicle only; raises NotDrivable."""
         pose = self._context.robot.pose
         if order.order_id == self._state.order.order_id or self._state.busy:
             return True
@@ -110,7 +112,7 @@ class OrderDesk:
         return self._context.driver.is_at(order.nodes[0], pose)
 
     def _check_actions(self, order: Order, verdict: Acceptance) -> None:
-        """Raises WrongAction where an action cannot be done, or has an id that another has."""
+        """Raises WrongAction if an action cannot be executed, or another action has its id."""
         state = self._state
         horizon = state.order.horizon_sequence_ids
         known: Set[str] = {
@@ -119,7 +121,7 @@ class OrderDesk:
             and (verdict is not Acceptance.NEW or not entry.belongs_to_order
                  and not entry.status.has_ended)}
         first = order.nodes[0]
-        if verdict is not Acceptance.NEW:  # the node at which they join stays as it was first sent
+        if verdict is not Acceptance.NEW:  # the node at which they join keeps its first definition
             known -= {action.action_id for action in first.actions}
         for action in actions_of(order):
             if action.action_id in known:
@@ -149,7 +151,7 @@ class OrderDesk:
         self._add_actions(order, 1)
 
     def _add_actions(self, order: Order, first_node: int) -> None:
-        """In driving order: node, edge, node ..."""
+        """Adds the actions in the sequence of driving: node, edge, node ..."""
         entries = [
             Entry(self._context.table.as_executed(action), scope, element.sequence_id)
             for elements, scope in ((order.nodes[first_node:], Scope.NODE),

@@ -1,4 +1,4 @@
-"""All that a vehicle knows, in one value: order, actions, where it drives, and why it does not."""
+"""The whole knowledge of a vehicle in one value: order, actions, drive and errors."""
 from __future__ import annotations
 
 from copy import copy
@@ -15,16 +15,17 @@ from vda5050_vehicle.protocol.received import ReceivedMessages
 
 @dataclass
 class VehicleState:
-    """Each field is a value that never changes, so that a copy is what the vehicle knew then.
+    """The state of a vehicle. Each field has an immutable value, so a shallow copy is a snapshot.
 
-    taken   -- digest of the order or update that was taken last
+    taken   -- digest of the order or update that was accepted last
     legs    -- one per edge of the order
-    drive   -- what the driver remembers
-    paused  -- startPause came, and no stopPause since
-    cancels -- ids of cancelOrder under way; and `pauses` of startPause
-    wish    -- of initPosition: where the robot is to believe that it is
-    epoch   -- the robot's, in which it was sent last
-    away    -- nodes may have been passed while the adapter was not running
+    drive   -- the memory of the driver
+    paused  -- whether startPause came, and no stopPause after it
+    cancels -- ids of the active cancelOrder actions
+    pauses  -- ids of the active startPause actions
+    wish    -- the pose of initPosition that the robot has not taken yet
+    epoch   -- the robot's last known epoch
+    away    -- whether nodes may have been passed while the adapter was not running
     """
 
     order: OrderState = OrderState()
@@ -42,27 +43,27 @@ class VehicleState:
     away: bool = False
 
     def copy(self) -> VehicleState:
-        """What it knows now."""
+        """Returns a snapshot of the state."""
         return copy(self)
 
     def become(self, other: VehicleState) -> None:
-        """Takes over what another one knows."""
+        """Takes over all values of another state."""
         for field in fields(self):
             setattr(self, field.name, getattr(other, field.name))
 
     def differs_from(self, other: VehicleState) -> bool:
-        """Whether a field holds another value: equal ones are kept, not made anew."""
+        """Returns whether a field has another object; unchanged fields keep their object."""
         return any(getattr(self, field.name) is not getattr(other, field.name)
                    for field in fields(self))
 
     def leg(self, number: int) -> Optional[Leg]:
-        """The leg of the order with this number, counted from its beginning; None: driven."""
+        """Returns a leg by its number, counted from the start of the order; None if driven."""
         index = number - self.order.passed
         return self.legs[index] if 0 <= index < len(self.legs) else None
 
     @property
     def busy(self) -> bool:
-        """Whether an order is under way (question 3 of figure 8)."""
+        """Whether an order is active (question 3 of figure 8)."""
         return (not self.order.is_driven or not self.actions.order_has_ended
                 or self.cancelling)
 

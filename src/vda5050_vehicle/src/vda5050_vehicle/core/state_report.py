@@ -1,4 +1,4 @@
-"""The state of a vehicle as the master is told it."""
+"""Creates the state message of a vehicle for the master."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -7,11 +7,11 @@ from vda5050_vehicle.core.context import Context
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol import values as v
 
-BASE_REQUEST = 10.0  # m before the end of the base a new one is asked for
+BASE_REQUEST = 10.0  # m; the vehicle requests a new base at this distance from the base's end
 
 
 def state_of(context: Context) -> v.State:
-    """The state as it is now."""
+    """Returns the present state."""
     state, robot = context.state, context.robot
     order = state.order
     last_node, last_sequence = order.last_node
@@ -30,7 +30,7 @@ def state_of(context: Context) -> v.State:
 
 
 def position_of(context: Context) -> Optional[v.AgvPosition]:
-    """Where the robot is; None where that is not known."""
+    """Returns the position of the robot; None if it is unknown."""
     robot = context.robot
     if robot.pose is None:
         return None
@@ -42,7 +42,7 @@ def _errors(context: Context) -> Tuple[v.Error, ...]:
     errors = context.state.errors.all(context.robot)
     if context.codec.is_3 and context.state.actions.is_full:
         errors += (e.INSTANT_ACTIONS_FULL.error(
-            'the oldest instant actions are forgotten', v.Reference('topic', 'instantActions')),)
+            'the oldest instant actions are dropped', v.Reference('topic', 'instantActions')),)
     return errors
 
 

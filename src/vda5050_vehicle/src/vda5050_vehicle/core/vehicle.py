@@ -1,8 +1,12 @@
-"""The vehicle: takes orders and instant actions, drives, acts, and tells its state.
+"""The vehicle: it receives orders and instant actions, drives, runs actions and reports its state.
 
-One object that one thread uses. It is told what happens and the time (s, of a clock that never goes
-back), and answers with effects. Order of business after every event: what was passed, what failed,
-which actions may start, where to drive, what to remember, what to tell.
+One thread uses this object. Its methods receive an event and the time (s, of a clock that never
+goes back), and return effects. The steps after each event:
+1. evaluate the nodes that were passed, and failures
+2. end the instant actions that are complete, and start the actions that are due
+3. drive
+4. store the state for a restart
+5. send the commands and the state
 """
 from __future__ import annotations
 
@@ -30,7 +34,7 @@ MakeDriver = Callable[[Memory], Driver[Any]]
 
 
 class Vehicle:
-    """See the module's text."""
+    """See the module's docstring."""
 
     def __init__(self, identity: Identity, codec: Codec, table: ActionTable,
                  make_driver: MakeDriver, abilities: Abilities) -> None:
@@ -45,20 +49,20 @@ class Vehicle:
         self._instant = InstantActionHandler(self.context, inbox, self._runner)
         self._kept: Optional[VehicleState] = None
 
-    # --- what happens -----------------------------------------------------------------------------
+    # --- events -----------------------------------------------------------------------------------
 
     def receive_order(self, payload: bytes, now: float) -> Tuple[fx.Effect, ...]:
-        """A message on the topic `order`."""
+        """Processes a message on the topic `order`."""
         self._desk.receive(payload)
         return self._go_on(now)
 
     def receive_instant_actions(self, payload: bytes, now: float) -> Tuple[fx.Effect, ...]:
-        """A message on the topic `instantActions`."""
+        """Processes a message on the topic `instantActions`."""
         self._instant.receive(payload, now)
         return self._go_on(now)
 
     def see(self, robot: RobotView, now: float) -> Tuple[fx.Effect, ...]:
-        """The robot was seen, or it was not for too long."""
+        """Processes a new view of the robot; a robot may also be silent for too long."""
         self.context.robot = robot
         self.driver.see(robot, now)
         self._look_at_epoch()
@@ -66,9 +70,9 @@ class Vehicle:
 
     def action_ended(self, action_id: str, succeeded: bool, text: str, now: float,
                      ) -> Tuple[fx.Effect, ...]:
-        """An action that was started has ended."""
+        """Processes the end of an action that was started."""
         if action_id not in self.state.actions:
-            pass  # it was forgotten with its order
+            pass  # it was removed together with its order
         elif succeeded:
             self._runner.end(action_id, v.ActionStatus.FINISHED, text)
         else:
@@ -76,24 +80,24 @@ class Vehicle:
         return self._go_on(now)
 
     def connected(self, now: float) -> Tuple[fx.Effect, ...]:
-        """The broker is there, anew: it gets a fresh state, and nothing of what was missed."""
+        """Sends factsheet and state after a connection to the broker, but no missed messages."""
         self.context.reporter.ask()
         self.context.do(fx.SendFactsheet())
         return self._go_on(now)
 
     def tick(self, now: float) -> Tuple[fx.Effect, ...]:
-        """Time went by, or the driver was told something; several times a second."""
+        """Continues after some time, or after an event of the driver; several times a second."""
         self.driver.tick(now)
         return self._go_on(now)
 
     def restore(self, state: VehicleState, now: float) -> None:
-        """Takes up the order where it was. What was started has failed: it is not run again."""
+        """Continues the order after a restart; actions that were started count as failed."""
         self.state.become(state)
         self.driver.restart(now)
         self._instant.restart()
         self.state.away = True
 
-    # --- order of business ------------------------------------------------------------------------
+    # --- the steps after each event ---------------------------------------------------------------
 
     def _go_on(self, now: float) -> Tuple[fx.Effect, ...]:
         context = self.context
@@ -106,7 +110,7 @@ class Vehicle:
         commands = self.driver.take_commands()
         self._keep()
         context.effects += [fx.Command(command) for command in commands]
-        if not context.robot.is_awaited:  # a state is what tells a master that it may send orders
+        if not context.robot.is_awaited:  # after the first state the master may send orders
             state = state_of(context)
             if context.reporter.is_due(state, now):
                 context.do(fx.SendState(state))
@@ -115,9 +119,11 @@ class Vehicle:
         return effects
 
     def _look_at_epoch(self) -> None:
-        """A new epoch while nothing is done for us is another's: it drove or stopped the robot, and
-        only the master drives on after that. Where an action commands the motion, it is the
-        action's."""
+        """Reports a failure if another program or person has driven or stopped the robot.
+
+        A new epoch while this vehicle commands no motion shows this. Only the master may then
+        continue the drive. If an action commands the motion, the new epoch belongs to the action.
+        """
         state, epoch = self.state, self.context.robot.epoch
         if not epoch or epoch == state.epoch:
             return
@@ -133,7 +139,7 @@ class Vehicle:
                    for name in actions.triggered)
 
     def _pass_nodes(self) -> None:
-        """Nodes that the robot has passed: their edges are left, their actions triggered."""
+        """Evaluates the passed nodes: ends the actions of edges, triggers those of nodes."""
         state = self.state
         count = min(state.drive.passed - state.order.passed, state.order.base_end)
         for step in range(count):
@@ -161,14 +167,14 @@ class Vehicle:
         self.context.note(f'driving failed: {reason}')
 
     def _enter_edge(self) -> None:
-        """The edge ahead is entered once the actions of its node let the vehicle drive."""
+        """Enters the next edge when the actions of the node permit driving."""
         state = self.state
         if (state.order.edges and state.order.edges[0].released and not state.held
                 and not state.actions.forbid_driving):
             state.actions = state.actions.with_element_triggered(state.order.edges[0].sequence_id)
 
     def _drive(self, now: float) -> None:
-        """Up to the end of the base, or to the first node where the vehicle must stand before."""
+        """Drives to the end of the base, or to an earlier node at which the vehicle must stand."""
         state = self.state
         if state.cancelling or state.held or (
                 state.actions.forbid_driving and not self.context.standing
@@ -178,28 +184,34 @@ class Vehicle:
             self.driver.drive(state.order.passed, state.legs[:self._limit()], now)
 
     def _must_stop_now(self) -> bool:
-        """An instant action needs the vehicle to stand; those of nodes were driven up to."""
+        """Returns whether an instant action requires a stop now.
+
+        For the actions of nodes the vehicle drives up to the node anyway.
+        """
         actions = self.state.actions
         return any(actions[name].forbids_driving and not actions[name].belongs_to_order
                    for name in actions.triggered)
 
     def _limit(self) -> int:
-        """How many legs may be driven now: node and edge number i of what is left have the
-        sequence ids 2 i and 2 i + 1, counted from the last node that was passed."""
+        """Returns the number of legs that may be driven now.
+
+        Remaining node i has the sequence id 2 i, and remaining edge i has 2 i + 1, counted from
+        the last node that was passed.
+        """
         order = self.state.order
         last = order.last_node[1]
         stop = self.state.actions.next_stop(last)
         return order.base_end if stop is None else min((stop - last) // 2, order.base_end)
 
     def _keep(self) -> None:
-        """Stores what changed, before anything is done about it."""
+        """Stores a changed state before the effects of the change are carried out."""
         if self._kept is None or self.state.differs_from(self._kept):
             now = self.state.copy()
             self.context.effects.insert(0, fx.Keep(self._kept, now))
             self._kept = now
 
-    # --- what is told -----------------------------------------------------------------------------
+    # --- reports ----------------------------------------------------------------------------------
 
     def position(self) -> Optional[v.AgvPosition]:
-        """Where the robot is; None where that is not known."""
+        """Returns the position of the robot; None if it is unknown."""
         return position_of(self.context)

@@ -1,4 +1,4 @@
-"""Two ways to make a robot drive an order: routes over a graph, or poses for move_base.
+"""Two drivers that make a robot drive an order: by routes over a graph, or by poses for move_base.
 
-Neither ROS nor MQTT is known here: drivers make commands, and are told what became of them.
+The drivers depend neither on ROS nor on MQTT: they create commands and receive the results.
 """

@@ -1,4 +1,4 @@
-"""What the vehicle needs of a driver, and the values that both use. Metres, radians, seconds."""
+"""The interface between vehicle and driver, and their common values. Metres, radians, seconds."""
 from __future__ import annotations
 
 import math
@@ -9,11 +9,11 @@ from typing import Any, Generic, List, Optional, Protocol, Sequence, Tuple, Type
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.protocol.values import Edge, ErrorKind, Node
 
-SETTLING = 1.0  # s that what a robot tells of its motion may be older than what it was told
+SETTLING = 1.0  # s; a report of the robot's motion may be this much older than the last command
 
 
 class NotDrivable(Exception):
-    """An order that this driver cannot drive: a kind of error, why, and the field that says so."""
+    """An order that this driver cannot drive: the kind of error, the reason and the field."""
 
     def __init__(self, kind: ErrorKind, description: str, field: str) -> None:
         super().__init__(description)
@@ -25,10 +25,10 @@ class NotDrivable(Exception):
 class Leg:
     """One edge of an order as the robot drives it.
 
-    edge    -- signed id in the graph; 0 where there is no graph
-    x, y    -- where it ends
-    heading -- to take there; None: any
-    within  -- the end is reached at this distance
+    edge    -- signed id in the graph; 0 without a graph
+    x, y    -- its end
+    heading -- the heading at its end; None: any heading
+    within  -- distance from the end at which the end counts as reached
     """
 
     edge: int
@@ -41,12 +41,12 @@ class Leg:
 
 @dataclass(frozen=True)
 class Drive:
-    """How far the robot is with what it was sent to drive: what a driver remembers.
+    """The memory of a driver: the robot's progress along the legs that it was sent.
 
-    passed     -- how many legs of the order were driven
-    along      -- m driven of the leg after these
-    failure    -- why it does not drive on; empty: it does, or has nothing to drive
-    rest_since -- s; what the robot told before says nothing about whether it stands
+    passed     -- number of legs of the order that the robot has driven
+    along      -- m that the robot has driven on the next leg
+    failure    -- the reason why the robot does not drive on; '' if there is none
+    rest_since -- s; older reports do not show whether the robot stands
     """
 
     passed: int = 0
@@ -56,32 +56,35 @@ class Drive:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the robot drives nothing for us: it was not sent, has obeyed, or does not."""
+        """Whether the robot does not drive for this driver.
+
+        It was sent nothing, or has driven the route or obeyed the stop, or has failed.
+        """
         raise NotImplementedError
 
     @property
     def in_order(self) -> bool:
-        """Whether it is at rest as it was to be: what it was sent to drive was driven."""
+        """Whether the robot is at rest because it has driven everything that it was sent."""
         raise NotImplementedError
 
 
 class Memory(Protocol):
-    """The vehicle's state, as far as it is a driver's affair."""
+    """The part of the vehicle's state that a driver uses."""
 
     drive: Any
 
     def leg(self, number: int) -> Optional[Leg]:
-        """The leg of the order with this number, counted from its beginning; None: driven."""
+        """Returns a leg by its number, counted from the start of the order; None if driven."""
 
 
 D = TypeVar('D', bound=Drive)
 
 
 class Driver(ABC, Generic[D]):
-    """Drives legs, numbered from the beginning of the order; a motion is never repeated by itself.
+    """Drives legs, which are numbered from the start of the order; never repeats a motion itself.
 
-    What it knows is in the vehicle's state. `commands` are collected by the driver's caller, in
-    their order.
+    All its knowledge is in the vehicle's state. The caller collects the commands with
+    `take_commands` and sends them in the given sequence.
     """
 
     def __init__(self, memory: Memory, drive: D) -> None:
@@ -91,7 +94,7 @@ class Driver(ABC, Generic[D]):
 
     @property
     def drive_state(self) -> D:
-        """How far the robot is."""
+        """The progress of the robot."""
         drive: D = self._memory.drive
         return drive
 
@@ -99,7 +102,7 @@ class Driver(ABC, Generic[D]):
         self._memory.drive = replace(self._memory.drive, **changes)
 
     def take_commands(self) -> Tuple[Any, ...]:
-        """What is to be sent to the robot now."""
+        """Returns the commands that must be sent to the robot now, and forgets them."""
         commands = tuple(self._commands)
         self._commands.clear()
         return commands
@@ -107,49 +110,54 @@ class Driver(ABC, Generic[D]):
     @abstractmethod
     def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[Pose],
              ) -> Tuple[Leg, ...]:
-        """One leg per edge. `pose` is where the robot begins them; None: they go on with others.
-        Raises NotDrivable."""
+        """Returns one leg per edge; raises NotDrivable.
+
+        pose -- the robot's pose at the start of the legs; None: the legs continue earlier ones
+        """
 
     @abstractmethod
     def is_at(self, node: Node, pose: Pose) -> bool:
-        """Whether the robot at `pose` may begin an order at this node. Raises NotDrivable."""
+        """Returns whether the robot at `pose` may begin an order at this node.
+
+        Raises NotDrivable.
+        """
 
     @abstractmethod
     def node_at(self, pose: Pose) -> str:
-        """Id of the node on which the robot stands; empty: none that is known."""
+        """Returns the id of the node at which the robot stands; '' if there is no known node."""
 
     @abstractmethod
     def knows(self, node_id: str, pose: Pose) -> bool:
-        """Whether there is a node of this name, or one at `pose` that a master may call so."""
+        """Returns whether a node has this name, or a node at `pose` may have it at the master."""
 
     @abstractmethod
     def begin(self) -> None:
-        """A new order: its legs are numbered from 0."""
+        """Begins a new order; its legs are numbered from 0."""
 
     @abstractmethod
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
-        """Drive these legs, the first of which is number `first`; what is driven is extended."""
+        """Drives these legs, or extends the present drive to them; `first` is the first number."""
 
     @abstractmethod
     def halt(self, now: float) -> None:
-        """Stops what the robot drives for us, unless it was told to."""
+        """Stops the robot if it drives for this driver and no stop was sent yet."""
 
     @abstractmethod
     def stop(self, now: float) -> None:
-        """Stops the robot, also when it is not known to drive."""
+        """Stops the robot, even if it is not known to drive."""
 
     def forgive(self) -> None:
-        """A failure was seen to: `drive` may be asked for again."""
+        """Clears a failure after it was dealt with; `drive` works again."""
         self._set(failure='')
 
     @abstractmethod
     def see(self, robot: RobotView, now: float) -> None:
-        """The robot is seen."""
+        """Evaluates the present view of the robot."""
 
     @abstractmethod
     def tick(self, now: float) -> None:
-        """Looks at what takes too long; several times a second."""
+        """Checks time limits; the caller calls it several times a second."""
 
     @abstractmethod
     def restart(self, now: float) -> None:
-        """Goes on after a restart, with the state of before it."""
+        """Continues after a restart with the state from before it."""

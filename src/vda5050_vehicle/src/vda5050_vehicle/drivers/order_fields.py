@@ -1,7 +1,7 @@
-"""Which optional fields of an order a driver honours; those it cannot are rejected by name.
+"""The optional fields of an order that a driver honours; orders with other fields are rejected.
 
-VDA 5050 2.1.0, 6.1.1: a field that is sent must not be ignored. One that asks for nothing that the
-vehicle does not do anyway is honoured.
+VDA 5050 2.1.0, 6.1.1: a vehicle must not ignore a field. A field is honoured if the vehicle
+satisfies it anyway. The error of a rejected order names the field.
 """
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node, NodePosition, Order
 
-HEADING_TOLERANCE = 0.1  # rad: a heading without a deviation of its own is met within this
+HEADING_TOLERANCE = 0.1  # rad; the tolerance of a heading for which the node sets no deviation
 
 
 @dataclass(frozen=True)
 class Abilities:
-    """What the robot does by itself: m/s, rad/s, m.
+    """The abilities of the robot, in m/s, rad/s and m.
 
-    corridor -- half the width that it may need on an edge
-    passing  -- a vertex of a route is passed within this
-    map_id   -- the only map that it knows; empty: any name that the master uses
-    ignored  -- fields that a site chose to ignore, by their keys
+    corridor -- half the width that the robot may need on an edge
+    passing  -- distance within which the robot passes a vertex of a route
+    map_id   -- the only map that the robot knows; '': any name that the master uses
+    ignored  -- keys of the fields that the site has chosen to ignore
     """
 
     top_speed: float = 1.35
@@ -42,7 +42,7 @@ def _drives_forwards(edge: Edge) -> bool:
 
 _Rule = Callable[[Edge, Abilities], bool]
 
-# Is what the field asks for done anyway?
+# Does the vehicle satisfy the field anyway?
 EDGE_RULES: Dict[str, _Rule] = {
     'trajectory': lambda edge, _: edge.trajectory is None,
     'maxSpeed': lambda edge, can: edge.max_speed is None or edge.max_speed >= can.top_speed,
@@ -60,25 +60,25 @@ FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId', 'allowedDeviati
 
 
 def check_fields(order: Order, can: Abilities) -> None:
-    """Raises NotDrivable at the first field that the robot does not honour, headings apart."""
+    """Raises NotDrivable at the first field that the robot does not honour, except headings."""
     if order.zone_set_id is not None and 'zoneSetId' not in can.ignored:
-        raise _unsupported('zoneSetId', 'the vehicle knows no zones')
+        raise _unsupported('zoneSetId', 'the vehicle does not support zones')
     for index, edge in enumerate(order.edges):
         for key, is_honoured in EDGE_RULES.items():
             if key not in can.ignored and not is_honoured(edge, can):
                 raise _unsupported(f'edges[{index}].{key}', f'edge {edge.edge_id!r}: the vehicle '
-                                                            f'cannot do what {key} asks for')
+                                                            f'cannot satisfy the {key} field')
     for index, node in enumerate(order.nodes):
         if node.position is not None and not _knows_map(node.position, can):
             raise NotDrivable(e.UNKNOWN_MAP,
-                              f'node {node.node_id!r} lies on map {node.position.map_id!r}, but '
-                              f'the vehicle knows {can.map_id!r} only',
+                              f'node {node.node_id!r} is on map {node.position.map_id!r}, but '
+                              f'the vehicle has map {can.map_id!r} only',
                               f'nodes[{index}].nodePosition.mapId')
 
 
 def check_headings(nodes: Sequence[Node], can: Abilities,
                    can_turn: Callable[[int, Node], bool], first: int = 1) -> None:
-    """Raises NotDrivable at the first heading that `can_turn` does not grant; from `first` on."""
+    """Raises NotDrivable at the first heading for which `can_turn` is false, from `first` on."""
     if 'theta' in can.ignored:
         return
     for index, node in enumerate(nodes):
@@ -88,7 +88,7 @@ def check_headings(nodes: Sequence[Node], can: Abilities,
 
 
 def check_start_heading(node: Node, pose: Pose, can: Abilities) -> None:
-    """Raises NotDrivable where an order begins with a heading that the robot has not."""
+    """Raises NotDrivable if an order begins with a heading that the robot does not have."""
     wanted = heading_of(node, can)
     if wanted is not None and not has_heading(node, wanted, pose.theta):
         raise _unsupported('nodes[0].nodePosition.theta',
@@ -98,8 +98,11 @@ def check_start_heading(node: Node, pose: Pose, can: Abilities) -> None:
 
 def check_deviations(nodes: Sequence[Node], place: Callable[[Node], Tuple[float, float]],
                      can: Abilities) -> None:
-    """Raises NotDrivable at the first node, from the second on, that asks to be passed nearer than
-    the robot passes its `place`. A deviation of 0 means the vehicle's own."""
+    """Raises NotDrivable at the first node with a deviation that the robot cannot keep.
+
+    The first node of the order is not checked. A deviation of 0 means the vehicle's own deviation.
+    place -- returns the position at which the robot passes a node
+    """
     if 'allowedDeviationXY' in can.ignored:
         return
     for index, node in enumerate(nodes):
@@ -114,14 +117,14 @@ def check_deviations(nodes: Sequence[Node], place: Callable[[Node], Tuple[float,
 
 
 def has_heading(node: Node, wanted: float, heading: float) -> bool:
-    """Whether `heading` is the one wanted at a node, within its deviation."""
+    """Returns whether `heading` equals the wanted heading, within the deviation of the node."""
     deviation = node.position.allowed_deviation_theta if node.position else None
     return abs(math.remainder(heading - wanted, 2.0 * math.pi)) <= max(
         deviation or 0.0, HEADING_TOLERANCE)
 
 
 def heading_of(node: Node, can: Abilities) -> Optional[float]:
-    """The heading that a node demands; None where any will do."""
+    """Returns the heading that a node requires; None if any heading is allowed."""
     position = node.position
     if position is None or position.theta is None or 'theta' in can.ignored:
         return None
@@ -130,7 +133,7 @@ def heading_of(node: Node, can: Abilities) -> Optional[float]:
 
 
 def is_within(node: Node, place: Tuple[float, float], pose: Pose, near: float) -> bool:
-    """Whether the robot is near the place of a node, or within its deviation."""
+    """Returns whether the robot is near the position of a node, or within its deviation."""
     dx, dy = pose.x - place[0], pose.y - place[1]
     deviation = node.position.allowed_deviation_xy if node.position else None
     return math.hypot(dx, dy) <= near or deviation is not None and deviation.contains(dx, dy)

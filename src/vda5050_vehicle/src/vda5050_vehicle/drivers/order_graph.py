@@ -1,4 +1,4 @@
-"""Which vertices and edges of a trajectory graph an order means."""
+"""Maps the nodes and edges of an order to vertices and edges of a trajectory graph."""
 from __future__ import annotations
 
 import math
@@ -14,10 +14,10 @@ from vda5050_vehicle.protocol.values import Edge, Node
 
 @dataclass(frozen=True)
 class Matching:
-    """How places are matched; m.
+    """The distances for the matching of positions, in m.
 
-    radius -- a node's position belongs to the vertex within this distance
-    near   -- the robot is at a place, or on a curve, within this distance
+    radius -- a node's position matches a vertex within this distance
+    near   -- the robot is at a position, or on a curve, within this distance
     """
 
     radius: float = 0.3
@@ -25,7 +25,7 @@ class Matching:
 
 
 class OrderGraph:
-    """Matches nodes by id, by label, or by place; edges by id, else by the vertices they join."""
+    """Matches nodes by id, label or position, and edges by id or by the vertices that they join."""
 
     def __init__(self, graph: Graph, matching: Matching) -> None:
         self.graph = graph
@@ -38,9 +38,9 @@ class OrderGraph:
             **{str(vertex.id): vertex for vertex in graph.vertices.values()}}
 
     def vertex(self, node: Node) -> Optional[Vertex]:
-        """The vertex that a node means; None where it has only a place of its own.
+        """Returns the vertex of a node; None if the node only has a position away from vertices.
 
-        Raises NotDrivable where id and place contradict each other, or there is neither.
+        Raises NotDrivable if id and position contradict each other, or if both are missing.
         """
         vertex, position = self._by_name.get(node.node_id), node.position
         if position is None:
@@ -53,42 +53,42 @@ class OrderGraph:
             return nearest
         away = math.dist(vertex.position, (position.x, position.y))
         if away > self._matching.radius:
-            raise NotDrivable(e.ORDER_ERROR, f'node {node.node_id!r} lies {away:.2f} m away from '
+            raise NotDrivable(e.ORDER_ERROR, f'node {node.node_id!r} is {away:.2f} m away from '
                               'the vertex of that name', 'nodePosition')
         return vertex
 
     def place(self, node: Node) -> Tuple[float, float]:
-        """Where a node is. Raises NotDrivable."""
+        """Returns the position (x, y) of a node, in m; raises NotDrivable."""
         vertex, position = self.vertex(node), node.position
         if vertex is not None:
             return vertex.position
         if position is None:
-            raise ValueError('`vertex` lets no node through that has neither')
+            raise ValueError('a node without a vertex must have a position; see `vertex`')
         return position.x, position.y
 
     def node_at(self, pose: Pose) -> str:
-        """Id of the vertex at which the robot stands, empty where it stands at none."""
+        """Returns the id of the vertex at which the robot stands; '' if there is none."""
         vertex = self._nearest(pose.x, pose.y)
         return '' if vertex is None else str(vertex.id)
 
     def place_on(self, signed: int, percentage: float) -> Optional[Tuple[float, float]]:
-        """Where so much of an edge is driven; None where the graph has no such edge."""
+        """Returns the point (x, y) at a percentage of an edge; None if the edge is unknown."""
         if abs(signed) not in self.graph.edges:
             return None
         curve = self.graph.curve(signed)
         return curve.point_at(curve.length * percentage / 100.0)
 
     def knows(self, name: str) -> bool:
-        """Whether a vertex has this id or label."""
+        """Returns whether a vertex has this id or label."""
         return name in self._by_name
 
     def legs(self, nodes: Sequence[Node], edges: Sequence[Edge]) -> Tuple[Leg, ...]:
-        """The edges to drive. Raises NotDrivable."""
+        """Returns the legs for the edges of an order; raises NotDrivable."""
         legs = []
         for index, edge in enumerate(edges):
             start, end = self.vertex(nodes[index]), self.vertex(nodes[index + 1])
             if end is None:
-                raise NotDrivable(e.NO_ROUTE, f'node {nodes[index + 1].node_id!r} lies at no '
+                raise NotDrivable(e.NO_ROUTE, f'node {nodes[index + 1].node_id!r} is not at a '
                                   'vertex', 'nodePosition')
             signed = (self._edge_from_place(self.place(nodes[index]), edge, end, index)
                       if start is None else self._edge_between(start, end, edge))
@@ -97,12 +97,13 @@ class OrderGraph:
 
     def approach(self, first: int, pose: Pose, passing: float, corridor: float
                  ) -> Tuple[int, ...]:
-        """The edges over which a robot comes to the start of an order's first edge: none where it
-        stands there or on that edge, else the one on which it stands.
+        """Returns the edges over which a robot drives to the start of an order's first edge.
 
+        There are none if the robot stands at that start or on the first edge. Otherwise it is the
+        edge on which the robot stands.
         passing  -- m within which a robot is at a vertex
-        corridor -- m within which it is on a curve
-        Raises NotDrivable where it stands on none that leads there.
+        corridor -- m within which a robot is on a curve
+        Raises NotDrivable if the robot stands on no edge that leads to the start.
         """
         start = self.graph.start_vertex(first)
         if (math.dist(start.position, (pose.x, pose.y)) <= passing
@@ -118,7 +119,7 @@ class OrderGraph:
         return min(leading, key=lambda signed: self._distance(signed, pose)),
 
     def _stands_on(self, signed: int, pose: Pose, passing: float, corridor: float) -> bool:
-        """On an edge, and not at its end yet."""
+        """Returns whether the robot is on the edge and not yet at its end."""
         curve = self.graph.curve(signed)
         place = curve.project(pose.x, pose.y)
         return place.distance <= corridor and curve.length - place.arc_length > passing
@@ -133,23 +134,26 @@ class OrderGraph:
 
     def _edge_from_place(self, place: Tuple[float, float], edge: Edge, end: Vertex,
                          index: int) -> int:
-        """The first node may lie on an edge: there an order is begun after a cancellation."""
+        """Returns the edge that starts at a position; only for the first node of an order.
+
+        After a cancellation the robot may stand on an edge, so the next order may start there.
+        """
         if index:
-            raise NotDrivable(e.NO_ROUTE, f'node {edge.start_node_id!r} lies at no vertex',
+            raise NotDrivable(e.NO_ROUTE, f'node {edge.start_node_id!r} is not at a vertex',
                               'nodePosition')
         leading = [-signed for signed in self.graph.edges_from(end.id)]
         joining = [signed for signed in leading if self._is_allowed(signed)
                    and self.graph.curve(signed).project(*place).distance <= self._matching.near]
-        return self._choose(joining, edge, f'the place of node {edge.start_node_id!r} and vertex '
-                                           f'{end.id}')
+        return self._choose(joining, edge, f'the position of node {edge.start_node_id!r} and '
+                                           f'vertex {end.id}')
 
     def _is_allowed(self, signed: int) -> bool:
-        """A velocity of 0 forbids a direction."""
+        """Returns whether the direction may be driven; a velocity of 0 forbids it."""
         edge = self.graph.edge(signed)
         return (edge.velocity_forward if signed > 0 else edge.velocity_backwards) > 0.0
 
     def _choose(self, joining: Sequence[int], edge: Edge, between: str) -> int:
-        """By id where it names one, else the shortest."""
+        """Returns the edge with the given id, otherwise the shortest one."""
         if not joining:
             raise NotDrivable(e.NO_ROUTE, f'edge {edge.edge_id!r}: the graph has no edge '
                               f'that may be driven between {between}', 'edgeId')

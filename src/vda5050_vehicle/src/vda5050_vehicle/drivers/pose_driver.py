@@ -1,7 +1,8 @@
-"""Drives an order as poses, one after another: for robots with move_base and without a graph.
+"""Drives an order as a series of poses, for robots with move_base and without a graph.
 
-The robot plans its own way between nodes. A node that is not the last one, and has no heading, is
-passed within its deviation; the next pose is sent then, so that the robot need not stop.
+The robot plans its own path between nodes. A node without a heading that is not the last node
+counts as passed within its deviation. The driver then sends the next pose, so that the robot does
+not stop.
 """
 from __future__ import annotations
 
@@ -16,12 +17,12 @@ from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node
 
-PASSING = 0.5  # m: a node without a deviation of its own counts as passed within this
+PASSING = 0.5  # m; a node without a deviation counts as passed within this distance
 
 
 @dataclass(frozen=True)
 class GoTo:
-    """To be sent as a goal; `number` is its name when it ends."""
+    """A pose to send as a goal (m, rad); `number` identifies the goal when it ends."""
 
     number: int
     x: float
@@ -31,7 +32,7 @@ class GoTo:
 
 @dataclass(frozen=True)
 class CancelGoals:
-    """Cancel every goal that is under way."""
+    """Cancel all active goals."""
 
 
 PoseCommand = Union[GoTo, CancelGoals]
@@ -39,11 +40,11 @@ PoseCommand = Union[GoTo, CancelGoals]
 
 @dataclass(frozen=True)
 class PoseDrive(Drive):
-    """What the pose driver remembers.
+    """The memory of the pose driver.
 
-    goal    -- number of the goal that is under way; negative: it is being cancelled; 0: none
-    numbers -- how many goals there were
-    until   -- number of the first leg that it was not told to drive
+    goal    -- number of the active goal; negative while it is being cancelled; 0: no goal
+    numbers -- number of goals so far
+    until   -- number of the first leg that the driver may not drive yet
     """
 
     goal: int = 0
@@ -62,7 +63,7 @@ class PoseDrive(Drive):
 
 
 class PoseDriver(Driver[PoseDrive]):
-    """See the module's text."""
+    """See the module's docstring."""
 
     def __init__(self, memory: Memory, abilities: Abilities, matching: Matching) -> None:
         super().__init__(memory, PoseDrive())
@@ -87,17 +88,17 @@ class PoseDriver(Driver[PoseDrive]):
         return is_within(node, self._place(node), pose, self._matching.near)
 
     def node_at(self, pose: Pose) -> str:
-        """See Driver: without a graph no node is known."""
+        """See Driver; '' because without a graph no node is known."""
         return ''
 
     def knows(self, node_id: str, pose: Pose) -> bool:
-        """See Driver: without a graph every name is the master's own."""
+        """See Driver; True because without a graph the master may use any name."""
         return True
 
     def _place(self, node: Node) -> Tuple[float, float]:
         if node.position is None:
             raise NotDrivable(e.NO_ROUTE, f'node {node.node_id!r} has no position, and the '
-                              'vehicle has no graph to look it up in', 'nodePosition')
+                              'vehicle has no graph in which to find it', 'nodePosition')
         return node.position.x, node.position.y
 
     # --- driving ----------------------------------------------------------------------------------
@@ -132,7 +133,7 @@ class PoseDriver(Driver[PoseDrive]):
         return math.atan2(leg.y - self._pose.y, leg.x - self._pose.x)
 
     def stop(self, now: float) -> None:
-        """See Driver. The end of a goal of ours is awaited."""
+        """See Driver; the driver is at rest only after its own goal has ended."""
         self._commands.append(CancelGoals())
         self._set(goal=-abs(self.drive_state.goal), rest_since=now + SETTLING)
 
@@ -147,7 +148,7 @@ class PoseDriver(Driver[PoseDrive]):
         self._look()
 
     def _look(self) -> None:
-        """Passes nodes on the way."""
+        """Updates the progress; passes a node and sends the next goal."""
         pose, drive = self._pose, self.drive_state
         leg = self._memory.leg(drive.passed)
         if pose is None or leg is None or drive.goal <= 0:
@@ -162,7 +163,7 @@ class PoseDriver(Driver[PoseDrive]):
             self._go_to(following)
 
     def on_goal_ended(self, number: int, succeeded: bool, text: str, now: float) -> None:
-        """A goal has ended; of one that a later goal replaced nothing is to be learned."""
+        """A goal has ended; the end of a goal that a later goal replaced is ignored."""
         drive = self.drive_state
         if number != abs(drive.goal):
             return
@@ -176,19 +177,22 @@ class PoseDriver(Driver[PoseDrive]):
             self._set(failure=text or 'the goal was not reached')
 
     def tick(self, now: float) -> None:
-        """See Driver: move_base has patience of its own."""
+        """See Driver; does nothing because move_base has its own time limits."""
 
     def restart(self, now: float) -> None:
-        """See Driver. A goal that no order follows any more is cancelled."""
+        """See Driver; cancels the goal from before the restart."""
         drive = self.drive_state
         if drive.goal > 0 and not drive.failure:
-            self._set(failure='the adapter was restarted under way')
+            self._set(failure='the adapter was restarted during the drive')
         if drive.goal != 0:
             self.stop(now)
         self._set(goal=0)
 
 
 def _passing(node: Node) -> float:
-    """Within how many metres a node counts as passed; a deviation of 0 is none."""
+    """Returns the distance (m) within which a node counts as passed.
+
+    A deviation of 0 means that the node sets none.
+    """
     deviation = node.position.allowed_deviation_xy if node.position else None
     return deviation.radius if deviation and deviation.radius > 0.0 else PASSING

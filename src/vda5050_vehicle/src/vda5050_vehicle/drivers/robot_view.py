@@ -1,4 +1,4 @@
-"""What is known of the robot now. Metres, radians, percent, volts."""
+"""The present knowledge of the robot. Metres, radians, percent, volts."""
 from __future__ import annotations
 
 import math
@@ -9,12 +9,12 @@ from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 STANDING_SPEED = 0.02     # m/s
 STANDING_ROTATION = 0.03  # rad/s
-REST = 2.0                # s in which a robot that tells only poses must not have moved
+REST = 2.0                # s; a robot that reports only poses stands if it has not moved for REST
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the robot is on the map."""
+    """The pose of the robot on the map."""
 
     x: float
     y: float
@@ -23,13 +23,15 @@ class Pose:
 
 @dataclass(frozen=True)
 class RobotView:
-    """Nothing here is older than its limit: what is not known is None.
+    """A view of the robot in which no value is older than its limit; unknown values are None.
 
-    seen_at  -- s; when the robot told what it tells here of its motion
-    standing -- whether it says that it stands, where it has words for that
-    rests    -- whether its poses have stayed the same for REST
-    epoch    -- another one since another program or person drove or stopped it; 0: not known
-    lost     -- why nothing is heard of the robot; empty: it is heard, or its time is not over
+    seen_at  -- s; time of the robot's report on its motion
+    standing -- whether the robot reports that it stands; None if it does not report this
+    rests    -- whether the poses have not changed for REST
+    epoch    -- the robot's epoch; it changes when another program or person drives or stops the
+                robot; 0: unknown
+    lost     -- the reason why the robot counts as lost; '' while it reports, or while the time
+                limit has not expired
     """
 
     pose: Optional[Pose] = None
@@ -47,12 +49,12 @@ class RobotView:
 
     @property
     def is_awaited(self) -> bool:
-        """Whether nothing was heard of it yet, and its time is not over."""
+        """Whether the robot has not reported yet and the time limit has not expired."""
         return self.pose is None and not self.lost
 
     @property
     def moves(self) -> bool:
-        """Whether it is seen to drive or turn."""
+        """Whether its velocity shows that it drives or turns."""
         speed = self.velocity
         return speed is not None and (
             max(abs(speed.vx), abs(speed.vy)) > STANDING_SPEED
@@ -60,25 +62,25 @@ class RobotView:
 
     @property
     def stands(self) -> bool:
-        """Whether it is known to stand: nothing that it tells says otherwise, and one thing does.
-        """
+        """Whether it is known to stand: one report shows it, and no report contradicts it."""
         return (not self.moves and self.standing is not False
                 and (self.velocity is not None or self.standing is True or self.rests))
 
 
 def has_moved(before: Pose, now: Pose) -> bool:
-    """Does a pose differ by more than a standing robot's do within REST?"""
+    """Returns whether two poses differ by more than those of a standing robot within REST."""
     turned = math.remainder(now.theta - before.theta, math.tau)
     return (math.hypot(now.x - before.x, now.y - before.y) > STANDING_SPEED * REST
             or abs(turned) > STANDING_ROTATION * REST)
 
 
 def silence(heard_at: Optional[float], since: float, now: float, timeout: float) -> str:
-    """Why the robot counts as lost; empty while its time is not over.
+    """Returns the reason why the robot counts as lost; '' before the time limit has expired.
 
-    `heard_at` is when its last pose came, `since` when we began to listen.
+    heard_at -- time of its last pose, s; None: no pose came yet
+    since    -- time at which the subscription began, s
     """
     if now - (since if heard_at is None else heard_at) <= timeout:
         return ''
-    return ('nothing was heard of where the robot is '
+    return ('the robot has not reported its pose '
             + ('yet' if heard_at is None else f'for {timeout:g} s'))

@@ -1,7 +1,7 @@
-"""Drives an order as one route over the trajectory graph, made longer as its base grows.
+"""Drives an order as one route over the trajectory graph, and extends it when the base grows.
 
-What it says and hears is the route protocol: routes of signed edge ids in, states of every edge
-out. An extension has the id of the route that it extends, so the robot does not brake for it.
+The driver uses the route protocol: it sends routes of signed edge ids, and receives the states of
+all edges. An extension has the id of the route that it extends, so the robot does not brake.
 """
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport, SentRoute
 from vda5050_vehicle.protocol.values import Edge, Node
 
-REPEAT = 1.0           # s between two sendings of a route without an acknowledgement
-PATIENCE = 10.0        # s until it must be acknowledged
-RESTART_PATIENCE = 25.0  # s in which the robot's side must be heard after our restart
+REPEAT = 1.0           # s; a route is sent again after this time without an acknowledgement
+PATIENCE = 10.0        # s; a route must be acknowledged within this time
+RESTART_PATIENCE = 25.0  # s; the robot's side must report within this time after our restart
 LARGEST_ID = 2 ** 31 - 1
-# Refusals because another program or person has the robot: it is not ours to stop unasked.
+# Refusals because another program or person drives the robot. This driver must not stop it then.
 _NOT_OURS = (ReasonCode.TAKEN_OVER, ReasonCode.OVERRULED, ReasonCode.EMERGENCY_STOP)
 
 
 @dataclass(frozen=True)
 class RouteDrive(Drive):
-    """What the route driver remembers.
+    """The memory of the route driver.
 
-    route         -- the last one that was sent; None: the robot has obeyed a stop since
-    stop          -- id of a stop that the robot is not known to have obeyed
-    stopped_at    -- s; when it was acknowledged
-    waiting_since -- s; for an acknowledgement
-    restarted_at  -- s; the route's reports are awaited since a restart
+    route         -- the last route that was sent; None after the robot has obeyed a stop
+    stop          -- id of a stop that the robot has perhaps not obeyed yet
+    stopped_at    -- s; time of the acknowledgement of the stop
+    waiting_since -- s; the driver waits for an acknowledgement since then
+    restarted_at  -- s; time of a restart after which the route was not reported yet
     """
 
     next_id: int = 1
@@ -66,7 +66,7 @@ class RouteDrive(Drive):
 
 
 class RouteDriver(Driver[RouteDrive]):
-    """See the module's text. `first_id` is the id of the first route; later ones count on."""
+    """See the module's docstring. `first_id` is the id of the first route."""
 
     def __init__(self, memory: Memory, graph: Graph, abilities: Abilities, matching: Matching,
                  first_id: int = 1) -> None:
@@ -75,13 +75,13 @@ class RouteDriver(Driver[RouteDrive]):
         self._matching = matching
         self._abilities = abilities
         self._first_id = first_id
-        self._epoch = 0  # the robot's now
+        self._epoch = 0  # the robot's present epoch
         self._pose: Optional[Pose] = None
 
     # --- planning ---------------------------------------------------------------------------------
 
     def use_graph(self, graph: Graph) -> None:
-        """Plans on another graph from now on."""
+        """Uses another graph for planning from now on."""
         self._graph = OrderGraph(graph, self._matching)
 
     def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[Pose],
@@ -95,12 +95,18 @@ class RouteDriver(Driver[RouteDrive]):
         return legs
 
     def _approach(self, first: int, pose: Pose) -> Tuple[int, ...]:
-        """Edges before the first one of an order, which begins within the deviation of its first
-        node. Raises NotDrivable."""
+        """Returns the edges that the robot drives before the first edge of an order.
+
+        The robot may be anywhere within the deviation of the first node. Raises NotDrivable.
+        """
         return self._graph.approach(first, pose, self._abilities.passing, self._abilities.corridor)
 
     def _turns_there(self, _: int, node: Node) -> bool:
-        """An end vertex has a heading; a robot that may not turn elsewhere takes it there."""
+        """Returns whether the robot has the required heading at a node.
+
+        Only an end vertex has a heading: the robot turns to it there. At other vertices it may not
+        turn.
+        """
         vertex = self._graph.vertex(node)
         if vertex is None or not self._graph.graph.is_end_vertex(vertex.id):
             return False
@@ -132,7 +138,7 @@ class RouteDriver(Driver[RouteDrive]):
             waiting_since=before.waiting_since)
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
-        """See Driver. First the robot stops, where it was told to."""
+        """See Driver; after a stop it waits until the robot has stopped."""
         drive = self.drive_state
         settled = drive.stopped_at is not None and now >= drive.stopped_at + SETTLING
         if drive.failure or not legs or drive.restarted_at is not None or (
@@ -149,7 +155,7 @@ class RouteDriver(Driver[RouteDrive]):
     def _begin(self, first: int, edges: Tuple[int, ...], now: float) -> None:
         before: Tuple[int, ...] = ()
         if first == 0 and self._pose is not None:
-            with suppress(NotDrivable):  # the robot's side says what it knows better
+            with suppress(NotDrivable):  # the robot's side knows more and refuses if necessary
                 before = self._approach(edges[0], self._pose)
         self._follow(SentRoute(self._new_id(), before + edges, first - len(before)), now)
 
@@ -185,17 +191,17 @@ class RouteDriver(Driver[RouteDrive]):
                                                drive.route.epoch))
         self._set(sent_at=now)
 
-    # --- hearing ----------------------------------------------------------------------------------
+    # --- reports ----------------------------------------------------------------------------------
 
     def see(self, robot: RobotView, now: float) -> None:
-        """See Driver. A stop is obeyed once the robot is known to stand after it."""
+        """See Driver; a stop counts as obeyed when the robot is known to stand after it."""
         self._epoch, self._pose = robot.epoch, robot.pose
         at = self.drive_state.stopped_at
         if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
             self._set(stop=None, stopped_at=None, rest_since=at)
 
     def on_report(self, report: RouteReport, now: float) -> None:
-        """What execution_route_states tells."""
+        """Evaluates a message of execution_route_states."""
         drive = self.drive_state
         if drive.stop is not None and report.route_id == drive.stop:
             at = None if report.reason else drive.stopped_at or now
@@ -208,11 +214,10 @@ class RouteDriver(Driver[RouteDrive]):
             self._on_other_report(drive.route, now)
 
     def _on_other_report(self, route: SentRoute, now: float) -> None:
-        if route.complete:  # others may use the robot now
+        if route.complete:  # another program may use the robot now
             self._set(route=None)
         elif self.drive_state.restarted_at is not None:
-            self._fail('the adapter was restarted, and the robot does not drive its route any more',
-                       now)
+            self._fail('the adapter was restarted, and the robot no longer drives its route', now)
         elif route.taken:
             self._fail('the robot drives another route', now)
 
@@ -226,7 +231,7 @@ class RouteDriver(Driver[RouteDrive]):
             if route.unwanted and not failed and done < len(report.states):
                 self.stop(now)
             return
-        if self.drive_state.restarted_at is not None:  # what it lacks was not sent any more
+        if self.drive_state.restarted_at is not None:  # send the edges that were perhaps not sent
             self._set(restarted_at=None, waiting_since=now)
         taken, complete = len(report.states), done == len(route.edges)
         if (taken, complete) != (route.taken, route.complete):
@@ -239,8 +244,11 @@ class RouteDriver(Driver[RouteDrive]):
 
     def on_refused(self, refused_id: int, edges: Tuple[int, ...], reason: Reason,
                    now: float) -> None:
-        """What route_refused tells. A route that was driven to its end cannot be made longer where
-        the robot is elsewhere since: what is left is a route of its own."""
+        """Evaluates a message of route_refused.
+
+        A route that the robot has driven to its end cannot be extended if the robot has moved
+        since then. In that case the driver sends the remaining edges as a new route.
+        """
         route, drive = self.drive_state.route, self.drive_state
         if route is None or route.lost or (refused_id, edges) != (route.id, route.edges):
             return
@@ -259,7 +267,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._set(passed=passed, along=along)
 
     def _catch_up(self, report: RouteReport) -> None:
-        """A robot that was stopped may have rolled on to a vertex, or past it onto the next leg."""
+        """Updates the progress: a stopped robot may have rolled to a vertex or past it."""
         drive = self.drive_state
         here, ahead = (self._memory.leg(drive.passed + step) for step in (0, 1))
         if here is None or not report.edge:
@@ -270,7 +278,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._set_passed(drive.passed + 1, 0.0)
 
     def _is_at_end(self, leg: Leg, report: RouteReport) -> bool:
-        """From where the robot's side takes no route over the leg any more."""
+        """Returns whether the robot is so near to the leg's end that its side refuses the leg."""
         place = self._graph.place_on(report.edge, report.percentage)
         return place is not None and math.dist(place, (leg.x, leg.y)) <= self._abilities.passing
 
@@ -285,17 +293,17 @@ class RouteDriver(Driver[RouteDrive]):
         drive = self.drive_state
         if drive.restarted_at is not None:
             if now - drive.restarted_at > RESTART_PATIENCE:
-                self._fail('nothing was heard of the route since the adapter was restarted', now)
+                self._fail('the robot has not reported the route since the adapter was restarted',
+                           now)
         elif drive.waiting_since is not None and now - drive.sent_at >= REPEAT:
             if drive.stop is None and now - drive.waiting_since > PATIENCE:
-                self.stop(now)  # should it take the route up after all
-                self._fail('the robot does not answer to its route', now)
+                self.stop(now)  # in case the robot begins the route after all
+                self._fail('the robot does not acknowledge its route', now)
             else:
                 self._send(now)
 
     def restart(self, now: float) -> None:
-        """See Driver. Nothing is sent before the robot's side was heard, but a stop that is owed.
-        """
+        """See Driver; until the robot's side reports, only an owed stop is sent."""
         drive = self.drive_state
         self._set(next_id=max(drive.next_id, self._first_id), stopped_at=None, rest_since=now,
                   waiting_since=None)

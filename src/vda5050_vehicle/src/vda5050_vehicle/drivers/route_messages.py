@@ -1,4 +1,4 @@
-"""What the route driver says and hears: the route protocol's messages as values."""
+"""The messages of the route protocol as values, for the route driver."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from trajectory_graph.route_protocol import NO_REASON, Reason
 
 @dataclass(frozen=True)
 class RouteCommand:
-    """To be published: drive these edges, or stop where there are none.
+    """A command to publish: drive these edges; without edges: stop.
 
-    known_epoch -- the robot's, when the route was first sent; 0: not known
+    known_epoch -- the robot's epoch when the route was first sent; 0: unknown
     """
 
     route_id: int
@@ -21,10 +21,10 @@ class RouteCommand:
 
 @dataclass(frozen=True)
 class RouteReport:
-    """What the robot's side tells of a route.
+    """A report of the robot's side on a route.
 
-    states           -- of its edges: `trajectory_graph.route_protocol.EdgeState`
-    edge, percentage -- where on the graph the robot is; edge 0: nowhere
+    states           -- the states of its edges: `trajectory_graph.route_protocol.EdgeState`
+    edge, percentage -- the robot's position on the graph; edge 0: not on the graph
     """
 
     route_id: int
@@ -36,13 +36,15 @@ class RouteReport:
 
 @dataclass(frozen=True)
 class SentRoute:
-    """A route that was sent; its first edge is leg number `first`, or leads to the next leg.
+    """A route that was sent.
 
-    epoch    -- the robot's, when it was first sent as it is
-    taken    -- how many of its edges a report has acknowledged
-    complete -- all were driven
-    lost     -- it failed, or is not known to be driven
-    unwanted -- it may be driven though its extension was refused
+    first    -- number of the leg that is its first edge; a first edge that approaches the order
+                counts as a leg before number 0
+    epoch    -- the robot's epoch when the route was first sent in this form
+    taken    -- number of its edges that a report has acknowledged
+    complete -- whether all edges were driven
+    lost     -- whether it failed, or is not known to be driven
+    unwanted -- whether it may still be driven although its extension was refused
     """
 
     id: int

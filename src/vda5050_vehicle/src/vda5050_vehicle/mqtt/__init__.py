@@ -1,1 +1,1 @@
-"""MQTT without ROS: the connection to a broker, credentials, and a broker of one's own."""
+"""MQTT without ROS: the connection to a broker, the credentials, and an embedded broker."""

@@ -1,4 +1,7 @@
-"""User name and password for a broker, from a file: in no parameter, log or process list."""
+"""Reads the user name and password for a broker from a file.
+
+They do not appear in a parameter, a log or the process list.
+"""
 from __future__ import annotations
 
 from typing import Tuple
@@ -7,11 +10,14 @@ import yaml
 
 
 class WrongCredentials(Exception):
-    """A credentials file that cannot be used; the text says what it must hold."""
+    """A credentials file that cannot be used; the text says what the file must contain."""
 
 
 def read_credentials(path: str) -> Tuple[str, str]:
-    """User name and password of a YAML file with these two keys; empty ones without a file."""
+    """Returns the user name and password in a YAML file; both are empty if `path` is empty.
+
+    The file has the two keys `username` and `password`. Raises WrongCredentials.
+    """
     if not path:
         return '', ''
     try:
@@ -19,10 +25,11 @@ def read_credentials(path: str) -> Tuple[str, str]:
             document = yaml.safe_load(file)
     except (OSError, UnicodeDecodeError) as error:
         raise WrongCredentials(f'the credentials file {path} cannot be read: {error}') from None
-    except yaml.YAMLError:  # its text would tell of the password
+    except yaml.YAMLError:  # the text of this error may contain the password
         document = None
     if (not isinstance(document, dict) or set(document) != {'username', 'password'}
             or not all(isinstance(value, str) for value in document.values())):
-        raise WrongCredentials(f'the credentials file {path} must hold two lines, "username: ..." '
-                               'and "password: ...", in quotes where they look like numbers')
+        raise WrongCredentials(f'the credentials file {path} must contain two lines, "username: '
+                               '..." and "password: ..."; put values that look like numbers in '
+                               'quotes')
     return document['username'], document['password']

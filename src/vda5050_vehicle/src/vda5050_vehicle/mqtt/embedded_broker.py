@@ -1,7 +1,7 @@
-"""A mosquitto of its own on loopback, for a simulated robot or a single one: no files to write.
+"""Starts a mosquitto broker on the loopback interface, for a simulated robot or a single robot.
 
-The configuration is generated, and read by mosquitto 1.6 and 2.0 alike.
-Arguments: --port (18830). Others, as roslaunch gives them to every node, are left alone.
+The user writes no file: the configuration is generated. It suits mosquitto 1.6 and 2.0.
+Arguments: --port (18830). Other arguments, which roslaunch gives to every node, are ignored.
 """
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ log_type warning
 
 
 def configuration(port: int) -> str:
-    """The text of mosquitto.conf."""
+    """Returns the text of mosquitto.conf."""
     return CONFIGURATION.format(port=port)
 
 
 def find_mosquitto() -> str:
-    """Path of the program, empty where it is not installed; Debian has it in /usr/sbin."""
+    """Returns the path of the program, or '' if it is not installed; Debian: /usr/sbin."""
     return shutil.which('mosquitto', path=os.environ.get('PATH', '') + ':/usr/sbin') or ''
 
 
 def main() -> None:
-    """Writes the configuration and becomes mosquitto."""
+    """Writes the configuration and replaces this process by mosquitto."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', type=int, default=18830)
     options, _ = parser.parse_known_args()
     program = find_mosquitto()
     if not program:
-        sys.exit('mosquitto is not installed: apt-get install mosquitto')
+        sys.exit('mosquitto is not installed. Install it: apt-get install mosquitto')
     folder = Path(tempfile.gettempdir()) / f'vda5050_broker_{os.getuid()}_{options.port}'
     folder.mkdir(mode=0o755, exist_ok=True)
     if folder.stat().st_uid != os.getuid():
-        sys.exit(f'{folder} belongs to another user: remove it')
+        sys.exit(f'{folder} belongs to another user. Remove this folder.')
     file = folder / 'mosquitto.conf'
     file.write_text(configuration(options.port))
     os.execv(program, [program, '-c', str(file)])

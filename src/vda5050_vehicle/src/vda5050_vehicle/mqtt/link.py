@@ -1,6 +1,7 @@
-"""The connection to the MQTT broker: last will, ONLINE, OFFLINE, and nothing replayed.
+"""The connection to the MQTT broker: last will, ONLINE and OFFLINE.
 
-paho's thread has the socket; messages are handed on as they come. Works with paho-mqtt 1.5 to 2.x.
+Messages that could not be sent are not sent again after a reconnection. The thread of paho owns
+the socket and passes each received message on at once. Works with paho-mqtt 1.5 to 2.x.
 """
 from __future__ import annotations
 
@@ -12,11 +13,11 @@ from typing import Any, Callable, Dict, Optional, Tuple
 
 import paho.mqtt.client as mqtt
 
-RECONNECT = (1, 2)      # s between tries: the first, and the longest
-FAREWELL = 1.0          # s that OFFLINE may take
+RECONNECT = (1, 2)      # s between two attempts to connect: the first time, and the longest time
+FAREWELL = 1.0          # s that the sending of OFFLINE may take
 INBOUND = ('order', 'instantActions')
 
-# 2.1.0, 6.2: quality of service, and whether the broker keeps the last message.
+# VDA 5050 2.1.0, 6.2: quality of service, and whether the broker retains the last message.
 DELIVERY: Dict[str, Tuple[int, bool]] = {
     'connection': (1, True), 'factsheet': (0, True), 'state': (0, False),
     'visualization': (0, False)}
@@ -24,7 +25,7 @@ DELIVERY: Dict[str, Tuple[int, bool]] = {
 
 @dataclass(frozen=True)
 class Broker:
-    """Where the broker is, and how to be let in; files are PEM, empty names none."""
+    """The address of the broker and the credentials; the files are PEM, '' means no file."""
 
     host: str
     port: int
@@ -36,15 +37,17 @@ class Broker:
     keepalive: int = 15
 
     def __repr__(self) -> str:
-        return f'Broker({self.host}:{self.port})'  # the password is shown nowhere
+        return f'Broker({self.host}:{self.port})'  # does not show the password
 
 
 class MqttLink:
     """Publishes and receives under one prefix of topics, `.../<manufacturer>/<serial>`.
 
-    make_connection -- the payload of `connection` for ONLINE, OFFLINE or CONNECTIONBROKEN
-    on_message      -- topic, payload and whether the broker had kept it; in paho's thread
-    on_change       -- whether it is connected now, and why not; in paho's thread
+    make_connection -- returns the payload of `connection` for ONLINE, OFFLINE or CONNECTIONBROKEN
+    on_message      -- called in paho's thread with the topic, the payload, and whether the message
+                       is a retained one
+    on_change       -- called in paho's thread with the new state of the connection, and the reason
+                       for a disconnection
     """
 
     def __init__(self, broker: Broker, prefix: str, client_id: str,
@@ -66,18 +69,21 @@ class MqttLink:
         client.connect_async(broker.host, broker.port, broker.keepalive)
 
     def start(self) -> None:
-        """Connects, and keeps connecting."""
+        """Connects, and connects again after each disconnection."""
         self._client.loop_start()
 
     def close(self) -> None:
-        """Says OFFLINE and leaves."""
+        """Sends OFFLINE and disconnects."""
         if self._connected.is_set():
             self.publish('connection', self._make_connection('OFFLINE'), wait=FAREWELL)
         self._client.disconnect()
         self._client.loop_stop()
 
     def publish(self, topic: str, payload: bytes, wait: float = 0.0) -> None:
-        """Publishes now, or never: what the broker missed is not sent later."""
+        """Publishes a message if the broker is connected; otherwise drops it.
+
+        wait -- s to wait until the message is sent
+        """
         if not self._connected.is_set():
             return
         qos, retain = DELIVERY[topic]
@@ -87,14 +93,15 @@ class MqttLink:
 
     @property
     def connected(self) -> bool:
-        """Whether the broker is there."""
+        """Whether the link is connected to the broker."""
         return self._connected.is_set()
 
-    # --- paho's thread ----------------------------------------------------------------------------
+    # --- in paho's thread -------------------------------------------------------------------------
 
     def _connect(self, client: mqtt.Client, _userdata: Any, _flags: Any, code: int) -> None:
         if code != 0:
-            self._on_change(False, f'the broker refuses: {mqtt.connack_string(code)}')
+            self._on_change(
+                False, f'the broker refuses the connection: {mqtt.connack_string(code)}')
             return
         client.subscribe([(f'{self._prefix}/{topic}', 0) for topic in INBOUND])
         self._connected.set()
@@ -108,13 +115,13 @@ class MqttLink:
             self._on_change(False, mqtt.error_string(code))
 
     def _message(self, _client: mqtt.Client, _userdata: Any, message: mqtt.MQTTMessage) -> None:
-        if not message.payload:  # the broker is told to forget what it had kept: no message
+        if not message.payload:  # an empty payload only deletes the broker's retained message
             return
         self._on_message(message.topic.rsplit('/', 1)[-1], message.payload, bool(message.retain))
 
 
 def make_client(client_id: str) -> mqtt.Client:
-    """A client that does not wait to send, with each version of paho-mqtt."""
+    """Returns a client that sends small messages at once, with any version of paho-mqtt."""
     versions = getattr(mqtt, 'CallbackAPIVersion', None)
     client = (mqtt.Client(client_id) if versions is None
               else mqtt.Client(versions.VERSION1, client_id))
@@ -123,7 +130,7 @@ def make_client(client_id: str) -> mqtt.Client:
 
 
 def secure(client: mqtt.Client, broker: Broker) -> None:
-    """Sets user, password and TLS; raises OSError where a file cannot be used."""
+    """Sets user, password and TLS; raises OSError if a file cannot be used."""
     if broker.username:
         client.username_pw_set(broker.username, broker.password or None)
     if broker.ca_file:
@@ -132,13 +139,13 @@ def secure(client: mqtt.Client, broker: Broker) -> None:
 
 
 def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Optional[socket.socket]) -> None:
-    """Small messages leave at once; without this a loaded broker adds some 40 ms."""
+    """Disables Nagle's algorithm; without this a loaded broker adds some 40 ms."""
     if sock is not None:
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
 def _wait_for(sent: mqtt.MQTTMessageInfo, seconds: float) -> None:
-    """As MQTTMessageInfo.wait_for_publish with a time limit, which 1.5 lacks."""
+    """MQTTMessageInfo.wait_for_publish with a time limit, which paho-mqtt 1.5 does not have."""
     ended = threading.Event()
 
     def wait() -> None:

@@ -1,1 +1,1 @@
-"""The adapter's node and its parts: what joins the vehicle to ROS and to an MQTT broker."""
+"""The adapter's node and its parts, which connect the vehicle to ROS and to an MQTT broker."""

@@ -1,4 +1,4 @@
-"""Goals of ROS actions, each of which ends once, also where its server is late, absent or gone."""
+"""Goals of ROS actions. Each goal ends exactly once, even if its server is late, absent or lost."""
 from __future__ import annotations
 
 import threading
@@ -10,19 +10,19 @@ from actionlib import ActionClient, ClientGoalHandle, CommState, GoalStatus
 
 from node_lifecycle.lost_goals import GoalWatch, Loss, ServerWatch
 
-PATIENCE = 5.0  # s that a goal waits for its server, which may still be starting
+PATIENCE = 5.0  # s that a goal waits for its server, because the server may still be starting
 _LOSSES = {
-    Loss.SERVER: 'the action server {} is gone',
-    Loss.GOAL: 'the action server {} did not hear the goal',
+    Loss.SERVER: 'the action server {} has disappeared',
+    Loss.GOAL: 'the action server {} did not receive the goal',
     Loss.RESULT: 'the result of the action server {} was lost'}
 
-OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, what was said
+OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, result text
 Clock = Callable[[], float]
 
 
 @dataclass(frozen=True)
 class _Goal:
-    """It waits `until` then for its server; `sent`: once it is there."""
+    """A goal. It waits for its server until the time `until` (s); `sent` is None until then."""
 
     client: ActionClient
     goal: Any
@@ -31,10 +31,11 @@ class _Goal:
 
 
 class ActionGoals:
-    """Goals under names of the caller's. `check` is to be called several times a second.
+    """Goals with names that the caller chooses.
 
-    What is published before a server is connected is lost: goals and cancellations are kept until
-    it is. `send`, `cancel`, `cancel_all` and `check` belong to one thread.
+    A message that is published before the server is connected is lost. So goals and cancellations
+    are kept until the server is connected. The caller must call `check` several times a second.
+    It must call `send`, `cancel`, `cancel_all` and `check` in one thread.
     """
 
     def __init__(self, on_end: OnEnd, clock: Clock = time.monotonic) -> None:
@@ -44,26 +45,26 @@ class ActionGoals:
         self._lock = threading.Lock()
         self._goals: Dict[str, _Goal] = {}
         self._servers: Dict[str, ServerWatch] = {}  # by the name of the action
-        self._to_clear: Dict[str, ActionClient] = {}  # by name: all goals there are to be cancelled
+        self._to_clear: Dict[str, ActionClient] = {}  # servers whose goals must be cancelled
 
     def send(self, name: str, client: ActionClient, goal: Any) -> None:
-        """Sends the goal, now or as soon as its server is there."""
+        """Sends the goal now, or as soon as its server is connected."""
         with self._lock:
             self._goals[name] = _Goal(client, goal, self._clock() + PATIENCE)
         self.check()
 
     def cancel(self, name: str) -> None:
-        """Cancels a goal; `on_end` tells when it has ended."""
+        """Cancels a goal; `on_end` is called when it has ended."""
         goal = self._goals.get(name)
         if goal is None:
             return
         if goal.sent is None:
-            self._end(name, False, 'it was cancelled before its server was there')
+            self._end(name, False, 'the goal was cancelled before its server was connected')
         else:
             goal.sent.handle.cancel()
 
     def cancel_all(self, client: ActionClient) -> None:
-        """Cancels all goals of a server, also those that another client has sent."""
+        """Cancels all goals of a server, including those that another client has sent."""
         for name, goal in list(self._goals.items()):
             if goal.client is client and goal.sent is None:
                 self.cancel(name)
@@ -71,14 +72,14 @@ class ActionGoals:
         self.check()
 
     def check(self) -> None:
-        """Sends what can be sent now; ends goals whose server does not come, or is gone."""
+        """Sends the messages that can be sent now; ends the goals of absent or lost servers."""
         clear = [client for client in self._to_clear.values()
                  if client.pub_cancel.get_num_connections() > 0]
         for client in clear:
             client.cancel_all_goals()
             del self._to_clear[client.ns]
         if clear:
-            return  # a goal that is sent at once could overtake the cancellation, and be cancelled
+            return  # a goal sent now could overtake the cancellation and be cancelled by it
         for server in self._servers.values():
             server.look()
         for name, goal in list(self._goals.items()):
@@ -113,7 +114,7 @@ class ActionGoals:
 
 
 def is_connected(client: ActionClient) -> bool:
-    """Whether neither a goal nor its end would be lost on the way."""
+    """Returns whether all topics of the client are connected, so that no message is lost."""
     return all(end.get_num_connections() > 0 for end in (
         client.pub_goal, client.pub_cancel, client.status_sub, client.feedback_sub,
         client.result_sub))

@@ -1,4 +1,4 @@
-"""What /diagnostics tells of the adapter: the broker and the order."""
+"""The entries of the adapter in /diagnostics: the broker and the order."""
 from __future__ import annotations
 
 from typing import Callable
@@ -14,7 +14,10 @@ from vda5050_vehicle.nodes.settings import Settings
 
 def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
                problem: Callable[[], str]) -> None:
-    """Shows whether the broker is there, `problem` why not, and how the order is."""
+    """Publishes the state of the broker connection and of the order.
+
+    problem -- returns the reason why the broker is not connected
+    """
     def broker(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         if link.connected:
             status.summary(DiagnosticStatus.OK, 'connected')
@@ -28,9 +31,9 @@ def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
         if failure:
             status.summary(DiagnosticStatus.ERROR, failure.description)
         else:
-            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.state.busy else 'idle')
+            status.summary(DiagnosticStatus.OK, 'order active' if vehicle.state.busy else 'idle')
         status.add('order', vehicle.state.order.order_id)
-        status.add('nodes left', str(max(len(vehicle.state.order.nodes) - 1, 0)))
+        status.add('remaining nodes', str(max(len(vehicle.state.order.nodes) - 1, 0)))
         return status
 
     publish_diagnostics(settings.prefix, {'broker': broker, 'order': order})

@@ -13,28 +13,30 @@ from vda5050_vehicle.drivers.driver import Drive
 
 MAX_REPORTS = 20
 _PRIVATE = 0o600  # for this user only
-MAX_JOURNAL = 1_000_000  # bytes of changes, beyond which it is written anew
+MAX_JOURNAL = 1_000_000  # bytes of changes; after that the journal is written anew
 
 
 class JournalFile:
-    """Where the vehicle's state is kept over a restart, as a log of changes.
+    """The file that keeps the vehicle's state during a restart, as a log of changes.
 
-    It is not forced to the disk: it must outlive this process, not the computer, after whose
-    restart no robot drives the order's route any more.
+    Writing does not force the data to the disk. The file must survive a restart of this process,
+    but not of the computer: after a restart of the computer no robot drives the order's route.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._changes = MAX_JOURNAL  # bytes behind its first line; each run begins it anew
+        self._changes = MAX_JOURNAL  # bytes after the first line; each run begins a new journal
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise ConfigurationError(f'the folder of the journal {path} cannot be made: '
+            raise ConfigurationError(f'the folder of the journal {path} cannot be created: '
                                      f'{error.strerror}') from None
 
     def read(self, drive: Type[Drive]) -> Optional[VehicleState]:
-        """The state; None where there is none. Raises WrongRecord. A line that was not finished is
-        of a change about which nothing was done."""
+        """Returns the stored state, or None if there is no file; raises WrongRecord.
+
+        An unfinished last line is ignored: the vehicle had not yet acted upon its change.
+        """
         try:
             *lines, _unfinished = self._path.read_text(encoding='utf-8').split('\n')
         except FileNotFoundError:
@@ -44,10 +46,10 @@ class JournalFile:
         return journal.read(lines, drive) if lines else None
 
     def write(self, before: Optional[VehicleState], now: VehicleState) -> None:
-        """Adds what changed; begins anew where that would be too much. Raises OSError."""
+        """Appends the changes; writes a new file if it would grow too large. Raises OSError."""
         is_new = before is None or self._changes >= MAX_JOURNAL
         text = journal.line(None if is_new else before, now) + '\n'
-        changes, self._changes = self._changes, MAX_JOURNAL  # should it fail
+        changes, self._changes = self._changes, MAX_JOURNAL  # write anew after a failure
         if is_new:
             replace_file(self._path, text, mode=_PRIVATE, on_disk=False)
             self._changes = 0
@@ -58,7 +60,7 @@ class JournalFile:
 
 
 class LogReports:
-    """A folder of log reports, the newest twenty."""
+    """A folder with the newest twenty log reports."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder

@@ -12,7 +12,7 @@ from vda5050_vehicle.nodes.route_link import Tell
 
 
 class MoveBaseLink:
-    """Carries the driver's commands, and tells it how goals end."""
+    """Sends the driver's commands, and reports the ends of goals to it."""
 
     def __init__(self, driver: PoseDriver, tell: Tell, map_frame: str) -> None:
         self._driver = driver
@@ -22,7 +22,7 @@ class MoveBaseLink:
         self._client = actionlib.ActionClient('move_base', MoveBaseAction)
 
     def carry_out(self, command: PoseCommand) -> None:
-        """Sends a goal, or cancels them all: also those of an adapter that was killed."""
+        """Sends a goal, or cancels all goals, including those of an adapter that was killed."""
         if isinstance(command, GoTo):
             self._goals.send(str(command.number), self._client, self._goal(command))
         else:
@@ -38,7 +38,7 @@ class MoveBaseLink:
         return goal
 
     def check(self) -> None:
-        """To be called several times a second."""
+        """Checks the goals; the caller calls it several times a second."""
         self._goals.check()
 
     def _on_end(self, name: str, succeeded: bool, text: str) -> None:

@@ -1,4 +1,4 @@
-"""Parameters of this node's own kinds."""
+"""Reads parameters of the special kinds that this node has."""
 from __future__ import annotations
 
 from typing import Any
@@ -10,16 +10,16 @@ from node_lifecycle import ConfigurationError, parameter
 
 
 def topic_level(name: str, default: str) -> str:
-    """A text that is one level of an MQTT topic; raises ConfigurationError."""
+    """Returns a parameter that is one level of an MQTT topic; raises ConfigurationError."""
     value: str = parameter(name, default)
     if not value or not value.isprintable() or set(value) & set('/+#$'):
-        raise ConfigurationError(f'Parameter {rospy.resolve_name(name)} is {value!r}, but is a '
-                                 'level of MQTT topics: not empty, and without / + # and $.')
+        raise ConfigurationError(f'Parameter {rospy.resolve_name(name)} is {value!r}, but must be '
+                                 'one level of an MQTT topic: not empty, without / + # and $.')
     return value
 
 
 def yaml_file(path: str, what: str) -> Any:
-    """What a YAML file holds; raises ConfigurationError."""
+    """Returns the contents of a YAML file; raises ConfigurationError."""
     try:
         with open(path, encoding='utf-8') as file:
             return yaml.safe_load(file)

@@ -1,7 +1,7 @@
-"""What the robot tells about itself, gathered from ROS topics into one view; nothing old in it.
+"""Collects the robot's reports from ROS topics in one view that contains no outdated values.
 
 Subscribes
-    pose (geometry_msgs/PoseStamped), or TF where ~pose_source is tf
+    pose (geometry_msgs/PoseStamped), or TF if ~pose_source is tf
     odom (nav_msgs/Odometry): velocity
     battery_state (sensor_msgs/BatteryState)
     topics of the vehicle file's `signals`
@@ -26,13 +26,13 @@ from vda5050_vehicle.drivers.robot_view import REST, Pose, RobotView, has_moved,
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
-TF_PERIOD = 0.2  # s between two looks at TF
+TF_PERIOD = 0.2  # s between two queries of TF
 T = TypeVar('T')
 
 
 @dataclass(frozen=True)
 class _Heard(Generic[T]):
-    """A value and when it came (s, monotonic)."""
+    """A value and the time of its reception (s, monotonic)."""
 
     value: T
     at: float
@@ -40,8 +40,11 @@ class _Heard(Generic[T]):
 
 @dataclass(frozen=True)
 class Signal:
-    """A field of a topic; `wanted` are the values that mean yes, None: it is taken as it is.
-    `unknown` are those that tell nothing."""
+    """A field of a topic.
+
+    wanted  -- the values that mean true; None: the value of the field is used as it is
+    unknown -- the values that carry no information
+    """
 
     name: str
     topic: str
@@ -51,7 +54,7 @@ class Signal:
     unknown: Tuple[Any, ...] = ()
 
     def read(self, message: Any) -> Any:
-        """What the message says."""
+        """Returns the value of the signal in the message; None if it is unknown."""
         value = message
         for part in self.field.split('.'):
             value = getattr(value, part)
@@ -61,7 +64,7 @@ class Signal:
 
 
 def read_signals(document: Mapping[str, Any]) -> Tuple[Signal, ...]:
-    """The `signals` of a vehicle file; raises ConfigurationError."""
+    """Returns the `signals` of a vehicle file; raises ConfigurationError."""
     signals = document.get('signals') or {}
     try:
         found = tuple(Signal(name, line['topic'], line['type'], line['field'],
@@ -69,12 +72,12 @@ def read_signals(document: Mapping[str, Any]) -> Tuple[Signal, ...]:
                              tuple(line.get('unknown', ())))
                       for name, line in signals.items())
     except (AttributeError, KeyError, TypeError) as error:
-        raise ConfigurationError(f'signals of the vehicle file: {error} is missing; each has '
-                                 'topic, type and field.') from None
+        raise ConfigurationError(f'signals of the vehicle file: {error} is missing; each signal '
+                                 'needs topic, type and field.') from None
     for signal in found:
         if signal.name not in SIGNALS:
-            raise ConfigurationError(f'signal {signal.name} of the vehicle file is unknown; there '
-                                     f'are {", ".join(SIGNALS)}.')
+            raise ConfigurationError(f'signal {signal.name} of the vehicle file is unknown; the '
+                                     f'signals are {", ".join(SIGNALS)}.')
         if roslib.message.get_message_class(signal.type) is None:
             raise ConfigurationError(f'signal {signal.name} of the vehicle file has type '
                                      f'{signal.type}, which is not installed.')
@@ -82,18 +85,18 @@ def read_signals(document: Mapping[str, Any]) -> Tuple[Signal, ...]:
 
 
 class RobotWatch:
-    """Calls `on_change` (in threads of rospy) when something came; `view` is what is known."""
+    """Calls `on_change` after each report (in threads of rospy); `view` returns all values."""
 
     def __init__(self, signals: Tuple[Signal, ...], pose_timeout: float, tf_base: str,
                  map_frame: str, on_change: Callable[[], None]) -> None:
-        """`tf_base` is the robot's frame where its pose is read from TF; empty: topic `pose`."""
+        """`tf_base` is the robot's frame if TF gives its pose; '': the topic `pose` gives it."""
         self._timeout = pose_timeout
         self._frame = map_frame
         self._on_change = on_change
         self._lock = threading.Lock()
         self._heard: Dict[str, _Heard] = {}
         self._still: Optional[_Heard[Pose]] = None
-        """The pose from which the robot has not moved since it was told first."""
+        """The pose at which the robot has stood since this pose was first received."""
         self._since = time.monotonic()
         if tf_base:
             self._follow_tf(tf_base)
@@ -109,7 +112,7 @@ class RobotWatch:
                              queue_size=10, tcp_nodelay=True)
 
     def view(self) -> RobotView:
-        """What is known now, less what is too old."""
+        """Returns the present values, without those that are too old."""
         with self._lock:
             heard, still = dict(self._heard), self._still
         now = time.monotonic()
@@ -120,7 +123,7 @@ class RobotWatch:
                     else item.value)
 
         def last(name: str) -> Any:
-            """Of what is told on a change only: it holds until the robot tells otherwise."""
+            """The last value of a signal that is sent only on a change; it has no time limit."""
             item = heard.get(name)
             return None if item is None else item.value
 
@@ -148,8 +151,8 @@ class RobotWatch:
 
     def _on_pose(self, message: PoseStamped) -> None:
         if message.header.frame_id.lstrip('/') != self._frame:
-            rospy.logwarn_throttle(10.0, 'A pose in the frame "%s" is left out; the map is "%s".',
-                                   message.header.frame_id, self._frame)
+            rospy.logwarn_throttle(10.0, 'A pose in the frame "%s" is ignored, because the map '
+                                   'frame is "%s".', message.header.frame_id, self._frame)
             return
         position = message.pose.position
         pose = Pose(position.x, position.y, yaw_from_quaternion(message.pose.orientation))
@@ -161,7 +164,7 @@ class RobotWatch:
         with self._lock:
             last = self._heard.get('pose')
             if (self._still is None or has_moved(self._still.value, pose)
-                    or last is None or now - last.at > REST):  # it may have been elsewhere
+                    or last is None or now - last.at > REST):  # it may have moved in between
                 self._still = _Heard(pose, now)
         self._hear('pose', pose)
 
@@ -183,7 +186,7 @@ class RobotWatch:
         self._hear('battery', replace(battery, charging=charging, voltage=voltage))
 
     def _follow_tf(self, base: str) -> None:
-        import tf2_ros  # needs a transform listener's thread: only where it is asked for
+        import tf2_ros  # starts a listener thread, so it is imported only if TF is used
         buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(buffer)
         last = [rospy.Time()]
@@ -194,7 +197,7 @@ class RobotWatch:
             except (tf2_ros.LookupException, tf2_ros.ConnectivityException,
                     tf2_ros.ExtrapolationException):
                 return
-            if transform.header.stamp != last[0]:  # an old one is no news
+            if transform.header.stamp != last[0]:  # ignore a transform that was read before
                 last[0] = transform.header.stamp
                 place = transform.transform.translation
                 self._hear_pose(Pose(place.x, place.y,

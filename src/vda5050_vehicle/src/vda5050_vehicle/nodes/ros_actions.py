@@ -1,4 +1,4 @@
-"""Goals of ROS actions, for the vehicle's table of actions: any server, any type."""
+"""Executes the vehicle's table of actions as goals of ROS actions: any server, any type."""
 from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Tuple
@@ -12,7 +12,7 @@ from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd
 
 
 def check_types(table: ActionTable) -> None:
-    """Raises ConfigurationError where a type is not installed, or lacks a field of a goal."""
+    """Raises ConfigurationError if a type is not installed or does not have a field of a goal."""
     for spec in table.specs.values():
         if spec.call is None:
             continue
@@ -23,7 +23,7 @@ def check_types(table: ActionTable) -> None:
         for name in spec.call.goal:
             if name not in goal.__slots__:
                 raise ConfigurationError(f'action {spec.action_type} of the table sets {name}, '
-                                         f'which a goal of {spec.call.type} has not.')
+                                         f'but a goal of {spec.call.type} has no such field.')
 
 
 def _goal_type(call: Call) -> Any:
@@ -31,7 +31,7 @@ def _goal_type(call: Call) -> Any:
 
 
 class RosActions:
-    """Starts goals and tells how each ends, once; what a server says is cut to one line."""
+    """Starts goals and reports the end of each goal once; result texts are one line."""
 
     def __init__(self, on_end: OnEnd) -> None:
         """`on_end` may be called from any thread."""
@@ -39,7 +39,7 @@ class RosActions:
         self._clients: Dict[Tuple[str, str], actionlib.ActionClient] = {}
 
     def prepare(self, table: ActionTable) -> None:
-        """Connects to the servers, so that the first goal need not wait."""
+        """Connects to the servers, so that the first goal does not wait."""
         for spec in table.specs.values():
             if spec.call is not None:
                 self._client(spec.call)
@@ -52,16 +52,16 @@ class RosActions:
         return self._clients[key]
 
     def start(self, name: str, spec: ActionSpec, arguments: Mapping[str, Any]) -> None:
-        """Sends the goal of a line of the table; `name` is the goal's in `on_end`."""
+        """Sends the goal of an action of the table; `on_end` receives the same `name`."""
         call = spec.call
         if call is None:
-            raise ValueError(f'{spec.action_type} is no goal of a ROS action')
+            raise ValueError(f'{spec.action_type} is not a goal of a ROS action')
         self._goals.send(name, self._client(call), _goal_type(call)(**call.fields(arguments)))
 
     def cancel(self, name: str) -> None:
-        """Ends a goal; `on_end` tells when it has."""
+        """Cancels a goal; `on_end` is called when it has ended."""
         self._goals.cancel(name)
 
     def check(self) -> None:
-        """To be called several times a second."""
+        """Checks the goals; the caller calls it several times a second."""
         self._goals.check()

@@ -1,4 +1,4 @@
-"""The route driver on ROS: routes out, reports and refusals in.
+"""The route driver on ROS: it publishes routes and receives reports and refusals.
 
 Publishes target_route (itrci_nav_msgs/TargetRoute). Subscribes execution_route_states
 (itrci_nav_msgs/ExecutionRouteStates), route_refused (itrci_nav_msgs/RouteRefused) and /graph
@@ -17,11 +17,11 @@ from trajectory_graph.route_protocol import reason_of
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
 
-Tell = Callable[[Callable[[float], None]], None]  # gives a call to the vehicle's thread
+Tell = Callable[[Callable[[float], None]], None]  # executes a call in the vehicle's thread
 
 
 class RouteLink:
-    """Carries the driver's commands, and what comes back, in the vehicle's thread."""
+    """Publishes the driver's commands, and passes the answers to it in the vehicle's thread."""
 
     def __init__(self, driver: RouteDriver, tell: Tell) -> None:
         self._driver = driver
@@ -36,7 +36,7 @@ class RouteLink:
         FollowedGraph(self._on_graph).subscribe()
 
     def carry_out(self, command: RouteCommand) -> None:
-        """Publishes a route; the same one again has the same stamp, so that it counts once."""
+        """Publishes a route; a repetition has the same stamp, so that receivers count it once."""
         if command not in self._stamps:
             self._stamps = {command: rospy.Time.now()}
         message = TargetRoute(route_id=command.route_id, edges=list(command.edges),

@@ -1,4 +1,4 @@
-"""The node's parameters, read and checked, and what is made of them before anything runs."""
+"""Reads and checks the node's parameters, and creates objects from them before the node runs."""
 from __future__ import annotations
 
 import os
@@ -31,11 +31,13 @@ from vda5050_vehicle.nodes.ros_actions import check_types
 from vda5050_vehicle.protocol.codec_3 import CODECS
 from vda5050_vehicle.protocol.codecs import Codec
 
-EPOCH = 1_600_000_000  # s; ids of routes begin where they cannot repeat those of an earlier run
+# s since 1970. The first route id is the number of seconds since this time, so that no id repeats
+# an id of an earlier run.
+EPOCH = 1_600_000_000
 
 
 class Settings:
-    """The node's parameters, read and checked; raises ConfigurationError."""
+    """The checked parameters of the node; raises ConfigurationError."""
 
     def __init__(self) -> None:
         self.codec: Codec = CODECS[choice('~version', '2.1.0', tuple(CODECS))]
@@ -80,7 +82,7 @@ class Settings:
         words: List[str] = parameter('~ignored_fields', '').replace(',', ' ').split()
         for word in words:
             if word not in FIELDS:
-                raise ConfigurationError(f'~ignored_fields has {word}; there are '
+                raise ConfigurationError(f'~ignored_fields has {word}; the fields are '
                                          f'{" ".join(sorted(FIELDS))}.')
         return tuple(words)
 
@@ -101,7 +103,8 @@ class Settings:
         if path:
             warn_if_exposed('credentials file', path)
         if username and not files['ca_file'] and not _is_local(host):
-            rospy.logwarn('The password goes to the broker at %s unencrypted: set ~ca_file.', host)
+            rospy.logwarn('The password is sent to the broker at %s unencrypted. Set ~ca_file.',
+                          host)
         return Broker(host, int(port), username, password, **files,
                       keepalive=int(number('~keepalive', 15, 1, 3600)))
 

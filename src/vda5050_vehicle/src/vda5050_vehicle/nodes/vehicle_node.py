@@ -1,6 +1,6 @@
-"""The VDA 5050 adapter: a robot of ROS 1 as a vehicle of any VDA 5050 master.
+"""The VDA 5050 adapter: it makes a ROS 1 robot a vehicle of any VDA 5050 master.
 
-MQTT, under ~interface_name/v2/~manufacturer/~serial_number (v3 where ~version is 3.0.0)
+MQTT, under ~interface_name/v2/~manufacturer/~serial_number (v3 if ~version is 3.0.0)
     in: order, instantActions; out: state, connection, factsheet, visualization
 Subscribes
     pose, odom, battery_state, and the topics of the vehicle file's signals (`robot_watch`)
@@ -14,29 +14,30 @@ Client of
 Parameters
     ~broker            string  127.0.0.1:1883  host:port of the MQTT broker
     ~credentials_file  string  (empty)  YAML file with username and password
-    ~ca_file, ~cert_file, ~key_file  string (empty)  PEM files; with ~ca_file it is TLS
-    ~keepalive         int     15 s     between signs of life to the broker
-    ~version           string  2.1.0    of the standard, on the wire; or 2.0.0, 3.0.0
+    ~ca_file, ~cert_file, ~key_file  string (empty)  PEM files; ~ca_file switches TLS on
+    ~keepalive         int     15 s     MQTT keep-alive interval
+    ~version           string  2.1.0    version of the standard in the messages; or 2.0.0, 3.0.0
     ~interface_name    string  uagv     first level of the topics
     ~manufacturer      string  (required)
     ~serial_number     string  (required)
-    ~map_id            string  map      the map on which positions are; orders on others are refused
-    ~map_version       string  1        told in the state
+    ~map_id            string  map      the map of all positions; orders on other maps are rejected
+    ~map_version       string  1        version of the map in the state
     ~driver            string  route    or move_base
-    ~graph_file        string  (empty)  trajectory graph (YAML); driver route waits for /graph
-                                        without one
-    ~vehicle_file      string  (required)  what the factsheet tells, and where the state is read
-    ~actions_file      string  (empty)  what the vehicle can do beside driving
-    ~ignored_fields    string  (empty)  fields of orders that are ignored though they are not
-                                        honoured, with blanks between: theta trajectory ...
-    ~match_radius      float   0.3 m    a node's position belongs to the vertex within this
-    ~start_radius      float   0.5 m    an order may begin at a node within this, or its deviation
-    ~pose_timeout      float   3 s      a pose older than that is not told, and the robot is lost
+    ~graph_file        string  (empty)  trajectory graph (YAML); if it is empty, driver route
+                                        waits for /graph
+    ~vehicle_file      string  (required)  the factsheet, and the topics of the state
+    ~actions_file      string  (empty)  the actions of the vehicle other than driving
+    ~ignored_fields    string  (empty)  fields of orders that are ignored although the vehicle
+                                        does not support them, separated by blanks: theta ...
+    ~match_radius      float   0.3 m    a node's position matches a vertex within this distance
+    ~start_radius      float   0.5 m    an order may begin at a node within this distance, or
+                                        within the deviation of the node
+    ~pose_timeout      float   3 s      an older pose is not reported; the robot counts as lost
     ~pose_source       string  topic    or tf: map frame to ~base_frame
     ~base_frame        string  base_link
     ~map_frame         string  map      frame of poses
-    ~journal           string  (in ROS_HOME/vda5050)  what is known after a restart
-    ~log_folder        string  (in ROS_HOME/vda5050)  where log reports are stored
+    ~journal           string  (in ROS_HOME/vda5050)  file that keeps the state during a restart
+    ~log_folder        string  (in ROS_HOME/vda5050)  folder of the log reports
     ~visualization_period  float  0 s   between two messages on visualization; 0: none
 """
 from __future__ import annotations
@@ -70,13 +71,13 @@ from vda5050_vehicle.protocol.fields import write_json
 from vda5050_vehicle.protocol.headers import Headers
 from vda5050_vehicle.protocol.values import Connection, ConnectionState, Visualization
 
-TICK = 0.1         # s between two looks at the clock
+TICK = 0.1         # s between two periodic steps
 
 Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 
 
 class VehicleNode:
-    """See the module's text. One thread has the vehicle; callbacks only queue calls for it."""
+    """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
@@ -103,13 +104,13 @@ class VehicleNode:
             settings.broker, settings.prefix, f'{identity.manufacturer}_{identity.serial_number}',
             self._connection, self._on_message, self._on_mqtt_change)
         show_state(settings, self._vehicle, self._mqtt, lambda: self._mqtt_problem)
-        # A vehicle that is ONLINE and deaf would be worse than none: where the thread ends, so does
-        # the process, and the broker tells the last will.
+        # A vehicle that is ONLINE but does not react would be worse than no vehicle. So if this
+        # thread ends, the process ends, and the broker publishes the last will.
         self._thread = start_worker('vehicle', self._loop.run)
         self._mqtt.start()
 
     def close(self) -> None:
-        """Leaves the broker; the order is kept."""
+        """Disconnects from the broker; the order stays in the journal."""
         self._loop.end()
         self._thread.join(0.5)
         self._mqtt.close()
@@ -119,7 +120,7 @@ class VehicleNode:
         try:
             state = self._settings.journal.read(type(vehicle.state.drive))
         except journal.WrongRecord as problem:
-            rospy.logwarn('The journal cannot be used, the vehicle begins without an order: %s',
+            rospy.logwarn('The journal cannot be used, so the vehicle starts without an order: %s',
                           problem)
             return
         if state is not None:
@@ -144,15 +145,15 @@ class VehicleNode:
         self._put(told)
 
     def _on_robot(self) -> None:
-        """Something was heard of the robot; several things at once are one look."""
+        """A report of the robot came; several reports at once cause one evaluation."""
         if not self._look_is_due:
             self._look_is_due = True
             self._put(self._look)
 
     def _on_message(self, topic: str, payload: bytes, kept: bool) -> None:
         if kept:
-            rospy.logwarn('A message on %s that the broker had kept is left out: masters do not '
-                          'retain %s, and a motion is not repeated by itself.', topic, topic)
+            rospy.logwarn('A retained message on %s is ignored: masters do not retain %s, and the '
+                          'vehicle does not repeat a motion by itself.', topic, topic)
         elif topic == 'order':
             self._put(lambda now: self._vehicle.receive_order(payload, now))
         else:
@@ -169,7 +170,7 @@ class VehicleNode:
     def _connection(self, state: str) -> bytes:
         return self._payload('connection', Connection(ConnectionState(state)))
 
-    # --- the thread that has the vehicle ----------------------------------------------------------
+    # --- in the thread that owns the vehicle ------------------------------------------------------
 
     def _perform_all(self, call: Call) -> None:
         for effect in call(time.monotonic()) or ():
@@ -223,8 +224,8 @@ class VehicleNode:
         try:
             self._settings.journal.write(effect.before, effect.now)
         except OSError as error:
-            rospy.logerr_throttle(10.0, 'The journal cannot be written, a restart will lose the '
-                                        'order: %s', error)
+            rospy.logerr_throttle(10.0, 'The journal cannot be written, so a restart will lose '
+                                        'the order: %s', error)
 
     def _write_log(self, effect: fx.WriteLog) -> None:
         try:

@@ -1,1 +1,1 @@
-"""VDA 5050 itself: values, what they look like on the wire, and the rules of the standard."""
+"""The VDA 5050 protocol: its values, their JSON encoding, and the rules of the standard."""

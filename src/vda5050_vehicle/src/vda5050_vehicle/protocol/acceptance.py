@@ -1,6 +1,7 @@
-"""Whether an order is taken up: figure 8 of VDA 5050 2.1.0 and 3.0.0 as a pure function.
+"""Decides whether an order is accepted: figure 8 of VDA 5050 2.1.0 and 3.0.0 as a pure function.
 
-Question 1, whether the order is valid, is `order_rules`. The numbers are those of 2.1.0.
+Module `order_rules` answers question 1 of the figure: is the order valid? The numbers of the
+questions are those of 2.1.0.
 """
 from __future__ import annotations
 
@@ -15,17 +16,17 @@ Place = Tuple[str, int]  # nodeId and sequenceId
 
 
 class Acceptance(Enum):
-    """What becomes of an order that is not rejected."""
+    """The use of an order that is not rejected."""
 
-    NEW = 'new'              # in place of the one held
-    APPEND = 'append'        # extends the order that is under way
-    CONTINUE = 'continue'    # extends the order that was completed
-    DUPLICATE = 'duplicate'  # is there already: ignored
+    NEW = 'new'              # replaces the present order
+    APPEND = 'append'        # extends the active order
+    CONTINUE = 'continue'    # extends the completed order
+    DUPLICATE = 'duplicate'  # the vehicle has this order already and ignores it
 
 
 @dataclass(frozen=True)
 class Rejection:
-    """Why an order is not taken up."""
+    """The reason for which an order is rejected."""
 
     error: Error
 
@@ -35,14 +36,15 @@ Verdict = Union[Acceptance, Rejection]
 
 @dataclass(frozen=True)
 class Held:
-    """What the vehicle holds when an order comes.
+    """The situation of the vehicle when an order comes.
 
-    busy            -- node states are left, or actions of the order that have not ended
-    acting          -- an instant action that has not ended; empty in 3.0, where they do not count
-    moving          -- one that takes the robot to another place
-    cancelled       -- the order was cancelled, or is being so
-    decision_point  -- last node of the base
-    last_node       -- the last one that was passed
+    busy            -- whether node states remain, or actions of the order that have not ended
+    acting          -- id of an instant action that has not ended; always '' in 3.0, in which
+                       instant actions do not block orders
+    moving          -- id of an instant action that moves the robot to another place, or ''
+    cancelled       -- whether the order was cancelled or is being cancelled
+    decision_point  -- the last node of the base
+    last_node       -- the last node that the vehicle passed
     """
 
     order_id: str = ''
@@ -56,7 +58,7 @@ class Held:
 
 
 def judge(held: Held, order: Order, start_is_near: bool, is_3: bool = False) -> Verdict:
-    """The verdict on a valid order; `start_is_near` answers question 4 of the figure."""
+    """Returns the verdict on a valid order; `start_is_near` answers question 4 of the figure."""
     if order.order_id != held.order_id:                                       # question 2
         return _judge_new(held, order, start_is_near, is_3)
     return _judge_update(held, order, is_3)
@@ -65,7 +67,7 @@ def judge(held: Held, order: Order, start_is_near: bool, is_3: bool = False) -> 
 def _judge_new(held: Held, order: Order, start_is_near: bool, is_3: bool) -> Verdict:
     if held.busy:                                                             # question 3
         return _reject(e.OTHER_ORDER, order,
-                       f'order {held.order_id!r} is still under way; cancel it first')
+                       f'order {held.order_id!r} is still active; cancel it first')
     under_way = held.moving or held.acting
     if under_way:
         return _reject(e.OTHER_ORDER, order,
@@ -75,7 +77,7 @@ def _judge_new(held: Held, order: Order, start_is_near: bool, is_3: bool) -> Ver
                        f'a new order has orderUpdateId 0, not {order.order_update_id}')
     if not start_is_near:                                                     # question 4
         return _reject(e.START_TOO_FAR, order,
-                       f'the vehicle is not within the deviation of the first node, '
+                       f'the vehicle is outside the allowed deviation of the first node, '
                        f'{order.nodes[0].node_id!r}',
                        Reference('nodeId', order.nodes[0].node_id))
     return Acceptance.NEW
@@ -88,13 +90,13 @@ def _judge_update(held: Held, order: Order, is_3: bool) -> Verdict:
                        f'{held.order_update_id}, which the vehicle has')
     is_copy = order.order_update_id == held.order_update_id                   # question 6
     if held.cancelled and (is_3 or not is_copy):
-        # Not in the figure of 2.1.0; question 7 of 3.0.0, before that for a copy.
+        # Question 7 of 3.0.0, asked here before the question for a copy; not in 2.1.0's figure.
         return _reject(e.UPDATE_AFTER_CANCEL, order, 'the order was cancelled; send another one')
     if is_copy:
         return Acceptance.DUPLICATE
     if held.moving:
         return _reject(e.WRONG_UPDATE, order,
-                       f'the instant action {held.moving!r} takes the vehicle away from its last '
+                       f'the instant action {held.moving!r} moves the vehicle away from its last '
                        'node; wait for its end')
     expected = held.decision_point if held.busy else held.last_node           # questions 3, 7, 8
     first = (order.nodes[0].node_id, order.nodes[0].sequence_id)

@@ -1,7 +1,8 @@
-"""Actions from their reception to their end: what waits, what may start, what holds the vehicle.
+"""The actions from their reception to their end.
 
-Actions are triggered in the order in which their nodes and edges are reached; figure 17 of the
-standard says which of them may run beside each other, and which need the vehicle to stand.
+The queue knows which actions wait, which may start, and which require the vehicle to stand still.
+An action is triggered when the vehicle reaches its node or edge. Figure 17 of the standard says
+which actions may run at the same time, and which require the vehicle to stand still.
 """
 from __future__ import annotations
 
@@ -12,11 +13,13 @@ from typing import Callable, Collection, Dict, Iterable, Iterator, List, Mapping
 
 from vda5050_vehicle.protocol.values import Action, ActionState, ActionStatus
 
-MAX_ENDED_INSTANT_ACTIONS = 100  # told: until the next order, in 3.0 until they are cleared
+# The largest number of ended instant actions in the state. They are reported until the next order;
+# in 3.0 until the master clears them.
+MAX_ENDED_INSTANT_ACTIONS = 100
 
 
 class Scope(Enum):
-    """Where an action came from."""
+    """The origin of an action."""
 
     INSTANT = 'INSTANT'
     NODE = 'NODE'
@@ -25,10 +28,11 @@ class Scope(Enum):
 
 @dataclass(frozen=True)
 class Entry:
-    """An action and how far it is.
+    """An action and its progress.
 
-    sequence_id -- of its node or edge; -1 for an instant action
-    triggered   -- its node was passed, its edge entered; or it came to be done at once
+    sequence_id -- the sequenceId of its node or edge; -1 for an instant action
+    triggered   -- whether the vehicle has passed the node or entered the edge of the action; an
+                   instant action is triggered when it is received
     """
 
     action: Action
@@ -40,7 +44,10 @@ class Entry:
 
     @property
     def is_active(self) -> bool:
-        """Whether it was started and has not ended; INITIALIZING it is to be tried again."""
+        """Whether it was started and has not ended.
+
+        INITIALIZING does not count, because the action then waits for a new try.
+        """
         return self.status in (ActionStatus.RUNNING, ActionStatus.PAUSED, ActionStatus.RETRIABLE)
 
     @property
@@ -50,21 +57,22 @@ class Entry:
 
     @cached_property
     def forbids_driving(self) -> bool:
-        """Whether the vehicle must stand for it, once it is triggered and until it has ended."""
+        """Whether the vehicle must stand still while it is triggered; False after its end."""
         return self.action.blocking_type.forbids_driving and not self.status.has_ended
 
     @cached_property
     def state(self) -> ActionState:
-        """What the master is told."""
+        """The report of this action for the master."""
         return ActionState(self.action.action_id, self.action.action_type, self.status,
                            self.action.description, self.result, not self.belongs_to_order)
 
 
 @dataclass(frozen=True)
 class ActionQueue:
-    """All actions that the state tells of, by id, as they came.
+    """All actions that the state reports.
 
-    triggered -- ids of those triggered and not ended, in the order in which they are to run
+    by_id     -- the actions by id, in the sequence of their reception
+    triggered -- ids of the triggered actions that have not ended, in the sequence of execution
     """
 
     by_id: Mapping[str, Entry] = field(default_factory=dict)
@@ -81,13 +89,13 @@ class ActionQueue:
 
     @cached_property
     def states(self) -> Tuple[ActionState, ...]:
-        """What the master is told."""
+        """The reports of all actions for the master."""
         return tuple(entry.state for entry in self)
 
-    # --- coming and going -------------------------------------------------------------------------
+    # --- adding and removing actions --------------------------------------------------------------
 
     def with_entries(self, *new: Entry) -> ActionQueue:
-        """With actions that came."""
+        """Returns the queue with new actions; the oldest ended instant actions may be dropped."""
         entries: Dict[str, Entry] = {**self.by_id,
                                      **{entry.action.action_id: entry for entry in new}}
         for action_id in _ended_instant_actions(entries.values())[:-MAX_ENDED_INSTANT_ACTIONS]:
@@ -96,21 +104,24 @@ class ActionQueue:
 
     @property
     def is_full(self) -> bool:
-        """Whether the oldest of the instant actions that have ended is forgotten next."""
+        """Whether the next ended instant action displaces the oldest ended one."""
         return len(_ended_instant_actions(self)) >= MAX_ENDED_INSTANT_ACTIONS
 
     def without_order(self, keep_instant: bool = False) -> ActionQueue:
-        """Without the order's, and instant actions that have ended unless they are kept."""
+        """Returns the queue without the actions of the order.
+
+        keep_instant -- whether instant actions that have ended stay in the queue
+        """
         return self._with_those(lambda entry: not entry.belongs_to_order and (
             keep_instant or not entry.status.has_ended))
 
     def without_ended_instant_actions(self) -> ActionQueue:
-        """Without instant actions that have ended."""
+        """Returns the queue without the instant actions that have ended."""
         return self._with_those(
             lambda entry: entry.belongs_to_order or not entry.status.has_ended)
 
     def without(self, sequence_ids: Collection[int]) -> ActionQueue:
-        """Without the actions of a horizon that is replaced."""
+        """Returns the queue without the actions of these nodes and edges (a replaced horizon)."""
         return self._with_those(lambda entry: entry.sequence_id not in sequence_ids)
 
     def _with_those(self, are_kept: Callable[[Entry], bool]) -> ActionQueue:
@@ -118,13 +129,13 @@ class ActionQueue:
         return ActionQueue(kept, tuple(name for name in self.triggered if name in kept))
 
     def with_element_triggered(self, sequence_id: int) -> ActionQueue:
-        """After the node was passed, or the edge entered."""
+        """Returns the queue after the vehicle passed the node or entered the edge."""
         return self.with_triggered(*(
             entry.action.action_id for entry in self.of(sequence_id)
             if not entry.triggered and not entry.status.has_ended))
 
     def with_triggered(self, *action_ids: str) -> ActionQueue:
-        """It is the turn of these actions, as soon as those before let them start."""
+        """Returns the queue with these actions triggered; they start after earlier ones permit."""
         if not action_ids:
             return self
         now = {name: replace(self[name], triggered=True) for name in action_ids}
@@ -132,7 +143,7 @@ class ActionQueue:
 
     def updated(self, action_id: str, status: ActionStatus,
                 result: Optional[str] = None) -> ActionQueue:
-        """With an action that is farther. One that has ended stays as it is."""
+        """Returns the queue with a new status of an action; an ended action does not change."""
         entry = self.by_id.get(action_id)
         if entry is None or entry.status.has_ended:
             return self
@@ -140,10 +151,10 @@ class ActionQueue:
         return ActionQueue({**self.by_id, action_id: entry}, tuple(
             name for name in self.triggered if name != action_id or not status.has_ended))
 
-    # --- what may be done -------------------------------------------------------------------------
+    # --- permitted steps --------------------------------------------------------------------------
 
     def startable(self, standing: bool) -> Tuple[Entry, ...]:
-        """Those that may start now: figure 17, going on while earlier ones run."""
+        """Returns the actions that may start now, by figure 17; earlier actions may still run."""
         result: List[Entry] = []
         busy = False
         for action_id in self.triggered:
@@ -160,26 +171,26 @@ class ActionQueue:
 
     @property
     def forbid_driving(self) -> bool:
-        """Whether a triggered action needs the vehicle to stand."""
+        """Whether a triggered action requires the vehicle to stand still."""
         return any(self[action_id].forbids_driving for action_id in self.triggered)
 
     @property
     def hold_the_robot(self) -> bool:
-        """Whether an action runs for which the vehicle stands, or which moves it by itself."""
+        """Whether an active action requires the vehicle to stand, or moves the vehicle itself."""
         return any(self[name].is_active and self[name].forbids_driving for name in self.triggered)
 
     def next_stop(self, after: int) -> Optional[int]:
-        """The first element behind this one with an action for which the vehicle must stand."""
+        """Returns the first sequenceId after `after` with an action that forbids driving."""
         return min((entry.sequence_id for entry in self
                     if entry.sequence_id > after and entry.forbids_driving), default=None)
 
     def of(self, sequence_id: int) -> List[Entry]:
-        """The actions of a node or edge."""
+        """Returns the actions of a node or edge."""
         return [entry for entry in self if entry.sequence_id == sequence_id]
 
     @cached_property
     def order_has_ended(self) -> bool:
-        """Whether no action of the order is left to be done."""
+        """Whether all actions of the order have ended."""
         return all(entry.status.has_ended for entry in self if entry.belongs_to_order)
 
 

@@ -1,7 +1,7 @@
-"""The messages of VDA 5050 3.0.0: the tables of 2.1.0 with other keys, and what 3.0 adds.
+"""The messages of VDA 5050 3.0.0: the tables of 2.1.0 with other keys and additional fields.
 
-Source: VDA5050_EN.md of 3.0.0. What it leaves to the vehicle (zones, requests for them, planned
-paths, hibernation, certificates) is not spoken.
+Source: VDA5050_EN.md of 3.0.0. The optional parts of 3.0.0 (zones, requests for zones, planned
+paths, hibernation, certificates) are not implemented.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ACTION_NAMES: Mapping[str, str] = {'initializePosition': 'initPosition'}  # 3.0
 
 
 class _ActionType(Text):
-    """Names of actions, some of which 3.0 has changed."""
+    """The name of an action; 3.0 has renamed some actions."""
 
     def read(self, value: Any, path: str) -> str:
         """See Kind."""
@@ -39,7 +39,7 @@ class _ActionType(Text):
 
 
 class _Negated(Kind):
-    """True for false, and the other way round."""
+    """The negation of a boolean."""
 
     def read(self, value: Any, path: str) -> bool:
         """See Kind."""
@@ -132,7 +132,7 @@ _SHEET_KEYS: Mapping[str, str] = {
 
 
 def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
-    """2.1.0's factsheet under the keys of 3.0."""
+    """Converts the factsheet of 2.1.0 to the keys of 3.0."""
     found: Dict[str, Any] = _renamed(sheet)
     found['protocolLimits']['maximumStringLengths'].pop('enumLen', None)
     for action in found['protocolFeatures']['mobileRobotActions']:

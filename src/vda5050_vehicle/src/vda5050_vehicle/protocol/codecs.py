@@ -1,7 +1,7 @@
-"""What the messages look like on the wire: one table per message, for 2.1.0 and 2.0.0.
+"""The JSON encoding of the messages: one table per message, for 2.1.0 and 2.0.0.
 
-Reading understands both, and the keys of 2.0's drafts; writing follows the version chosen. Source:
-VDA5050_EN.md and json_schemas of the versions 2.0.0 and 2.1.0.
+Reading accepts the keys of both versions, and the keys of the drafts of 2.0. Writing uses the keys
+of the chosen version. Source: VDA5050_EN.md and json_schemas of the versions 2.0.0 and 2.1.0.
 """
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ class _Angle(Number):
     most: float = math.pi
 
     def read(self, value: Any, path: str) -> float:
-        """See Kind; pi may come rounded, to three decimals at the coarsest."""
+        """See Kind; accepts a pi that the sender has rounded to three decimals or more."""
         if (isinstance(value, (int, float)) and not isinstance(value, bool)
                 and math.pi < abs(value) <= math.pi + 5e-4):
             return math.copysign(math.pi, value)
         return super().read(value, path)
 
     def write(self, value: float) -> float:
-        """See Kind; pi is rounded towards zero, or a reader would find it too large."""
+        """See Kind; rounds pi towards zero, because a reader rejects a larger value."""
         largest = math.floor(math.pi * 1e6) / 1e6
         return max(-largest, min(largest, super().write(value)))
 
@@ -53,7 +53,7 @@ POSITIVE = Number(0.0)
 
 
 class _Circle(Kind):
-    """A deviation that is the same to all sides, as a radius in m."""
+    """A deviation that is equal in all directions: a radius in m."""
 
     def read(self, value: Any, path: str) -> v.Deviation:
         """See Kind."""
@@ -222,11 +222,15 @@ _RECORDS: Mapping[str, Record] = {
 
 @dataclass(frozen=True)
 class Codec:
-    """The messages of one version of the standard; `records` by topic.
+    """The messages of one version of the standard.
 
-    factsheet -- makes this version's factsheet of the vehicle's own
-    is_3      -- instant actions do not block, and are told until they are cleared; an action may be
-                 retried; the same orderUpdateId with another content is an error
+    records   -- the table of each message, by topic
+    factsheet -- converts the vehicle's factsheet to the factsheet of this version
+    is_3      -- whether the rules of 3.0 apply:
+                 - instant actions do not block
+                 - the state reports instant actions until the master clears them
+                 - an action may be retried
+                 - the same orderUpdateId with different contents is an error
     """
 
     version: str
@@ -236,11 +240,11 @@ class Codec:
 
     @property
     def major(self) -> str:
-        """The version as the topics have it, e.g. `v2`."""
+        """The major version as it appears in topic names, e.g. `v2`."""
         return 'v' + self.version.split('.')[0]
 
     def read(self, topic: str, payload: bytes) -> Tuple[v.Header, Any]:
-        """Header and message in a payload; raises Malformed."""
+        """Returns the header and the message in a payload; raises Malformed."""
         json_object = read_json(payload)
         header = HEADER.read(json_object, '')
         if header.version.lstrip('v').split('.')[0] != self.version.split('.')[0]:
@@ -249,15 +253,18 @@ class Codec:
         return header, self.records[topic].read(json_object, '')
 
     def write(self, topic: str, header: v.Header, message: Any) -> Dict[str, Any]:
-        """The JSON object of a message; a factsheet is a JSON object already."""
+        """Returns the JSON object of a message; a factsheet is given as a JSON object."""
         body = (self.factsheet(message) if topic == 'factsheet'
                 else self.records[topic].write(message))
         return {**HEADER.write(header), **body}
 
 
 def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
-    """Without blockingTypes, for which the schema of 2.1.0 wants an array that is a string, and
-    without cancelAllowed, which is of 3.0."""
+    """Removes the keys that 2.x cannot have.
+
+    - blockingTypes: the schema of 2.1.0 requires a value that is an array and a string at once
+    - cancelAllowed: 3.0 introduced it
+    """
     features = sheet['protocolFeatures']
     actions = [{key: value for key, value in action.items()
                 if key not in ('blockingTypes', 'cancelAllowed')}
@@ -266,7 +273,11 @@ def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
 
 
 def _version_2_0() -> Codec:
-    """2.0.0 knows no maps, and wants a heading with the position of a node, which few have."""
+    """Returns the codec of 2.0.0.
+
+    2.0.0 has no maps. It requires a heading in the position of a node, and few nodes have a
+    heading, so node states have no position.
+    """
     nodes = ListOf(NODE_STATE.changed(position=None))
     state = STATE.changed(maps=None, node_states=Field('node_states', 'nodeStates', nodes, True))
     return Codec('2.0.0', {**_RECORDS, 'state': state}, _factsheet)

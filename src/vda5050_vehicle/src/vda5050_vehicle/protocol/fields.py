@@ -1,8 +1,8 @@
-"""What the codecs' tables are made of: kinds of JSON values, and records of named fields.
+"""The elements of the codecs' tables: kinds of JSON values, and records of named fields.
 
-A kind turns JSON into a value and back. Reading is strict about what it uses and lenient about what
-it does not know: unknown keys are left out. Nothing that comes from outside is trusted to be
-complete, finite, short or of the right type; what is wrong is said with its path.
+A kind converts JSON to a value and back. Reading checks each known key strictly and ignores
+unknown keys. Values from outside may be incomplete, infinite, too long or of a wrong type; the
+error names the path of the wrong value.
 """
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, Union
 MAX_MESSAGE = 1_000_000  # bytes
 MAX_TEXT = 1_000         # characters
 MAX_ARRAY = 2_000        # elements
-MAX_DEPTH = 20           # of a free JSON value
+MAX_DEPTH = 20           # levels of nesting of a free JSON value
 UINT32 = 2 ** 32 - 1
 
 
 class Malformed(Exception):
-    """A message that cannot be read; `path` says where, e.g. `nodes[1].sequenceId`."""
+    """A message that cannot be read; `path` is the wrong value, e.g. `nodes[1].sequenceId`."""
 
     def __init__(self, path: str, problem: str) -> None:
         super().__init__(f'{path or "the message"} {problem}')
@@ -33,11 +33,11 @@ class Kind:
     """A kind of JSON value."""
 
     def read(self, value: Any, path: str) -> Any:
-        """The value that the JSON means; raises Malformed."""
+        """Converts JSON to a value; raises Malformed."""
         raise NotImplementedError
 
     def write(self, value: Any) -> Any:
-        """The JSON of a value."""
+        """Converts a value to JSON."""
         return value
 
 
@@ -49,7 +49,7 @@ class Text(Kind):
         if not isinstance(value, str):
             raise Malformed(path, f'is {_name(value)}, but must be a string')
         if len(value) > MAX_TEXT:
-            raise Malformed(path, f'has {len(value)} characters; at most {MAX_TEXT} are taken')
+            raise Malformed(path, f'has {len(value)} characters; at most {MAX_TEXT} are allowed')
         if not all(char.isprintable() or char in '\n\t' for char in value):
             raise Malformed(path, 'has control characters')
         return value
@@ -57,7 +57,7 @@ class Text(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """A finite number within bounds, both included."""
+    """A finite number from `least` to `most`, both included."""
 
     least: float = -math.inf
     most: float = math.inf
@@ -76,12 +76,12 @@ class Number(Kind):
         return number
 
     def write(self, value: float) -> float:
-        """See Kind; a millimetre's tenth and a microradian are enough for every use."""
+        """See Kind; rounds to six decimals: a micrometre, a microradian."""
         return round(value, 6)
 
 
 class UnsignedInteger(Kind):
-    """An integer from 0 to 2**32 - 1; 7.0 is one, too, as JSON knows no integers."""
+    """An integer from 0 to 2**32 - 1; accepts 7.0, because JSON has no integer type."""
 
     def read(self, value: Any, path: str) -> int:
         """See Kind."""
@@ -106,8 +106,11 @@ class Boolean(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of an enum's values; `spelling` gives those that are written otherwise, `unknown` those
-    that this version has not."""
+    """One value of an enum.
+
+    spelling -- members that this version of the standard spells differently
+    unknown  -- members that this version does not have
+    """
 
     enum: Type[Enum]
     spelling: Tuple[Tuple[Enum, str], ...] = ()
@@ -126,17 +129,17 @@ class Choice(Kind):
 
 
 class Anything(Kind):
-    """Any JSON value that is not too deep."""
+    """Any JSON value with at most MAX_DEPTH levels of nesting."""
 
     def read(self, value: Any, path: str) -> Any:
         """See Kind."""
         if _depth(value) > MAX_DEPTH:
-            raise Malformed(path, f'is nested more than {MAX_DEPTH} deep')
+            raise Malformed(path, f'is nested more than {MAX_DEPTH} levels deep')
         return value
 
 
 class Object(Anything):
-    """Any JSON object that is not too deep."""
+    """Any JSON object with at most MAX_DEPTH levels of nesting."""
 
     def read(self, value: Any, path: str) -> Any:
         """See Kind."""
@@ -156,7 +159,7 @@ class ListOf(Kind):
         if not isinstance(value, list):
             raise Malformed(path, f'is {_name(value)}, but must be an array')
         if len(value) > MAX_ARRAY:
-            raise Malformed(path, f'has {len(value)} elements; at most {MAX_ARRAY} are taken')
+            raise Malformed(path, f'has {len(value)} elements; at most {MAX_ARRAY} are allowed')
         return tuple(self.kind.read(item, f'{path}[{i}]') for i, item in enumerate(value))
 
     def write(self, value: Sequence) -> list:
@@ -170,11 +173,14 @@ ANYTHING, OBJECT = Anything(), Object()
 
 @dataclass(frozen=True)
 class Field:
-    """One line of a table: attribute in Python (`a.b` where it is only written), key, kind.
+    """One line of a table.
 
-    required -- must be there on reading
-    aliases  -- other keys under which masters send it
-    omitted  -- not written when it holds this
+    attribute -- the attribute in Python; `a.b` only in a field that is never read
+    key       -- the key in JSON
+    kind      -- the kind of the value
+    required  -- whether a message without this field is malformed
+    aliases   -- other keys that masters use for this field
+    omitted   -- the value for which the field is not written
     """
 
     attribute: str
@@ -185,7 +191,7 @@ class Field:
     omitted: Any = None
 
     def find(self, json_object: Mapping[str, Any]) -> Tuple[Optional[str], Any]:
-        """The key under which the object has this field, and what is there."""
+        """Returns the key of this field in the object and its value; None, None if absent."""
         for key in (self.key, *self.aliases):
             if key in json_object:
                 return key, json_object[key]
@@ -193,7 +199,7 @@ class Field:
 
 
 class Record(Kind):
-    """A JSON object that is a dataclass, by a table of fields."""
+    """A JSON object that represents a dataclass, described by a table of fields."""
 
     def __init__(self, kind: type, fields: Sequence[Field]) -> None:
         self.kind = kind
@@ -223,38 +229,38 @@ class Record(Kind):
         return result
 
     def changed(self, **fields: Union[Field, None]) -> Record:
-        """The same table with other lines, by attribute; None leaves a line out."""
+        """Returns the table with some lines replaced, by attribute; None removes a line."""
         table = [fields.get(field.attribute, field) for field in self.fields]
         known = {field.attribute for field in self.fields}
         added = [field for name, field in fields.items() if name not in known]
         return Record(self.kind, [field for field in (*table, *added) if field is not None])
 
     def renamed(self, **keys: str) -> Record:
-        """The same table with other keys on the wire, by attribute."""
+        """Returns the table with some JSON keys replaced, by attribute."""
         return Record(self.kind, [replace(field, key=keys.get(field.attribute, field.key))
                                   for field in self.fields])
 
 
 def read_json(payload: bytes) -> Dict[str, Any]:
-    """The JSON object in a payload; raises Malformed."""
+    """Returns the JSON object in a payload; raises Malformed."""
     if len(payload) > MAX_MESSAGE:
-        raise Malformed('', f'has {len(payload)} bytes; at most {MAX_MESSAGE} are taken')
+        raise Malformed('', f'has {len(payload)} bytes; at most {MAX_MESSAGE} are allowed')
     try:
         value = json.loads(payload.decode('utf-8'), parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:
-        raise Malformed('', f'is no JSON in UTF-8: {str(error)[:80]}') from None
+        raise Malformed('', f'is not JSON in UTF-8: {str(error)[:80]}') from None
     if not isinstance(value, dict):
         raise Malformed('', f'is {_name(value)}, but must be an object')
     return value
 
 
 def write_json(value: Mapping[str, Any]) -> bytes:
-    """The payload of a JSON object."""
+    """Returns the payload of a JSON object."""
     return json.dumps(value, separators=(',', ':'), allow_nan=False).encode()
 
 
 def _no_constant(name: str) -> None:
-    raise ValueError(f'{name} is no JSON number')
+    raise ValueError(f'{name} is not a JSON number')
 
 
 def _join(path: str, key: str) -> str:

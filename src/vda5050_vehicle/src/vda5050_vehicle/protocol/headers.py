@@ -1,4 +1,4 @@
-"""Headers of outgoing messages: ids count per topic, timestamps never go back."""
+"""Headers of outgoing messages: each topic counts its ids, and timestamps never go back."""
 from __future__ import annotations
 
 from collections import Counter
@@ -11,16 +11,16 @@ from vda5050_vehicle.protocol.values import Header
 
 
 def timestamp(seconds: float) -> str:
-    """ISO 8601 in UTC with milliseconds, as the standard wants it."""
+    """Returns the time in ISO 8601, UTC, with milliseconds, as the standard requires."""
     moment = datetime.fromtimestamp(seconds, timezone.utc)
     return f'{moment:%Y-%m-%dT%H:%M:%S}.{moment.microsecond // 1000:03d}Z'
 
 
 class Headers:
-    """Makes the headers of one sender; `clock` tells seconds since 1970.
+    """Makes the headers of one sender; `clock` returns the seconds since 1970.
 
-    A master drops a state that is older than the one before it, so a clock that is set back only
-    makes timestamps stand still, a millisecond apart.
+    A master drops a state that is older than the state before it. So if the clock is set back,
+    each timestamp is one millisecond later than the previous one until the clock has caught up.
     """
 
     def __init__(self, version: str, manufacturer: str, serial_number: str,
@@ -31,12 +31,12 @@ class Headers:
         self._latest = 0.0
 
     def make(self, topic: str) -> Header:
-        """The header of the next message on `topic`."""
+        """Returns the header of the next message on `topic`."""
         self._latest = max(self._clock(), self._latest + 0.001)
         header_id = self._sent[topic] & UINT32
         self._sent[topic] += 1
         return Header(header_id, timestamp(self._latest), *self._identity)
 
     def last(self, topic: str) -> int:
-        """Id of the last message on `topic`; 0 before any."""
+        """Returns the id of the last message on `topic`; 0 before the first message."""
         return max(self._sent[topic] - 1, 0) & UINT32

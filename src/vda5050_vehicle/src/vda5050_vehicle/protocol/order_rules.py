@@ -1,4 +1,4 @@
-"""What makes an order valid that the JSON schemas cannot say (VDA 5050 2.1.0, 6.6.1 and 6.6.2)."""
+"""The rules of a valid order that JSON schemas cannot express (VDA 5050 2.1.0, 6.6.1, 6.6.2)."""
 from __future__ import annotations
 
 from typing import Iterator, Optional, Sequence, Set, Tuple
@@ -29,7 +29,7 @@ def _wrong_id(order_id: str) -> Optional[Malformed]:
 
 def _wrong_count(order: Order) -> Optional[Malformed]:
     if not order.nodes:
-        return Malformed('nodes', 'is empty; one node is the least')
+        return Malformed('nodes', 'is empty; an order has at least one node')
     if len(order.edges) != len(order.nodes) - 1:
         return Malformed('edges', f'has {len(order.edges)} elements, but {len(order.nodes)} nodes '
                                   f'need {len(order.nodes) - 1}')
@@ -37,7 +37,7 @@ def _wrong_count(order: Order) -> Optional[Malformed]:
 
 
 def _wrong_sequence(order: Order) -> Optional[Malformed]:
-    """Ids run over nodes and edges by turns, without gaps."""
+    """Sequence ids count nodes and edges alternately, without gaps."""
     first = order.nodes[0].sequence_id
     rows: Tuple[Tuple[str, Sequence[Element], int], ...] = (
         ('nodes', order.nodes, first), ('edges', order.edges, first + 1))
@@ -60,7 +60,7 @@ def _wrong_ends(order: Order) -> Optional[Malformed]:
 
 
 def _wrong_release(order: Order) -> Optional[Malformed]:
-    """The base is the beginning of the order and ends with a node."""
+    """The base is the first part of the order and ends with a node."""
     if not order.nodes[0].released:
         return Malformed('nodes[0].released', 'is false; an order begins with its base')
     released = True
@@ -86,7 +86,7 @@ def _repeated_action(order: Order) -> Optional[Malformed]:
 
 
 def actions_of(order: Order) -> Iterator[Action]:
-    """All actions of an order."""
+    """Yields all actions of an order, first of its nodes, then of its edges."""
     elements: Tuple[Element, ...] = (*order.nodes, *order.edges)
     for element in elements:
         yield from element.actions

@@ -1,4 +1,4 @@
-"""An order as it is driven: what is left of it, its base and its horizon."""
+"""The progress of an order: its remaining nodes and edges, its base and its horizon."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -11,11 +11,11 @@ from vda5050_vehicle.protocol.values import Edge, Element, Node, Order
 
 @dataclass(frozen=True)
 class OrderState:
-    """What the vehicle holds of an order, from the last node passed on.
+    """The part of an order that remains, from the last passed node on.
 
     nodes[0] is the last node that was passed; nodes[1:] and edges are still to be driven.
-    passed -- how many nodes of the order were passed before nodes[0]; so nodes[i] is number
-              passed + i of the order, and edges[i] leads from number passed + i
+    passed -- number of nodes of the order that were passed before nodes[0]; so nodes[i] is node
+              passed + i of the order, and edges[i] starts at node passed + i
     """
 
     order_id: str = ''
@@ -27,13 +27,13 @@ class OrderState:
 
     @staticmethod
     def begin(order: Order) -> OrderState:
-        """A new order; the vehicle is at its first node."""
+        """Returns the state of a new order; the vehicle is at its first node."""
         return OrderState(order.order_id, order.order_update_id, order.nodes, order.edges)
 
     def extended(self, order: Order) -> OrderState:
-        """With an update's nodes and edges behind the base, in place of the horizon.
+        """Returns the state in which the nodes and edges of an update replace the horizon.
 
-        The node at which they join stays as it was first sent.
+        The node at which base and update join stays as the first order defined it.
         """
         end = self.base_end
         return replace(self, order_update_id=order.order_update_id,
@@ -41,29 +41,29 @@ class OrderState:
                        edges=self.edges[:end] + order.edges)
 
     def with_passed(self, count: int) -> OrderState:
-        """After `count` more nodes were passed; they are released ones."""
+        """Returns the state after `count` more nodes, all released, were passed."""
         if not 0 <= count <= self.base_end:
-            raise ValueError(f'{count} nodes cannot have been passed, the base has {self.base_end}')
+            raise ValueError(f'{count} nodes cannot have been passed: the base has {self.base_end}')
         return replace(self, nodes=self.nodes[count:], edges=self.edges[count:],
                        passed=self.passed + count)
 
     def emptied(self) -> OrderState:
-        """After its cancellation: the ids and the last node stay."""
+        """Returns the state after a cancellation: the ids and the last node remain."""
         return replace(self, nodes=self.nodes[:1], edges=(), cancelled=True)
 
     @cached_property
     def base_end(self) -> int:
-        """Index of the last released node, the decision point."""
+        """The index of the last released node, the decision point."""
         return sum(node.released for node in self.nodes) - 1 if self.nodes else 0
 
     @property
     def has_horizon(self) -> bool:
-        """Whether nodes are left that are not released."""
+        """Whether nodes remain that are not released."""
         return self.base_end < len(self.nodes) - 1
 
     @property
     def is_driven(self) -> bool:
-        """Whether no nodes are left."""
+        """Whether no nodes remain."""
         return len(self.nodes) <= 1
 
     @property
@@ -73,12 +73,12 @@ class OrderState:
 
     @property
     def decision_point(self) -> Place:
-        """Where an update must begin."""
+        """The node at which an update must begin."""
         return _place(self.nodes[self.base_end]) if self.nodes else ('', 0)
 
     @property
     def horizon_sequence_ids(self) -> Set[int]:
-        """Of the nodes and edges that an update replaces."""
+        """The sequenceIds of the nodes and edges that an update replaces."""
         elements: Tuple[Element, ...] = (*self.nodes, *self.edges)
         return {element.sequence_id for element in elements if not element.released}
 

@@ -1,8 +1,8 @@
-"""Messages that were acted upon, so that a copy that comes late is known as one.
+"""Remembers the messages that the vehicle has acted upon, so that it recognises a late copy.
 
-A broker, a bridge between brokers or a master's retry may deliver the same bytes twice, long after
-what they asked for was done. Such a copy has the `headerId` and `timestamp` of the first; a master
-that wants the same again sends a message of its own.
+A broker, a bridge between brokers or a retry of the master may deliver the same bytes twice, even
+long after the vehicle has executed the first message. A copy has the same `headerId` and
+`timestamp`. A master that wants the same thing again sends a message with a new header.
 """
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class ReceivedMessages:
         return digest(payload) in self.digests
 
     def with_message(self, payload: bytes) -> ReceivedMessages:
-        """With a message that is acted upon."""
+        """Returns the record with a message that the vehicle acts upon."""
         return ReceivedMessages((*self.digests, digest(payload))[-REMEMBERED:])
 
 
 def digest(payload: bytes) -> str:
-    """A short name of these bytes."""
+    """Returns a short digest of these bytes."""
     return blake2b(payload, digest_size=8).hexdigest()

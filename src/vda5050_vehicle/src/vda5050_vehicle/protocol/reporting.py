@@ -1,4 +1,4 @@
-"""When a state is sent: at once when something changed that counts, else by the clock."""
+"""Decides when a state is sent: at once after an important change, otherwise periodically."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -6,9 +6,9 @@ from typing import Optional
 
 from vda5050_vehicle.protocol.values import State
 
-DRIVING_PERIOD = 0.5  # s: a master that comes late sees nothing before
+DRIVING_PERIOD = 0.5  # s; a master that connects late receives its first state after this time
 IDLE_PERIOD = 5.0     # s; the standard's limit is 30 s
-EARLY = 0.05          # s: half a tick of the caller
+EARLY = 0.05          # s; half a period of the caller
 
 
 class Reporter:
@@ -20,11 +20,11 @@ class Reporter:
         self._asked = True
 
     def ask(self) -> None:
-        """A state is wanted whether or not it changed."""
+        """Makes the next state due, even if it has not changed."""
         self._asked = True
 
     def is_due(self, state: State, now: float) -> bool:
-        """Whether to send this state; if so, it counts as sent."""
+        """Returns whether to send this state; a state that is due counts as sent."""
         events = _events_of(state)
         period = DRIVING_PERIOD if state.driving else IDLE_PERIOD
         if not self._asked and events == self._told and now - self._sent < period - EARLY:
@@ -36,6 +36,6 @@ class Reporter:
 
 
 def _events_of(state: State) -> State:
-    """The state without what changes all the time."""
+    """Returns the state without the values that change continuously."""
     return replace(state, position=None, velocity=None, distance_since_last_node=None,
                    battery=replace(state.battery, charge=0.0, voltage=None))

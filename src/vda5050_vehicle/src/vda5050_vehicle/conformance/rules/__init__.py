@@ -1,8 +1,9 @@
-"""The rules that a vehicle is tried against.
+"""The rules for the test of a vehicle.
 
-Each rule is a function of the trial. It raises Broken or TooLate where the vehicle breaks it, and
-NotTried where it cannot be tried. Rules do not build on each other. Section numbers are those of
-VDA 5050 2.1.0. The order of these imports is that of the run.
+Each rule is a function with the trial as its argument. It raises Broken or TooLate if the vehicle
+breaks the rule, and NotTried if the rule cannot be tried. Rules do not depend on each other.
+Section numbers are those of VDA 5050 2.1.0. The sequence of these imports is the sequence of the
+run.
 """
 from vda5050_vehicle.conformance.rules import (  # isort: skip
     without_order,

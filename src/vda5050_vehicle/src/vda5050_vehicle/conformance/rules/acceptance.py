@@ -1,6 +1,7 @@
-"""Rules for orders and updates that are accepted, ignored or refused: figure 8.
+"""Rules for orders and updates that a vehicle must accept, ignore or refuse: figure 8.
 
-An order whose base is its first node keeps a vehicle busy, and no rule has to wait for a drive.
+Most rules use an order whose base is its first node only. Such an order keeps the vehicle busy, so
+that no rule has to wait for a drive.
 """
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ def _new_order(trial: Trial) -> None:
     expect([edge['edgeId'] for edge in state['edgeStates']] == list(trial.ahead.edges),
            'edgeStates are not all edges')
     expect(not any(node['released'] for node in state['nodeStates']
-                   if node['nodeId'] != wanted[0]), 'the horizon is told as released')
+                   if node['nodeId'] != wanted[0]), 'the horizon is reported as released')
 
 
 @must('figure 8 (3)', 'another order while one is under way, or waits for an update, is rejected',
@@ -122,15 +123,15 @@ def _update(trial: Trial) -> None:
     state = trial.taken(trial.ahead.part(0, 1).order(order_id, 1, base=1))
     wanted = [stop.node_id for stop in trial.ahead.stops[:2]]
     expect(node_ids(state) in (wanted, wanted[1:]),
-           f'nodeStates are {node_ids(state)}, the old horizon is not replaced')
+           f'nodeStates are {node_ids(state)}: the old horizon is not replaced')
 
 
 # --- malformed orders -----------------------------------------------------------------------------
 
 @must('6.6.4.1', 'an order that cannot be read brings the warning validationError', Start.ANYWHERE)
 def _unreadable(trial: Trial) -> None:
-    for what, payload in (('broken JSON', b'{"orderId": "x", '), ('no UTF-8', b'\xff\xfe{}'),
-                          ('JSON that is no object', b'[1, 2]')):
+    for what, payload in (('broken JSON', b'{"orderId": "x", '), ('not UTF-8', b'\xff\xfe{}'),
+                          ('JSON that is not an object', b'[1, 2]')):
         trial.clear_rejections()
         error = trial.refused_bytes(partial(trial.master.send_bytes, 'order', payload), what)
         _is_validation_error(what, error)
@@ -141,7 +142,7 @@ def _malformed(trial: Trial) -> None:
     _all_refused(trial, {
         'a nodeId that is a number': {'nodes__0__nodeId': 5},
         'released that is text': {'nodes__0__released': 'yes'},
-        'nodes that are no array': {'nodes': {}},
+        'nodes that are not an array': {'nodes': {}},
         'a blockingType that does not exist': {'nodes__0__actions': [
             {'actionType': 'x', 'actionId': 'y', 'blockingType': 'MAYBE'}]}}, is_malformed=True)
 
@@ -155,8 +156,9 @@ def _counts(trial: Trial) -> None:
 
 @must('6.6.1', 'an edge is released only if both its nodes are; nothing released follows a horizon')
 def _base(trial: Trial) -> None:
-    _all_refused(trial, {'a released edge to a node that is not': {'nodes__1__released': False},
-                         'released elements after an edge that is not': {
+    _all_refused(trial, {'a released edge to a node that is not released': {
+                             'nodes__1__released': False},
+                         'released elements after an edge that is not released': {
                              'edges__1__released': False}})
 
 
@@ -209,7 +211,7 @@ def _until_accepted(trial: Trial) -> None:
 
 
 def _rejection(trial: Trial) -> Tuple[str, Dict[str, Any]]:
-    """The orderId and the error of an order with a defect that this vehicle sees."""
+    """Returns the orderId and the error of a wrong order that this vehicle refuses."""
     damages: Tuple[Dict[str, Any], ...] = (
         {'nodes__0__released': 'yes'}, {'edges': []}, {'nodes__1__sequenceId': 7})
     for changes in damages:
@@ -220,4 +222,4 @@ def _rejection(trial: Trial) -> Tuple[str, Dict[str, Any]]:
             return order_id, trial.refused(changed(trial.ahead.order(order_id), **changes), '')
         except Broken:
             continue
-    raise NotTried('it refuses no malformed order')
+    raise NotTried('the vehicle refuses no malformed order')

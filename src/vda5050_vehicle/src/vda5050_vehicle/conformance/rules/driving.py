@@ -1,4 +1,4 @@
-"""Rules for orders that are driven, paused, cancelled, and for a broker that dies meanwhile."""
+"""Rules for orders that are driven, paused or cancelled, and for a broker that dies meanwhile."""
 from __future__ import annotations
 
 from typing import Any, Dict, Tuple
@@ -16,8 +16,8 @@ from vda5050_vehicle.conformance.trial import (
 )
 from vda5050_vehicle.conformance.verdicts import NotTried, expect
 
-LOOK = 0.2  # s between two looks at where the vehicle is
-AWAY = 2.0  # s for which the broker is lost
+LOOK = 0.2  # s between two checks of the vehicle's position
+AWAY = 2.0  # s during which the broker is not available
 
 
 @must('6.10.2', 'a traversed node leaves nodeStates, its edge leaves edgeStates, lastNodeId is set')
@@ -66,7 +66,7 @@ def _horizon(trial: Trial) -> None:
                       'standing at the decision point')
     trial.stays(lambda s: s['lastNodeId'] == decision and not s['driving'], 'the decision point')
     expect(len(trial.master.state['edgeStates']) == len(trial.ahead.edges) - 1,
-           'the horizon is not told any more')
+           'the horizon is no longer reported')
 
 
 @must('6.6.2', 'an order whose base grows is driven on')
@@ -92,7 +92,7 @@ def _pause(trial: Trial) -> None:
     state = trial.master.state
     expect(state.get('paused'), 'paused is not true')
     expect(not state['driving'], 'it still drives')
-    expect(state['nodeStates'], 'nodeStates are gone')
+    expect(state['nodeStates'], 'nodeStates are empty')
     trial.stays(lambda s: not s['driving'], 'standing')
 
 
@@ -126,7 +126,7 @@ def _cancel(trial: Trial) -> None:
     _cancelled(trial)
     state = trial.master.state
     expect(not state['driving'], 'it still drives')
-    expect(not has_order(state), 'nodeStates or edgeStates are left')
+    expect(not has_order(state), 'nodeStates or edgeStates remain')
     trial.stays(lambda s: not s['driving'], 'standing')
 
 
@@ -164,7 +164,7 @@ def _order_after_cancel(trial: Trial) -> None:
     index = [stop.node_id for stop in trial.ahead.stops].index(last)
     rest = trial.ahead.part(index)
     if index + 1 == len(trial.ahead.stops):
-        raise NotTried('it stopped at the end of the track')
+        raise NotTried('the vehicle stopped at the end of the track')
     trial.taken(rest.order(trial.new_id(), start_deviation=REACH))
     trial.at_end_of(rest)
 
@@ -186,7 +186,7 @@ def _order_from_temporary_node(trial: Trial) -> None:
 def _order_from_node_ahead(trial: Trial) -> None:
     _, index = _stopped_between_nodes(trial)
     if index + 2 >= len(trial.ahead.stops):
-        raise NotTried('it stopped on the last edge of the track')
+        raise NotTried('the vehicle stopped on the last edge of the track')
     rest = trial.ahead.part(index + 1)
     order, was = rest.order(trial.new_id(), start_deviation=REACH), trial.master.state
     before = trial.master.send('order', order)
@@ -197,8 +197,10 @@ def _order_from_node_ahead(trial: Trial) -> None:
 
 
 def _stopped_between_nodes(trial: Trial) -> Tuple[Message, int]:
-    """The state of a vehicle that was cancelled in the middle of an edge, and the number of the
-    edge; raises NotTried where it stands at a node."""
+    """Cancels the order of a vehicle in the middle of an edge.
+
+    Returns the state and the number of the edge; raises NotTried if the vehicle stands at a node.
+    """
     _underway(trial)
     deadline = trial.master.now() + trial.patience
     while trial.nearest(trial.fetch()) <= 2.0 * NEAR and trial.master.now() < deadline:
@@ -207,7 +209,7 @@ def _stopped_between_nodes(trial: Trial) -> Tuple[Message, int]:
     state = trial.fetch()
     index = [stop.node_id for stop in trial.ahead.stops].index(state['lastNodeId'])
     if trial.nearest(state) <= NEAR or index + 1 == len(trial.ahead.stops):
-        raise NotTried('it stopped at a node')
+        raise NotTried('the vehicle stopped at a node')
     return state, index
 
 
@@ -227,7 +229,7 @@ def _broker_lost(trial: Trial) -> None:
     after: Message = master.wait(lambda s: True, trial.patience, 'a state', after=states)
     expect(after['lastNodeSequenceId'] > before['lastNodeSequenceId']
            or after.get('agvPosition') != before.get('agvPosition'),
-           'it did not drive on without its broker')
+           'it did not drive on without the broker')
     trial.at_end_of(trial.ahead)
 
 
@@ -240,7 +242,10 @@ def _online_again(trial: Trial) -> None:
 
 
 def _lose_broker(trial: Trial) -> Tuple[Message, int, int]:
-    """The state before that, and how many states and connection messages had come."""
+    """Kills the broker while the vehicle drives, and starts it again.
+
+    Returns the state before, and the numbers of states and connection messages before.
+    """
     master, broker = trial.master, trial.own_broker
     if broker is None:
         raise NotTried('needs --own-broker')

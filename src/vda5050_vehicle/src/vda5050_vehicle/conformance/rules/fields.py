@@ -18,8 +18,8 @@ from vda5050_vehicle.conformance.trial import (
 )
 from vda5050_vehicle.conformance.verdicts import Broken, NotTried, expect
 
-TURN = 0.1     # rad that a heading may be off
-POINT = 0.001  # m, an allowedDeviationXY that hardly a vehicle can keep
+TURN = 0.1     # rad; the largest error of a heading
+POINT = 0.001  # m; an allowedDeviationXY that hardly any vehicle can keep
 
 
 @must('6.6.4.2', 'an order with an action that it cannot perform brings the warning orderError')
@@ -49,7 +49,7 @@ def _refused_action(trial: Trial) -> Dict[str, Any]:
 
 @must('6.6.1', 'the pose that the vehicle tells is one that an order may begin with')
 def _echo(trial: Trial) -> None:
-    """Its own pose is no malformed one; that it cannot use theta is another matter."""
+    """The vehicle must not call its own pose malformed; it may reject theta for other reasons."""
     _is_no_malformed_theta(trial, _pose(trial.master.state)['theta'])
 
 
@@ -70,7 +70,7 @@ def _is_no_malformed_theta(trial: Trial, theta: float) -> None:
     answer = trial.master.wait(lambda s: has(s, order) or new_errors(state, s), ANSWER,
                                'the order, or an error', after=before)
     types = [error['errorType'] for error in new_errors(state, answer)]
-    expect('validationError' not in types, f'an order with theta {theta!r} is malformed to it')
+    expect('validationError' not in types, f'it calls an order with theta {theta!r} malformed')
 
 
 @must('6.1.1', 'a field of an order is honoured or the order is rejected: theta of the first node')
@@ -105,7 +105,10 @@ def _has_heading(trial: Trial, track: Track, index: int, wanted: float) -> None:
 
 
 def _driven(trial: Trial, track: Track, index: int, fields: Dict[str, Any]) -> Optional[Message]:
-    """The state after an order with more fields at a node; None where it is refused or failed."""
+    """Drives an order with more fields in the position of a node.
+
+    Returns the state at the end of the order; None if the order is refused or fails.
+    """
     trial.clear_rejections()
     order = track.order(trial.new_id())
     position = order['nodes'][index]['nodePosition']

@@ -1,4 +1,4 @@
-"""Rules for all that a vehicle said in a run."""
+"""Rules for all messages of a vehicle in a run."""
 from __future__ import annotations
 
 from vda5050_vehicle.conformance.master import TooLate
@@ -13,7 +13,7 @@ def _interval(trial: Trial) -> None:
     if len(times) == 1:
         raise TooLate('no state came')
     longest = max(after - before for before, after in zip(times, times[1:]))
-    expect(longest <= INTERVAL + 1.0, f'{longest:.1f} s went by without one')
+    expect(longest <= INTERVAL + 1.0, f'{longest:.1f} s passed without a state')
 
 
 @must('6.15.1', 'agvActions of the factsheet has all actions that the vehicle supports',
@@ -27,7 +27,7 @@ def _all_actions(trial: Trial) -> None:
     done = {action.get('actionType') for state in trial.master.messages.get('state', ())
             for action in state['actionStates'] if action['actionStatus'] == 'FINISHED'}
     missing = sorted(found for found in done - known if found)
-    expect(not missing, f'it carried out, and does not list: {", ".join(missing)}')
+    expect(not missing, f'executed, but not in the list: {", ".join(missing)}')
 
 
 @must('6.2', 'connection is sent with QoS 1', Start.NOTHING)

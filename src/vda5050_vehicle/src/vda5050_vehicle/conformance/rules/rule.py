@@ -1,4 +1,4 @@
-"""What rules are made of, and the list of them."""
+"""The structure of a rule, and the list of all rules."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -8,28 +8,28 @@ from typing import Callable, List, Tuple
 from vda5050_vehicle.conformance.trial import Trial
 
 ALL = ('2.', '3.')        # versions of the standard
-SINCE_2_1 = ('2.1', '3.')  # figure 8 of 2.0 asks for nodes and edges and actions that are left
+SINCE_2_1 = ('2.1', '3.')  # in figure 8 of 2.0 only nodes and edges and actions make it busy
 ONLY_3 = ('3.',)
 
 
 class Level(Enum):
-    """How much the standard demands it."""
+    """The level of obligation in the standard."""
 
     MUST = 'must'
     SHOULD = 'should'
 
 
 class Start(Enum):
-    """What a rule needs before it is tried."""
+    """The condition that a rule requires before it is tried."""
 
-    NOTHING = 'nothing'    # it looks at what was said
-    ANYWHERE = 'anywhere'  # the vehicle is without an order if that can be had
-    AT_END = 'at an end'   # without an order, at an end of the track
+    NOTHING = 'nothing'    # no condition; the rule evaluates messages that came
+    ANYWHERE = 'anywhere'  # the vehicle has no order, if that is possible
+    AT_END = 'at an end'   # the vehicle has no order and stands at an end of the track
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule: the sentence of the standard that it checks, where that stands, how it is tried."""
+    """A rule: the sentence of the standard that it checks, its section, and its test function."""
 
     level: Level
     section: str
@@ -45,18 +45,21 @@ RULES: List[Rule] = []
 
 def must(section: str, sentence: str, start: Start = Start.AT_END,
          versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
-    """Adds a function to the rules; `section` is of 2.1.0, or of 3.0.0 where only that has it."""
+    """Adds a function to the rules.
+
+    section -- section of 2.1.0, or of 3.0.0 if only 3.0.0 has the rule
+    """
     return _rule(Level.MUST, section, sentence, start, versions)
 
 
 def should(section: str, sentence: str, start: Start = Start.AT_END,
            versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
-    """The same for what the standard recommends."""
+    """Like `must`, for a recommendation of the standard."""
     return _rule(Level.SHOULD, section, sentence, start, versions)
 
 
 def rules_of(version: str) -> List[Rule]:
-    """Those that a version of the standard has."""
+    """Returns the rules of a version of the standard."""
     return [rule for rule in RULES if version.startswith(rule.versions)]
 
 

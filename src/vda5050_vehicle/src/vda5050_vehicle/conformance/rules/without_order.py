@@ -15,7 +15,7 @@ def _online(trial: Trial) -> None:
 
 @must('6.14', 'all messages on connection are retained', Start.NOTHING)
 def _retained(trial: Trial) -> None:
-    expect(trial.master.is_retained('connection'), 'a client that comes later gets none')
+    expect(trial.master.is_retained('connection'), 'a client that connects later receives none')
 
 
 @must('6.8.1', 'stateRequest makes the vehicle send a state', Start.ANYWHERE)
@@ -44,7 +44,7 @@ def _factsheet(trial: Trial) -> None:
 def _factsheet_retained(trial: Trial) -> None:
     trial.master.act('factsheetRequest')
     trial.master.wait(lambda m: True, ANSWER, 'a factsheet', 'factsheet')
-    expect(trial.master.is_retained('factsheet'), 'a client that comes later gets none')
+    expect(trial.master.is_retained('factsheet'), 'a client that connects later receives none')
 
 
 @must('6.11', 'a vehicle represents every action that it receives in its actionStates',
@@ -64,7 +64,7 @@ def _unknown_action(trial: Trial) -> None:
     except TooLate as error:
         raise NotTried(f'an unknown action has no actionState: {error}') from None
     ended = trial.master.ended(action_id, ANSWER)
-    expect(ended['actionStatus'] == 'FAILED', f'an unknown one is {ended["actionStatus"]}')
+    expect(ended['actionStatus'] == 'FAILED', f'an unknown action is {ended["actionStatus"]}')
 
 
 @must('3.0: 6.6.5', 'INVALID_INSTANT_ACTION stays until a new instant action is accepted',

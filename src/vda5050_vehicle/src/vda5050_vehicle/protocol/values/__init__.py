@@ -1,6 +1,8 @@
-"""The values of VDA 5050: orders in, actions in, state, connection and visualization out.
+"""The values of VDA 5050.
 
-Metres, radians, percent, as on the wire. Field names are the standard's, in Python's spelling.
+The vehicle receives orders and actions, and sends state, connection and visualization. Units are
+metres, radians and percent, as in the messages. Field names are those of the standard, in the
+spelling of Python.
 """
 from __future__ import annotations
 
@@ -52,7 +54,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Header:
-    """The sender of a message, and its time; ids count per topic."""
+    """The sender and the time of a message; each topic counts its ids."""
 
     header_id: int
     timestamp: str

@@ -1,20 +1,20 @@
-"""The words of the standard that stand for one of a few things."""
+"""The enumerations of the standard."""
 from __future__ import annotations
 
 from enum import Enum
 
 
 class BlockingType(Enum):
-    """What an action lets happen beside it; 2.x has no SINGLE."""
+    """What an action permits while it runs; 2.x has no SINGLE."""
 
     NONE = 'NONE'      # driving and other actions
     SOFT = 'SOFT'      # other actions, no driving
     SINGLE = 'SINGLE'  # driving, no other actions
-    HARD = 'HARD'      # nothing
+    HARD = 'HARD'      # neither driving nor other actions
 
     @property
     def forbids_driving(self) -> bool:
-        """Whether the vehicle must stand."""
+        """Whether the vehicle must stand still."""
         return self in (BlockingType.SOFT, BlockingType.HARD)
 
     @property
@@ -24,24 +24,24 @@ class BlockingType(Enum):
 
 
 class ActionStatus(Enum):
-    """Life cycle of an action; 2.x has no RETRIABLE."""
+    """The life cycle of an action; 2.x has no RETRIABLE."""
 
     WAITING = 'WAITING'
     INITIALIZING = 'INITIALIZING'
     RUNNING = 'RUNNING'
     PAUSED = 'PAUSED'
-    RETRIABLE = 'RETRIABLE'  # it failed, and the master says whether to try it again
+    RETRIABLE = 'RETRIABLE'  # the action failed; the master decides whether to retry it
     FINISHED = 'FINISHED'
     FAILED = 'FAILED'
 
     @property
     def has_ended(self) -> bool:
-        """Whether it will not change any more."""
+        """Whether the status is final."""
         return self in (ActionStatus.FINISHED, ActionStatus.FAILED)
 
 
 class ErrorLevel(Enum):
-    """How bad an error is; 2.x knows the first and the last."""
+    """The severity of an error; 2.x has only WARNING and FATAL."""
 
     WARNING = 'WARNING'
     URGENT = 'URGENT'
@@ -50,7 +50,7 @@ class ErrorLevel(Enum):
 
 
 class ConnectionState(Enum):
-    """Between vehicle and broker."""
+    """The connection between vehicle and broker."""
 
     ONLINE = 'ONLINE'
     OFFLINE = 'OFFLINE'
@@ -67,7 +67,7 @@ class EStop(Enum):
 
 
 class OperatingMode(Enum):
-    """The party in control of the vehicle."""
+    """The party that controls the vehicle."""
 
     AUTOMATIC = 'AUTOMATIC'
     SEMIAUTOMATIC = 'SEMIAUTOMATIC'

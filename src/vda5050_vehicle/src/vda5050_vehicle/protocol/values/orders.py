@@ -1,4 +1,4 @@
-"""What comes from the master: orders and actions."""
+"""The values that come from the master: orders and actions."""
 from __future__ import annotations
 
 import math
@@ -18,14 +18,14 @@ class ActionParameter:
 
 @dataclass(frozen=True)
 class Action:
-    """Something to do, on a node, on an edge or at once."""
+    """An action to execute on a node, on an edge or at once."""
 
     action_type: str
     action_id: str
     blocking_type: BlockingType
     parameters: Tuple[ActionParameter, ...] = ()
     description: Optional[str] = None
-    retriable: bool = False  # once it fails, the master is asked; 3.0
+    retriable: bool = False  # 3.0: after a failure the master decides whether to retry it
 
     @property
     def arguments(self) -> Mapping[str, Any]:
@@ -35,7 +35,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Deviation:
-    """An ellipse about a node: half-axes `a` and `b` (m), and the heading of `a` (rad).
+    """An ellipse around a node: half-axes `a` and `b` (m), and the heading of `a` (rad).
 
     In 2.x it is a circle.
     """
@@ -46,11 +46,11 @@ class Deviation:
 
     @property
     def radius(self) -> float:
-        """Of the largest circle within."""
+        """The radius of the largest circle inside the ellipse, in m."""
         return min(self.a, self.b)
 
     def contains(self, dx: float, dy: float) -> bool:
-        """Whether a point so far from the node lies within."""
+        """Returns whether the point at the offset dx, dy (m) from the node is inside."""
         along = dx * math.cos(self.theta) + dy * math.sin(self.theta)
         across = dy * math.cos(self.theta) - dx * math.sin(self.theta)
         return math.hypot(along / max(self.a, 1e-6), across / max(self.b, 1e-6)) <= 1.0
@@ -58,7 +58,7 @@ class Deviation:
 
 @dataclass(frozen=True)
 class NodePosition:
-    """Where a node is: m and rad on the map `map_id`."""
+    """The position of a node on the map `map_id`, in m and rad."""
 
     x: float
     y: float
@@ -71,7 +71,7 @@ class NodePosition:
 
 @dataclass(frozen=True)
 class Node:
-    """A place to drive over."""
+    """A point that the vehicle drives over."""
 
     node_id: str
     sequence_id: int
@@ -83,7 +83,10 @@ class Node:
 
 @dataclass(frozen=True)
 class Corridor:
-    """How far (m) the vehicle may leave an edge to either side; 3.0 may want to be asked first."""
+    """The distance (m) that the vehicle may leave an edge to either side.
+
+    release_required -- 3.0: the vehicle must request a release before it leaves the edge
+    """
 
     left_width: float
     right_width: float
@@ -120,7 +123,7 @@ Element = Union[Node, Edge]
 
 @dataclass(frozen=True)
 class Order:
-    """A new order, or an update of one: nodes and edges by turns."""
+    """A new order or an order update; nodes and edges alternate."""
 
     order_id: str
     order_update_id: int
@@ -131,6 +134,6 @@ class Order:
 
 @dataclass(frozen=True)
 class InstantActions:
-    """Actions to do at once."""
+    """Actions to execute at once."""
 
     actions: Tuple[Action, ...]

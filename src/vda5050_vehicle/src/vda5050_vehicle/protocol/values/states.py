@@ -1,4 +1,4 @@
-"""What goes to the master: state, errors, connection and visualization."""
+"""The values that go to the master: state, errors, connection and visualization."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from vda5050_vehicle.protocol.values.orders import Edge, Node
 
 @dataclass(frozen=True)
 class ActionState:
-    """How far an action is."""
+    """The progress of an action."""
 
     action_id: str
     action_type: str
@@ -28,7 +28,7 @@ class ActionState:
 
 @dataclass(frozen=True)
 class AgvPosition:
-    """Where the vehicle is."""
+    """The pose of the vehicle on the map `map_id`, in m and rad."""
 
     x: float
     y: float
@@ -40,7 +40,7 @@ class AgvPosition:
 
 @dataclass(frozen=True)
 class Velocity:
-    """In the vehicle's frame, m/s and rad/s."""
+    """The velocity in the vehicle's frame, in m/s and rad/s."""
 
     vx: float
     vy: float
@@ -58,7 +58,7 @@ class BatteryState:
 
 @dataclass(frozen=True)
 class Reference:
-    """What an error is about, e.g. nodeId and its value."""
+    """The object of an error, e.g. the key nodeId and its value."""
 
     key: str
     value: str
@@ -66,7 +66,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class ErrorKind:
-    """A type of error: its name and level in 2.x, and both in 3.0; `hint` says what to do."""
+    """A type of error: its name and level in 2.x and in 3.0; `hint` says how to remedy it."""
 
     name: str
     level: ErrorLevel
@@ -75,13 +75,13 @@ class ErrorKind:
     level_3: ErrorLevel
 
     def error(self, description: str, *references: Reference) -> Error:
-        """One of this kind."""
+        """Returns an error of this kind."""
         return Error(self, description, references)
 
 
 @dataclass(frozen=True)
 class Error:
-    """Something that is wrong now."""
+    """An error that exists now."""
 
     kind: ErrorKind
     description: str
@@ -108,7 +108,10 @@ class MapInformation:
 
 @dataclass(frozen=True)
 class State:
-    """All that the master is told of the vehicle; nodes and edges are those still to be driven."""
+    """The complete state that the master receives.
+
+    node_states, edge_states -- the nodes and edges that are still to be driven
+    """
 
     order_id: str
     order_update_id: int
@@ -127,28 +130,28 @@ class State:
     distance_since_last_node: Optional[float] = None
     position: Optional[AgvPosition] = None
     velocity: Optional[Velocity] = None
-    information: Tuple[()] = ()  # for people who watch; the errors tell it all
+    information: Tuple[()] = ()  # for displays only; always empty, because errors say everything
     maps: Tuple[MapInformation, ...] = ()
     zone_set_id: Optional[str] = None
 
     @property
     def order_action_states(self) -> Tuple[ActionState, ...]:
-        """Those of the order, which 3.0 tells apart."""
+        """The actions of the order; 3.0 reports them separately."""
         return tuple(state for state in self.action_states if not state.instant)
 
     @property
     def instant_action_states(self) -> Tuple[ActionState, ...]:
-        """Those of instant actions, which 3.0 tells apart."""
+        """The instant actions; 3.0 reports them separately."""
         return tuple(state for state in self.action_states if state.instant)
 
 
 @dataclass(frozen=True)
 class Visualization:
-    """Where the vehicle is, for people who watch."""
+    """The pose and velocity of the vehicle, for displays."""
 
     position: Optional[AgvPosition] = None
     velocity: Optional[Velocity] = None
-    state_header_id: int = 0  # of the last state; 3.0
+    state_header_id: int = 0  # 3.0: the headerId of the last state
 
 
 @dataclass(frozen=True)
