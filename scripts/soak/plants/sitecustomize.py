@@ -1,7 +1,7 @@
-"""Plants a defect in the programs of a fleet, so that a soak can show that it would be found.
+"""Plants a defect in the programs of a fleet, to test that the soak finds it.
 
-Python imports this module at its start where its folder is in PYTHONPATH. SOAK_PLANT names the
-defect; it is planted into its module as soon as that is imported.
+Python imports this module at its start if its folder is in PYTHONPATH. The environment variable
+SOAK_PLANT names the defect. The defect changes its module when that module is imported.
 """
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from typing import Any, Callable, Dict, Optional, Sequence
 
 
 def _without_places(module: Any) -> None:
-    """The interlocking grants edges that another robot's allocation excludes."""
+    """Lets the interlocking grant edges that another robot's allocation excludes."""
     module.CONDITIONS = tuple(one for one in module.CONDITIONS if one is not module._place_is_free)
     module.GATES = tuple(one for one in module.GATES if one is not module._robot_is_clear_of_others)
 
 
 def _without_owed_stop(module: Any) -> None:
-    """The controller forgets a stop that could not be sent."""
+    """Lets the controller forget a stop that could not be sent."""
     module.MotionAuthority.stop_due = lambda self, now: False
 
 
 def _without_stop_duty(module: Any) -> None:
-    """The bridge takes every stop for done that it has given once."""
+    """Lets the bridge regard each stop as obeyed after it has given the stop once."""
     module._NOT_TAKEN = ()
 
 
 def _forgetful(module: Any) -> None:
-    """A supervisor that starts anew does not know that the fleet is stopped."""
+    """Lets a restarted supervisor forget that the fleet is stopped."""
     value = module.Journal.value
     module.Journal.value = lambda self, name: 0 if name == module.STOPPED else value(self, name)
 
 
 def _lossy(module: Any) -> None:
-    """A supervisor that starts anew does not know any open mission."""
+    """Lets a restarted supervisor forget all open missions."""
     module.Journal.missions = lambda self: []
 
 
@@ -47,11 +47,11 @@ PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
                   'omron_ld90.bridge.stop_duty': _without_stop_duty},
     'restart': {_JOURNAL: _forgetful},
     'restart-missions': {_JOURNAL: _lossy}}
-"""What is planted into which modules."""
+"""By name of the defect: the changed modules, and the function that changes each."""
 
 
 class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Loads the module as always, then plants the defect."""
+    """Loads one module as usual, then plants the defect in it."""
 
     def __init__(self, module: str, plant: Callable[[Any], None]) -> None:
         self._module, self._plant = module, plant
@@ -59,7 +59,7 @@ class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def find_spec(self, name: str, path: Optional[Sequence[str]],
                   target: Optional[ModuleType] = None) -> Optional[importlib.machinery.ModuleSpec]:
-        """Of the one module only."""
+        """Returns the spec of the one module with this loader; None for other modules."""
         if name != self._module:
             return None
         spec = importlib.machinery.PathFinder.find_spec(name, path, target)
@@ -68,12 +68,12 @@ class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         return spec
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> Optional[ModuleType]:
-        """As always."""
+        """Creates the module as usual."""
         module: Optional[ModuleType] = self._loader.create_module(spec)
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        """As always, with the defect at the end."""
+        """Executes the module as usual, then plants the defect."""
         self._loader.exec_module(module)
         self._plant(module)
         print(f'planted: {os.environ["SOAK_PLANT"]}', file=sys.stderr)

@@ -1,1 +1,1 @@
-"""What `scripts/soak.sh` consists of."""
+"""The parts of `scripts/soak.sh`."""

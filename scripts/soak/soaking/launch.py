@@ -1,4 +1,4 @@
-"""Starts a ROS master and the fleet, and knows their processes."""
+"""Starts the fleet with roslaunch, and finds its processes and their use of resources."""
 from __future__ import annotations
 
 import os
@@ -18,11 +18,12 @@ from ports import free_port
 
 PLANTS = Path(__file__).resolve().parents[1] / 'plants'
 TRUE_ANSWERS = '/plan_answer_of_planner'
-FAST = 5.0  # s after which a call to a process that hangs is given up
+FAST = 5.0  # s after which a call to a hanging process fails
 
 
 class Launch:
-    """roslaunch of the fleet's launch file, in which plan answers go another way."""
+    """roslaunch with the fleet's launch file, changed such that plan answers go through the soak.
+    """
 
     def __init__(self, words: List[str], speed: float, folder: Path, log: Path, plant: str) -> None:
         first = _free_ports(60)
@@ -44,8 +45,11 @@ class Launch:
 
     @staticmethod
     def _edit(launch: Path, folder: Path) -> None:
-        """Answers of the planner go through the soak, and bridges keep their routes as on real
-        robots."""
+        """Changes the launch file in two points.
+
+        - The planner publishes its answers on TRUE_ANSWERS; the soak forwards them.
+        - Bridges keep their routes in files, as on real robots.
+        """
         manager = folder / 'fleet_manager.launch'
         original = Path(rospkg.RosPack().get_path('graph_fleet_manager'),
                         'launch/fleet_manager.launch')
@@ -67,21 +71,21 @@ class Launch:
 
     @property
     def is_running(self) -> bool:
-        """Whether roslaunch has not ended."""
+        """Whether roslaunch still runs."""
         return self._process.poll() is None
 
     def pids(self) -> List[int]:
-        """All processes of the fleet but the simulators."""
+        """Returns the ids of all processes of the fleet, except the simulators."""
         return [pid for pid in descendants(self._process.pid)
                 if not any(_is_called(pid, name) for name in ('ld90_sim', 'agv_sim'))]
 
     def host(self) -> int:
-        """The process of the node host."""
+        """Returns the process id of the node host."""
         return next(pid for pid in descendants(self._process.pid)
                     if any(Path(word).name == 'node_host' for word in _words(pid)[:3]))
 
     def stop(self) -> None:
-        """As Ctrl-C does."""
+        """Stops the fleet as Ctrl-C does; kills it after 60 s."""
         self._process.send_signal(signal.SIGINT)
         try:
             self._process.wait(60)
@@ -90,20 +94,23 @@ class Launch:
 
 
 def process_of(node: str) -> int:
-    """The process of a node, by the ROS master; raises OSError, rosgraph's or xmlrpc's errors."""
+    """Returns the process id of a node; asks the ROS master and the node.
+
+    Raises OSError, rosgraph.MasterException or xmlrpc.client.Error.
+    """
     _, _, pid = ServerProxy(rosgraph.Master('/soak').lookupNode(node)).getPid('/soak')
     return int(pid)
 
 
 def resources(pids: List[int]) -> List[float]:
-    """MB (PSS), threads, sockets, other files, of all processes together."""
+    """Returns the sums over all processes: MB of memory (PSS), threads, sockets, other files."""
     memory = threads = sockets = files = 0
     for pid in pids:
         try:
             memory += proportional(pid)
             threads += len(os.listdir(f'/proc/{pid}/task'))
             links = [os.readlink(link) for link in Path(f'/proc/{pid}/fd').iterdir()]
-        except (OSError, StopIteration):  # it has ended meanwhile
+        except (OSError, StopIteration):  # the process has ended meanwhile
             continue
         open_sockets = sum(link.startswith('socket:') for link in links)
         sockets, files = sockets + open_sockets, files + len(links) - open_sockets
@@ -122,7 +129,7 @@ def _is_called(pid: int, program: str) -> bool:
 
 
 def _free_ports(count: int) -> int:
-    """The first of so many that are free."""
+    """Returns the first of `count` consecutive free ports."""
     while True:
         first = free_port()
         try:
