@@ -2,8 +2,8 @@
 """Compares ways to order late robots on shared places: fixed, planned anew every 5 s, switched.
 
 It simulates fleets that always have open missions in virtual time, with the same seeds for each
-rival. The rival `no stalls` has the fixed order and robots that never stop by themselves; it is
-the upper limit of what another order can gain. `--only SECTION` runs one fleet, `--seeds N` sets
+rival. The rival `no stalls` has the fixed order and robots that never stop by themselves. Its
+result is the upper limit for each other order. `--only SECTION` runs one fleet, `--seeds N` sets
 its number of seeds.
 """
 from __future__ import annotations
