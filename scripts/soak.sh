@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Drives a simulated fleet for hours while many things go wrong; an independent witness judges it.
+# Runs a simulated fleet for hours with many kinds of faults; an independent witness judges the fleet.
 #
-#   scripts/soak.sh              one hour: 10 LD-90s and 10 AGVs at 5 times the speed of real robots
+#   scripts/soak.sh              one hour: 10 LD-90s and 10 AGVs at 5 times their speed
 #   scripts/soak.sh 0.25 --seed 3 --ld90s 2 --agvs 2    a quarter of an hour, a small fleet
 #   scripts/soak.sh --help       all options
 #
-# Exit status 0: every promise held; 1: the report names the promises that were broken; 2: the fleet did not start.
+# Exit status: 0: every promise held; 1: the report names the broken promises; 2: the fleet did not start.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""What becomes of a late fleet: the fixed order of use, planning anew every 5 s, and switching.
+"""Compares ways to order late robots on shared places: fixed, planned anew every 5 s, switched.
 
-Virtual hours of fleets that are always busy, the same seeds for each rival; `no stalls` is the
-fixed order with robots that never stand still: more than that no order can win back. `--only
-SECTION` runs one fleet, `--seeds N` seeds of it.
+It simulates fleets that always have open missions in virtual time, with the same seeds for each
+rival. The rival `no stalls` has the fixed order and robots that never stop by themselves. Its
+result is the upper limit for each other order. `--only SECTION` runs one fleet, `--seeds N` sets
+its number of seeds.
 """
 from __future__ import annotations
 
@@ -38,7 +39,7 @@ AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 
 
 class Case(NamedTuple):
-    """A fleet on its site, the virtual hours of a run, and how many runs."""
+    """A site, the number of robots, the virtual hours of a run, and the number of seeds."""
 
     site: Callable[[], Site]
     robots: int
@@ -47,7 +48,8 @@ class Case(NamedTuple):
 
 
 def laboratory() -> Site:
-    """Sections of 1.5 m, nothing released ahead, missions to a station or the dock."""
+    """Returns the laboratory map: sections of 1.5 m, no release ahead, missions to stations or the
+    dock."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = tuple(Robot(f'r{k}', AT_EDGE_SPEED, vertex, 'agv')
                    for k, vertex in enumerate(PARKING[:8]))
@@ -57,14 +59,14 @@ def laboratory() -> Site:
 
 
 def warehouse() -> Site:
-    """Aisles with stations, 500 vertices."""
+    """Returns a made-up warehouse: aisles with stations, 500 vertices."""
     graph, stations = aisles(500)
     return site_of(graph, Fleet((AGV,), (Robot('agv', AGV, stations[0], 'agv'),), 0.1),
                    {'agv': RobotSettings(release_ahead=2.0)}, busy(tuple(stations)))
 
 
 def busy(targets: Tuple[int, ...]) -> Wanted:
-    """One open mission for each robot, all the time."""
+    """Returns a demand with one open mission per robot at each time."""
     return Wanted(Demand((Flow('all', (), targets, Saturated()),)), STALLS, {}, {})
 
 
@@ -81,23 +83,27 @@ RIVALS: Dict[str, Callable[[Site], Site]] = {
 
 
 def waiting(run: Figures) -> float:
-    """Share (0..1) of the robots' time."""
+    """Returns the share (0..1) of the robots' time in which they wait."""
     return run.use[Use.WAITING] / sum(run.use.values())
 
 
 def change(values: List[float], of: List[float]) -> str:
-    """By how much, seed by seed, with its 95 % band."""
+    """Returns the mean difference of `values` from `of`, seed by seed, in % of the mean of `of`.
+
+    The text includes the half width of the 95 % confidence band.
+    """
     mean = sum(of) / len(of)
     found: Band = band([100.0 * (value - one) / mean for value, one in zip(values, of)])
     return f'{found.mean:+.1f} %' + (f' ± {found.half:.1f}' if found.half < inf else '')
 
 
 def main() -> None:
-    """Prints the table."""
+    """Runs the rivals and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--only', choices=SECTIONS, help='run only this section')
-    parser.add_argument('--seeds', type=int, default=0, help='how many, instead of its own number')
-    parser.add_argument('--jobs', type=int, default=1, help='runs at once')
+    parser.add_argument('--only', choices=SECTIONS, help='run only this fleet')
+    parser.add_argument('--seeds', type=int, default=0,
+                        help='number of seeds (0: the own number of each fleet)')
+    parser.add_argument('--jobs', type=int, default=1, help='runs at the same time (1)')
     options = parser.parse_args()
     rows = []
     for name in [options.only] if options.only else list(SECTIONS):
@@ -117,8 +123,8 @@ def main() -> None:
                          f'{100.0 * sum(waits) / len(waits):.1f} %',
                          change(waits, [waiting(run) for run in runs[0]]),
                          '; '.join(run.trouble for run in own if run.trouble)))
-    print_table(rows, ('fleet', 'rival', 'missions an hour', 'against the fixed order', 'waiting',
-                       'against the fixed order', 'trouble'))
+    print_table(rows, ('fleet', 'rival', 'missions per hour', 'change from the fixed order',
+                       'share of waiting', 'change from the fixed order', 'trouble'))
 
 
 if __name__ == '__main__':

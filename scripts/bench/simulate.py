@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The fleet in virtual time: how many times real time on one core, split by what takes the time.
+"""Measures how fast the fleet simulation runs on one core, as a multiple of real time.
 
-Fleets that are always busy; times are those of the processor, in one process. `--only SECTION` runs
-a part (see SECTIONS); `--profile` prints where the time goes.
+All fleets always have open missions. Times are processor times in one process, and are split by
+world, supervisor and planner. `--only SECTION` runs one case (see SECTIONS); `--profile` prints the
+functions that take the time.
 """
 from __future__ import annotations
 
@@ -33,7 +34,7 @@ SETTINGS = {'ld90': RobotSettings(release_ahead=8.0, stopping=3.5),
 
 
 class Case(NamedTuple):
-    """A site, a fleet on it, the virtual hours of a run, and the aim (times real time)."""
+    """A site, the number of robots, the virtual hours of a run, and the aim (times real time)."""
 
     site: Callable[[], Site]
     robots: int
@@ -42,21 +43,21 @@ class Case(NamedTuple):
 
 
 def laboratory() -> Site:
-    """The factory's laboratory: edges cut at 1.5 m, LD-90s and AGVs in turn."""
+    """Returns the laboratory map with edges cut at 1.5 m, and LD-90s and AGVs in turn."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = (Robot('ld90', LD90, 8, 'ld90'), Robot('agv', AGV, 10, 'agv'))
     return site_of(graph, Fleet((LD90, AGV), robots, 0.1), SETTINGS, busy((6, 18, 27, 39, 52)))
 
 
 def warehouse(vertices: int) -> Site:
-    """Aisles with stations, AGVs."""
+    """Returns a made-up warehouse: aisles with stations, and AGVs."""
     graph, stations = aisles(vertices)
     return site_of(graph, Fleet((AGV,), (Robot('agv', AGV, stations[0], 'agv'),), 0.1),
                    SETTINGS, busy(tuple(stations)))
 
 
 def busy(targets: tuple) -> Wanted:
-    """One open mission for each robot, all the time."""
+    """Returns a demand with one open mission per robot at each time."""
     return Wanted(Demand((Flow('all', (), targets, Saturated()),)), Delays(), {}, {})
 
 
@@ -68,7 +69,7 @@ SECTIONS: Dict[str, Case] = {
 
 
 def measured(name: str, profile: bool) -> Figures:
-    """One run of a case."""
+    """Executes one run of a case; returns its figures."""
     case = SECTIONS[name]
     site, watch = case.site(), cProfile.Profile()
     figures = (watch.runcall if profile else lambda act, *a: act(*a))(
@@ -79,10 +80,11 @@ def measured(name: str, profile: bool) -> Figures:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Runs the cases and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--only', choices=SECTIONS, help='run only this section')
-    parser.add_argument('--profile', action='store_true', help='print where the time goes')
+    parser.add_argument('--only', choices=SECTIONS, help='run only this case')
+    parser.add_argument('--profile', action='store_true',
+                        help='print the functions that take the time')
     options = parser.parse_args()
     rows = []
     for name in [options.only] if options.only else list(SECTIONS):
@@ -92,7 +94,7 @@ def main() -> None:
                      *(f'{100 * part / whole:.0f} %' for part in figures.spent),
                      f'{figures.per_hour:.0f}', f'{SECTIONS[name].aim} x', figures.trouble))
     print_table(rows, ('case', 'times real time, one core', 'world', 'supervisor', 'planner',
-                       'missions an hour', 'aim', 'trouble'))
+                       'missions per hour', 'aim', 'trouble'))
 
 
 if __name__ == '__main__':

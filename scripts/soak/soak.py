@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Runs a simulated fleet for hours while many things go wrong; a witness judges it.
+"""Runs a simulated fleet for hours with many kinds of faults; a witness judges it; prints a report.
 
-Robots are several times as fast as real ones. All software runs in real time. The same seed draws
-the same missions, faults and waits, but the time at which they happen depends on the machine.
-Prints a report.
+Robots are several times as fast as real ones; all software runs in real time. The same seed draws
+the same missions, faults and waits. The moments at which they happen depend on the computer.
 """
 from __future__ import annotations
 
@@ -31,19 +30,19 @@ from itrci_nav_msgs.msg import FleetRobot
 ROOT = Path(__file__).resolve().parents[2]
 LOG = ROOT / 'build/soak.log'
 READY = (FleetRobot.IDLE, FleetRobot.BUSY)
-READY_WITHIN = 150.0  # s
-LOOK = 0.04  # s between two looks of the witness
-GRACE = 6.0  # s within which a robot that can be reached must stop
-SAMPLE = 5.0  # s between two measurements of memory
-LAST = 240.0  # s for open missions to end, after the last disturbance
+READY_WITHIN = 150.0  # s within which all robots must be ready after the start
+LOOK = 0.04  # s between two samples of the robots' positions
+GRACE = 6.0  # s within which a robot that can be reached must stand after a stop
+SAMPLE = 5.0  # s between two samples of memory, threads, sockets and files
+LAST = 240.0  # s for open missions to end after the last fault
 KINDS = ('memory, MB', 'threads', 'sockets', 'files')
 GROWTH = {'memory, MB': (0.15, 40.0), 'threads': (0.1, 20.0), 'sockets': (0.1, 20.0),
           'files': (0.1, 20.0)}
-JOURNAL = 12e6, 10e3  # bytes, with the write-ahead log; the second number is bytes per mission
+JOURNAL = 12e6, 10e3  # largest size in bytes, with write-ahead log: a base, and bytes per mission
 
 
 class Soak:
-    """One run."""
+    """One soak run."""
 
     def __init__(self, given: argparse.Namespace, folder: Path, master: RosMaster) -> None:
         self._given = given
@@ -61,12 +60,13 @@ class Soak:
         self._sent = 0
 
     def run(self) -> bool:
-        """True if all promises held; raises SystemExit if the fleet does not start."""
+        """Runs the soak; returns whether each promise held. Raises SystemExit if the fleet does not
+        start."""
         names = set(self.hall.radii)
         if not self.fleet.wait_for(lambda: self.fleet.is_connected and names <= {
                 name for name, robot in self.fleet.robots().items() if robot.state in READY},
                 READY_WITHIN):
-            print(f'The fleet was not ready within {READY_WITHIN:.0f} s; see its log: {LOG}')
+            print(f'The fleet was not ready within {READY_WITHIN:.0f} s: see its log, {LOG}')
             sys.exit(2)
         port = self.launch.control_port
         self.simulators = Simulators(port, port + 1)
@@ -80,7 +80,7 @@ class Soak:
             thread.start()
         self._wait_until_over(begun + 3600.0 * self._given.hours)
         if not self.launch.is_running:
-            self._errors.append(f'roslaunch ended before the soak; see its log: {LOG}')
+            self._errors.append(f'roslaunch ended during the soak: see its log, {LOG}')
         self._ended.set()
         threads[-1].join(120.0)
         self._end(begun)
@@ -98,7 +98,7 @@ class Soak:
             time.sleep(0.2)
 
     def _end(self, begun: float) -> None:
-        """Waits, without further disturbances, until all missions have ended."""
+        """Ends all faults and waits for the open missions to end."""
         if self.witness.broken and self._given.until_broken:
             return
         self.disturbances.remedy_all()
@@ -111,7 +111,7 @@ class Soak:
     def _guarded(self, work: Callable[[], None]) -> None:
         try:
             work()
-        except Exception as error:  # the exception ends the run, and the report shows it
+        except Exception as error:  # the error ends the run and is printed in the report
             self._errors.append(f'{work.__name__}: {type(error).__name__}: {error}')
             raise
 
@@ -158,7 +158,7 @@ class Soak:
             grown = growth(self._samples[kind], share, least)
             if grown:
                 self.witness.broken.append(
-                    f'{kind} grew from {grown[0]:.0f} to {grown[1]:.0f}')
+                    f'{kind}: grew from {grown[0]:.0f} to {grown[1]:.0f}')
         most, each = JOURNAL
         size = self.journal_size
         if size > most + each * self._sent:
@@ -166,45 +166,52 @@ class Soak:
 
     @property
     def journal_size(self) -> int:
-        """The size of the journal with its write-ahead log, in bytes."""
+        """Size of the journal in bytes, with its write-ahead log."""
         return sum(file.stat().st_size for file in self.launch.folder.glob('fleet.sqlite*'))
 
     def _report(self, seconds: float) -> None:
-        print(f'{self._given.ld90s} LD-90s and {self._given.agvs} AGVs at {self._given.speed:g} x, '
-              f'seed {self._given.seed}, {seconds / 60.0:.1f} minutes; '
+        print(f'{self._given.ld90s} LD-90s and {self._given.agvs} AGVs at {self._given.speed:g} '
+              f'times their speed, seed {self._given.seed}, {seconds / 60.0:.1f} minutes; '
               f'driven {sum(self.witness.driven.values()) / 1000.0:.1f} km')
         ends = ', '.join(f'{count} {state.name.lower()}'
                          for state, count in self.witness.ends().items())
         print(f'missions: {self._sent} sent; {ends}')
-        print(f'what went wrong: {dict(sorted(self.disturbances.done.items()))}')
-        print(f'plan answers: {self.fleet.answers}, corrupted {self.fleet.wrong_answers}')
-        print(f'looks: {self.witness.looks}; least room beyond what two robots must keep: '
-              f'{self.witness.nearest:.2f} m')
+        print(f'disturbances: {dict(sorted(self.disturbances.done.items()))}')
+        print(f'plan answers: {self.fleet.answers}, of these made wrong: '
+              f'{self.fleet.wrong_answers}')
+        print(f'position samples: {self.witness.looks}; smallest free space between two robots, '
+              f'minus the clearance: {self.witness.nearest:.2f} m')
         for kind, values in self._samples.items():
             if values:
-                print(f'{kind}: at first {values[0]:.0f}, most {max(values):.0f}, '
+                print(f'{kind}: at the start {values[0]:.0f}, highest {max(values):.0f}, '
                       f'at the end {values[-1]:.0f}')
         print(f'journal: {self.journal_size / 1e6:.2f} MB')
         if self._given.verbose:
             print('\n'.join(self.disturbances.notes))
         for words in [*self._errors, *self.witness.broken]:
             print(f'BROKEN: {words}')
-        print('every promise held' if not self.witness.broken + self._errors else 'not all held')
+        print('every promise held' if not self.witness.broken + self._errors else
+              'not every promise held')
 
 
 def main() -> None:
     """Runs the command."""
     parser = argparse.ArgumentParser(prog='scripts/soak.sh', description=__doc__)
     parser.add_argument('hours', nargs='?', type=float, default=1.0)
-    parser.add_argument('--seed', type=int, default=1, help='of all that is random')
+    parser.add_argument('--seed', type=int, default=1, help='seed of all random choices')
     parser.add_argument('--ld90s', type=int, default=10)
     parser.add_argument('--agvs', type=int, default=10)
-    parser.add_argument('--speed', type=float, default=5.0, help='of the robots, 1: as real ones')
-    parser.add_argument('--corrupted', type=float, default=0.1, help='share of plan answers')
-    parser.add_argument('--only', nargs='+', default=[], help='these kinds of disturbances')
-    parser.add_argument('--plant', default='', help=f'a defect of {PLANTS}/sitecustomize.py')
-    parser.add_argument('--until-broken', action='store_true', help='ends with the first finding')
-    parser.add_argument('--verbose', action='store_true', help='names all that went wrong')
+    parser.add_argument('--speed', type=float, default=5.0,
+                        help='speed of the robots, as a multiple of real ones')
+    parser.add_argument('--corrupted', type=float, default=0.1,
+                        help='share (0..1) of plan answers that are made wrong')
+    parser.add_argument('--only', nargs='+', default=[],
+                        help='cause only these kinds of disturbances')
+    parser.add_argument('--plant', default='',
+                        help=f'name of a defect in {PLANTS}/sitecustomize.py to plant')
+    parser.add_argument('--until-broken', action='store_true',
+                        help='end the run at the first broken promise')
+    parser.add_argument('--verbose', action='store_true', help='list all disturbances')
     given = parser.parse_args()
     LOG.parent.mkdir(exist_ok=True)
     folder = Path(tempfile.mkdtemp(prefix='soak_'))

@@ -1,7 +1,7 @@
-"""Plants a defect in the programs of a fleet, to show that a soak would find it.
+"""Plants a defect in the programs of a fleet, to test that the soak finds it.
 
-Python imports this module at its start if its folder is in PYTHONPATH. SOAK_PLANT names the defect.
-The defect is planted into its module as soon as that module is imported.
+Python imports this module at its start if its folder is in PYTHONPATH. The environment variable
+SOAK_PLANT names the defect. The defect changes its module when that module is imported.
 """
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from typing import Any, Callable, Dict, Optional, Sequence
 
 
 def _without_places(module: Any) -> None:
-    """The interlocking grants edges that are excluded by another robot's allocation."""
+    """Lets the interlocking grant edges that another robot's allocation excludes."""
     module.CONDITIONS = tuple(one for one in module.CONDITIONS if one is not module._place_is_free)
     module.GATES = tuple(one for one in module.GATES if one is not module._robot_is_clear_of_others)
 
 
 def _without_owed_stop(module: Any) -> None:
-    """The controller forgets a stop that could not be sent."""
+    """Lets the controller forget a stop that could not be sent."""
     module.MotionAuthority.stop_due = lambda self, now: False
 
 
 def _without_stop_duty(module: Any) -> None:
-    """The bridge treats a stop as obeyed as soon as it has sent it once."""
+    """Lets the bridge regard each stop as obeyed after it has given the stop once."""
     module._NOT_TAKEN = ()
 
 
 def _forgetful(module: Any) -> None:
-    """After a restart, the supervisor does not know that the fleet is stopped."""
+    """Lets a restarted supervisor forget that the fleet is stopped."""
     value = module.Journal.value
     module.Journal.value = lambda self, name: 0 if name == module.STOPPED else value(self, name)
 
 
 def _lossy(module: Any) -> None:
-    """After a restart, the supervisor does not know the open missions."""
+    """Lets a restarted supervisor forget all open missions."""
     module.Journal.missions = lambda self: []
 
 
@@ -47,11 +47,11 @@ PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
                   'omron_ld90.bridge.stop_duty': _without_stop_duty},
     'restart': {_JOURNAL: _forgetful},
     'restart-missions': {_JOURNAL: _lossy}}
-"""For each defect, the modules to change and the function that changes each."""
+"""By name of the defect: the changed modules, and the function that changes each."""
 
 
 class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Loads the module as usual, then plants the defect."""
+    """Loads one module as usual, then plants the defect in it."""
 
     def __init__(self, module: str, plant: Callable[[Any], None]) -> None:
         self._module, self._plant = module, plant
@@ -59,7 +59,7 @@ class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def find_spec(self, name: str, path: Optional[Sequence[str]],
                   target: Optional[ModuleType] = None) -> Optional[importlib.machinery.ModuleSpec]:
-        """Finds only the one module."""
+        """Returns the spec of the one module with this loader; None for other modules."""
         if name != self._module:
             return None
         spec = importlib.machinery.PathFinder.find_spec(name, path, target)

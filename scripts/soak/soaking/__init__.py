@@ -1,1 +1,1 @@
-"""Parts of `scripts/soak.sh`."""
+"""The parts of `scripts/soak.sh`."""

@@ -1,4 +1,4 @@
-"""Disturbances: faults of robots, acts of people, closed edges, programs that end or hang."""
+"""Disturbs the fleet: faults of robots, people, closed edges, and programs that die or hang."""
 from __future__ import annotations
 
 import enum
@@ -23,15 +23,15 @@ from soaking.hall import Hall
 from soaking.launch import Launch, process_of
 from soaking.simulators import Simulators
 
-RECOVERS = 8.0  # s within which a robot can be reached again after its program or link was away
-MASTER_RECOVERS = 15.0  # s within which a new ROS master knows all nodes
-SLOW = 0.15  # factor on the clock of LD-90s that must drive for a long time
-BRAKES = RECOVERS + 3.0 / SLOW  # s within which a slow LD-90 stops after its link is back
-OWED = 9.0  # s in which a robot must not drive on, with the tolerance of the witness
-CLEAR = 1.6  # m between the place to which a robot is carried and all other robots
-ON_GRAPH = 0.35  # m, largest distance from the graph
-SETTLES = 4.0  # s within which a carried robot reports that it stands there
-TRIES = 5  # attempts to join a robot where it stands, before it is carried
+RECOVERS = 8.0  # s after a program or link is back, until the robot can be reached again
+MASTER_RECOVERS = 15.0  # s until all nodes have registered at a new ROS master
+SLOW = 0.15  # factor on the clock of LD-90s that must still drive when their link is back
+BRAKES = RECOVERS + 3.0 / SLOW  # s after the link is back, until a slow LD-90 stands
+OWED = 9.0  # s for which the soak watches an owed stop, with the grace of the witness
+CLEAR = 1.6  # m, least distance from the place to which a robot is carried to other robots
+ON_GRAPH = 0.35  # m from a vertex within which a robot counts as on the graph
+SETTLES = 4.0  # s until a carried robot reports its new place
+TRIES = 5  # number of refused joins after which a robot is carried away
 NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                 FleetRobot.OUT_OF_SERVICE)
 LD90_NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
@@ -40,17 +40,22 @@ MANAGER_NODES = ('path_supervisor', 'path_planner', 'graph_server', 'fleet_visua
 
 
 class Effect(enum.Flag):
-    """The effect of a fault on the robot, as far as the witness must know it."""
+    """The effects of a fault that the witness must know."""
 
     NONE = 0
     CUT = enum.auto()  # the robot cannot be reached
-    FAILS = enum.auto()  # its mission can fail
-    CARRIES = enum.auto()  # the robot is no longer on its route
+    FAILS = enum.auto()  # the robot's mission may fail
+    CARRIES = enum.auto()  # the robot is not on its route
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Commands to the simulator, and the commands that end the fault. {goal} is a vertex."""
+    """A fault of a simulator.
+
+    words    -- commands for the simulator that cause it; {goal} is a vertex or goal
+    remedies -- commands that end it after a while
+    effect   -- on the robot, for the witness
+    """
 
     words: Tuple[str, ...]
     remedies: Tuple[str, ...] = ()
@@ -96,7 +101,7 @@ LD90_FAULTS = (
 
 
 class Disturbances:
-    """Disturbs the fleet, one disturbance after the other; `people` repair what needs a person."""
+    """Causes one disturbance after the other; a person helps robots that need one, in between."""
 
     def __init__(self, hall: Hall, simulators: Simulators, fleet: Fleet, witness: Witness,
                  lock: threading.RLock, launch: Launch, master: RosMaster, speed: float,
@@ -107,8 +112,8 @@ class Disturbances:
         self._chance, self._ended = Random(seed), ended
         self._names = sorted(hall.radii)
         self._ld90s = [name for name in self._names if name.startswith('ld90')]
-        self._held: Dict[str, int] = {}  # robots that people must not touch now
-        self._refused: Dict[str, int] = {}  # attempts to join in a row, by robot
+        self._held: Dict[str, int] = {}  # by robot: if above 0, no person helps it for now
+        self._refused: Dict[str, int] = {}  # by robot: refused joins in a row
         self._carried_at: Dict[str, float] = {}
         self._turn = 0
         self.done: Dict[str, int] = {}
@@ -123,7 +128,10 @@ class Disturbances:
                         'quiet': 1}
 
     def run(self, only: Sequence[str]) -> None:
-        """Runs until `ended`. A disturbance that has begun is always repaired."""
+        """Causes disturbances until `ended` is set; each one is completed and its fault ended.
+
+        only -- the kinds of disturbances to cause; empty: all kinds
+        """
         kinds = list(only) or list(self.kinds)
         while not self._ended.is_set():
             kind = self._chance.choices(kinds, [self.weights[one] for one in kinds])[0]
@@ -131,7 +139,7 @@ class Disturbances:
                 self.kinds[kind]()
                 self.done[kind] = self.done.get(kind, 0) + 1
             except (OSError, rosgraph.MasterException, xmlrpc.client.Error) as error:
-                self.notes.append(f'{kind} could not be done: {error}')
+                self.notes.append(f'{kind} failed: {error}')
 
     # -- robots ------------------------------------------------------------------------------------
 
@@ -182,7 +190,7 @@ class Disturbances:
                         self._held[name] -= 1
 
     def _free_vertex(self, name: str) -> int:
-        """A vertex that is far from all other robots."""
+        """Returns a random vertex that is far from all other robots."""
         poses = self._simulators.poses()
         places = list(self._hall.places.items())
         self._chance.shuffle(places)
@@ -191,7 +199,7 @@ class Disturbances:
             if other != name)), places[0][0])
 
     def _roomiest_vertex(self, name: str) -> int:
-        """The vertex that is farthest from all other robots."""
+        """Returns the vertex whose nearest other robot is the farthest away."""
         others = [pose[:2] for other, pose in self._simulators.poses().items() if other != name]
         return max(self._hall.places, key=lambda id: min(
             (math.dist(self._hall.places[id], place) for place in others), default=0.0))
@@ -199,7 +207,10 @@ class Disturbances:
     # -- people ------------------------------------------------------------------------------------
 
     def help_robots(self) -> None:
-        """A person goes to each robot that needs one, puts it onto the graph and joins it."""
+        """Joins each robot that needs a person to the fleet, as a person does.
+
+        If joining cannot work where the robot stands, the person first carries it to a vertex.
+        """
         for name, told in self._fleet.robots().items():
             if (self._held.get(name) or told.state not in NEEDS_PERSON
                     or time.monotonic() < self._carried_at.get(name, -math.inf) + SETTLES):
@@ -232,7 +243,8 @@ class Disturbances:
             self._inject(name, (f'place {goal}',), goal)
 
     def remedy_all(self) -> None:
-        """Ends each fault that a robot can still have."""
+        """Ends all faults that robots may still have, opens all edges and releases the fleet stop.
+        """
         for name in self._names:
             table = LD90_FAULTS if name in self._ld90s else AGV_FAULTS
             for remedy in {words for fault in table for words in fault.remedies
@@ -274,7 +286,7 @@ class Disturbances:
         else:
             self._fleet.command(mission, MissionCommand.PAUSE)
             self._wait(self._chance.uniform(1.0, 6.0))
-            for _ in range(3):  # a message can be lost with a process
+            for _ in range(3):  # a command may be lost if the process is killed
                 self._fleet.command(mission, MissionCommand.RESUME)
                 self._wait(0.5)
         self._wait(1.0)
@@ -290,7 +302,8 @@ class Disturbances:
         self._resume()
 
     def _stop_and_kill(self) -> None:
-        """Stops the fleet and kills the fleet manager, which must know the stop afterwards."""
+        """Kills the fleet manager during a fleet stop; the stop must still hold after its restart.
+        """
         if self._is_stopped():
             with self._affected(self._names, Effect.CUT):
                 self._kill_node('/path_supervisor')
@@ -298,10 +311,10 @@ class Disturbances:
         self._resume()
 
     def _stop_without_link(self) -> None:
-        """Stops the fleet while a robot on a long path has no link.
+        """Stops the fleet while an LD-90 on a long route has no link, then restores the link.
 
-        From then on all LD-90s are slow, so that this robot still drives when its link is back.
-        Slow robots take long to brake.
+        All LD-90s are slow meanwhile, so that the robot still drives when its link is back. Slow
+        robots take long to brake.
         """
         name = self._sent_far()
         if not name:
@@ -329,7 +342,7 @@ class Disturbances:
             self._inject(name, ('refuse off',), 0)
 
     def _sent_far(self) -> str:
-        """An LD-90 that now drives a mission across the whole hall; empty if there is none."""
+        """Sends an LD-90 across the hall; returns its name when it drives, else an empty text."""
         name = self._chance.choice(self._ld90s)
         start = self._simulators.poses()[name][:2]
         places = self._hall.places
@@ -343,7 +356,7 @@ class Disturbances:
         return ''
 
     def _is_stopped(self) -> bool:
-        """Stops the fleet; true if the fleet manager reports that it is stopped."""
+        """Stops the fleet; returns whether the fleet manager confirms the stop."""
         if not self._fleet.call('/stop_fleet'):
             return False
         with self._lock:
@@ -359,7 +372,7 @@ class Disturbances:
     # -- programs ----------------------------------------------------------------------------------
 
     def _next_node(self) -> Tuple[str, List[str]]:
-        """Each node in turn, with the robots that cannot be reached while it is down."""
+        """Returns the next node to disturb, and the robots that cannot be reached meanwhile."""
         nodes = [*((f'/{node}', self._names if node == 'path_supervisor' else [])
                    for node in MANAGER_NODES),
                  *((f'/{name}/{node}', [name]) for name in self._ld90s for node in LD90_NODES),

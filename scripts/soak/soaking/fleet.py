@@ -1,4 +1,4 @@
-"""The fleet as its users see it through topics and services."""
+"""The fleet as a user sees it, by topics and services."""
 from __future__ import annotations
 
 import copy
@@ -25,12 +25,15 @@ from itrci_nav_msgs.msg import (
 from node_lifecycle.master_watch import watch_master
 from soaking.launch import TRUE_ANSWERS
 
-REPEAT = 5.0  # s after which a request without an answer is sent again, unchanged
-SERVICE = 3.0  # s within which a service must be found
+REPEAT = 5.0  # s after which a mission request without a status is sent again, unchanged
+SERVICE = 3.0  # s to wait for a service
 
 
 class Fleet:
-    """Sends requests and receives answers. The witness gets all of it, under one lock."""
+    """Sends requests and receives statuses; informs the witness of both. A lock guards the witness.
+
+    share -- share (0..1) of plan answers that are made wrong
+    """
 
     def __init__(self, witness: Witness, lock: threading.RLock, seed: int, share: float) -> None:
         rospy.init_node('soak', disable_signals=True)
@@ -53,12 +56,12 @@ class Fleet:
 
     @property
     def is_connected(self) -> bool:
-        """True if the fleet manager receives requests."""
+        """Whether the fleet manager has subscribed to all topics that this object publishes."""
         return bool(self._requests.get_num_connections() and self._plans.get_num_connections()
                     and self._commands.get_num_connections() and self._edges.get_num_connections())
 
     def send(self, destinations: List[int], **more: Any) -> int:
-        """Sends a mission."""
+        """Requests a mission; returns its id."""
         request = MissionRequest(request_id=next(self._ids), destination_vertices_id=destinations,
                                  **more)
         request.header.stamp = rospy.Time.now()
@@ -69,9 +72,7 @@ class Fleet:
         return request.request_id
 
     def repeat_unanswered(self) -> None:
-        """Sends unanswered requests again, because a message can be lost with the fleet manager's
-        process.
-        """
+        """Sends each request without a status again; it may be lost when the fleet manager dies."""
         with self._lock:
             due = [request for since, request in self._unanswered.values()
                    if time.monotonic() > since + REPEAT]
@@ -81,7 +82,7 @@ class Fleet:
             self._requests.publish(request)
 
     def command(self, mission: int, command: int) -> None:
-        """Sends a command about a mission, such as cancel or pause."""
+        """Sends a mission command, such as cancel, pause or resume."""
         if command == MissionCommand.CANCEL:
             with self._lock:
                 self._witness.cancel(mission)
@@ -96,7 +97,7 @@ class Fleet:
         self._edges.publish(message)
 
     def call(self, service: str) -> bool:
-        """Calls a service; true if it reports success."""
+        """Calls a Trigger service; returns whether it succeeded."""
         try:
             rospy.wait_for_service(service, SERVICE)
             return bool(rospy.ServiceProxy(service, Trigger)().success)
@@ -104,11 +105,11 @@ class Fleet:
             return False
 
     def robots(self) -> Dict[str, Any]:
-        """The reported state of each robot."""
+        """Returns the last published state of each robot by name."""
         return {} if self.state is None else {robot.name: robot for robot in self.state.robots}
 
     def wait_for(self, condition: Callable[[], bool], timeout: float) -> bool:
-        """Waits; true if the condition became true in time."""
+        """Waits at most `timeout` s for the condition; returns whether it became true."""
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > deadline:
@@ -134,7 +135,7 @@ class Fleet:
 
 
 def spoilt(answer: PlanAnswer, chance: Random) -> PlanAnswer:
-    """The answer with one of the errors in `WRONG`."""
+    """Returns the plan answer after one of the functions in `WRONG` has made it wrong."""
     wrong = copy.copy(answer)
     released = {plan.robot: sum(drive.released for drive in plan.drives)
                 for plan in answer.plans}

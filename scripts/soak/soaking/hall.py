@@ -1,4 +1,4 @@
-"""A hall for LD-90s and AGVs: graph, map and fleet file."""
+"""A generated hall for LD-90s and AGVs: graph, map and fleet file."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -23,7 +23,12 @@ robots:
 
 @dataclass(frozen=True)
 class Hall:
-    """The hall in which the robots drive."""
+    """The site on which the robots drive.
+
+    stations -- ids of the vertices that missions visit
+    radii    -- of the robots by name, in m
+    folder   -- folder with the files of the hall
+    """
 
     graph: Graph
     stations: List[int]
@@ -32,19 +37,19 @@ class Hall:
 
     @property
     def places(self) -> Dict[int, Tuple[float, float]]:
-        """The positions of all vertices, in m."""
+        """Positions (m) of all vertices by id."""
         return {id: vertex.position for id, vertex in self.graph.vertices.items()}
 
     @property
     def words(self) -> List[str]:
-        """The arguments of `fleet_launch` for the hall."""
+        """Arguments of `fleet_launch` for the hall."""
         return [f'{key}:={self.folder / name}' for key, name in (
             ('fleet', 'site_fleet.yaml'), ('graph_file', 'site_graph.yaml'),
             ('base_map', 'base.map'))]
 
 
 def write_hall(folder: Path, ld90s: int, agvs: int) -> Hall:
-    """Writes the files of the hall. There are one and a half times as many stations as robots."""
+    """Writes the files of a hall, which has at least 1.5 stations per robot."""
     count = ld90s + agvs
     size = 40
     graph, stations = aisles(size)

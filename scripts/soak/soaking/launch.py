@@ -1,4 +1,4 @@
-"""Starts a ROS master and the fleet, and finds their processes."""
+"""Starts the fleet with roslaunch, and finds its processes and their use of resources."""
 from __future__ import annotations
 
 import os
@@ -18,11 +18,12 @@ from ports import free_port
 
 PLANTS = Path(__file__).resolve().parents[1] / 'plants'
 TRUE_ANSWERS = '/plan_answer_of_planner'
-FAST = 5.0  # s after which a call to a process that hangs is abandoned
+FAST = 5.0  # s after which a call to a hanging process fails
 
 
 class Launch:
-    """roslaunch of the fleet's launch file, changed so that plan answers pass through the soak."""
+    """roslaunch with the fleet's launch file, changed such that plan answers go through the soak.
+    """
 
     def __init__(self, words: List[str], speed: float, folder: Path, log: Path, plant: str) -> None:
         first = _free_ports(60)
@@ -44,10 +45,10 @@ class Launch:
 
     @staticmethod
     def _edit(launch: Path, folder: Path) -> None:
-        """Changes the launch file: plan answers pass through the soak, bridges keep routes in
-        files.
+        """Changes the launch file in two points.
 
-        Bridges on real robots keep their routes in the same way.
+        - The planner publishes its answers on TRUE_ANSWERS; the soak forwards them.
+        - Bridges keep their routes in files, as on real robots.
         """
         manager = folder / 'fleet_manager.launch'
         original = Path(rospkg.RosPack().get_path('graph_fleet_manager'),
@@ -70,21 +71,21 @@ class Launch:
 
     @property
     def is_running(self) -> bool:
-        """True while roslaunch runs."""
+        """Whether roslaunch still runs."""
         return self._process.poll() is None
 
     def pids(self) -> List[int]:
-        """All processes of the fleet except the simulators."""
+        """Returns the ids of all processes of the fleet, except the simulators."""
         return [pid for pid in descendants(self._process.pid)
                 if not any(_is_called(pid, name) for name in ('ld90_sim', 'agv_sim'))]
 
     def host(self) -> int:
-        """The process of the node host."""
+        """Returns the process id of the node host."""
         return next(pid for pid in descendants(self._process.pid)
                     if any(Path(word).name == 'node_host' for word in _words(pid)[:3]))
 
     def stop(self) -> None:
-        """Ends the fleet, as Ctrl-C does."""
+        """Stops the fleet as Ctrl-C does; kills it after 60 s."""
         self._process.send_signal(signal.SIGINT)
         try:
             self._process.wait(60)
@@ -93,13 +94,16 @@ class Launch:
 
 
 def process_of(node: str) -> int:
-    """The process of a node, from the ROS master; raises OSError, rosgraph or xmlrpc errors."""
+    """Returns the process id of a node; asks the ROS master and the node.
+
+    Raises OSError, rosgraph.MasterException or xmlrpc.client.Error.
+    """
     _, _, pid = ServerProxy(rosgraph.Master('/soak').lookupNode(node)).getPid('/soak')
     return int(pid)
 
 
 def resources(pids: List[int]) -> List[float]:
-    """MB (PSS), threads, sockets and other open files of all processes together."""
+    """Returns the sums over all processes: MB of memory (PSS), threads, sockets, other files."""
     memory = threads = sockets = files = 0
     for pid in pids:
         try:
@@ -125,7 +129,7 @@ def _is_called(pid: int, program: str) -> bool:
 
 
 def _free_ports(count: int) -> int:
-    """The first port of a range of the given length in which all ports are free."""
+    """Returns the first of `count` consecutive free ports."""
     while True:
         first = free_port()
         try:

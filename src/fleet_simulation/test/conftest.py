@@ -1,4 +1,4 @@
-"""A small site that the tests of this package share."""
+"""A small site for the tests of this package."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -21,7 +21,7 @@ DEMAND = 'flows:\n- {to: 25, from: 21, per_hour: 60}\n'
 
 @pytest.fixture
 def yard() -> Graph:
-    """Two rows of vertices joined like a ladder, with a spur at each of the upper ones."""
+    """A graph like a ladder: two rows of vertices, with a spur at each upper vertex."""
     places, ends = {}, {}
     for k in range(5):
         for row in range(3):
@@ -36,7 +36,8 @@ def yard() -> Graph:
 
 @pytest.fixture
 def files(yard: Graph, tmp_path: Path) -> Callable[..., Dict[str, str]]:
-    """Writes graph, fleet and demand; their paths by name."""
+    """A function that writes the files of graph, fleet and demand, and returns their paths by name.
+    """
     def write(demand: str = DEMAND, fleet: str = FLEET) -> Dict[str, str]:
         save_graph(yard, tmp_path / 'graph.yaml')
         (tmp_path / 'fleet.yaml').write_text(fleet)

@@ -1,10 +1,11 @@
-"""Chaos at the speed of virtual time: lives drawn from seeds, a tenth of the plans corrupted.
+"""Chaos in virtual time: random lives of a fleet, drawn from seeds; a tenth of the plans is wrong.
 
-The promises hold while all guards of the interlocking do; without one of these guards they break.
-The supervisor itself asks for nothing where most guards would refuse, refuses most wrong plans, and
-stops robots that are too near. In lives without a guard it is therefore reckless: it does none of
-this, and asks for edges at random. One guard is missed by no life that was lived, `robot is clear
-of others`: test_interlocking_proof.py asks the interlocking itself, and misses each of them.
+With all guards of the interlocking, the promises hold. Without one of these guards, they break.
+Normally the supervisor hides a missing guard: it does not ask for edges that most guards would
+refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore the supervisor
+is reckless in lives without a guard: it does none of this and asks for random edges. No life so far
+broke a promise without the guard `robot is clear of others`. test_interlocking_proof.py tests the
+interlocking alone and finds each missing guard.
 """
 from __future__ import annotations
 
@@ -38,11 +39,11 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
-LIVES = 60 if os.environ.get('LD90_LONG_TESTS') == '1' else 20  # with all guards
+LIVES = 60 if os.environ.get('LD90_LONG_TESTS') == '1' else 20  # number of lives with all guards
 
 
 class CorruptedFleet(SupervisedFleet):
-    """A tenth of its plans are wrong."""
+    """A fleet whose planner gives a wrong plan in a tenth of its answers."""
 
     kinds: Sequence[Spoil] = tuple(WRONG.values())
 
@@ -54,11 +55,11 @@ class CorruptedFleet(SupervisedFleet):
 
 
 class RecklessFleet(CorruptedFleet):
-    """Its supervisor also asks the interlocking without any check of its own: for any robot, at any
-    time, for an edge that may lie anywhere."""
+    """A fleet whose supervisor also asks the interlocking for grants without any check of its own:
+    for any robot, at any time, for any edge."""
 
     haste = 0.05
-    """How likely it asks in a step."""
+    """Probability of such a request per time step."""
 
     def _supervise(self) -> None:
         super()._supervise()
@@ -66,7 +67,9 @@ class RecklessFleet(CorruptedFleet):
             self._ask(self.random.choice(ROBOTS))
 
     def _ask(self, name: str) -> None:
-        """Only the robot of a mission that pauses or stays is spared: no guard knows of missions.
+        """Asks for an edge for this robot.
+
+        Robots with a paused or dwelling mission are exempt, because no guard knows missions.
         """
         supervisor = self.supervisor
         robot, mission = supervisor.robots[name], supervisor.book.of_robot(name)
@@ -87,7 +90,7 @@ class RecklessFleet(CorruptedFleet):
 
 
 def live(seed: int, world: Type[CorruptedFleet] = CorruptedFleet) -> None:
-    """One life; raises AssertionError where a promise is broken."""
+    """Simulates one life; raises AssertionError if a promise is broken."""
     draw = random.Random(f'life {seed}')
     fleet = world(
         YARD, {name: (AGV, 21 + k) for k, name in enumerate(ROBOTS)}, seed=seed,

@@ -1,4 +1,4 @@
-"""Changes of the graph that a study tries."""
+"""The changes of the graph that a study proposes and simulates."""
 from __future__ import annotations
 
 import math
@@ -32,7 +32,7 @@ def test_another_dock_is_proposed_where_all_docks_were_in_use(charging_yard: Gra
     added, = proposal.docks
     vertex = proposal.graph.vertices[added]
     assert vertex.dock
-    assert str(added) in proposal.what, 'a person must enter the dock in the fleet file'
+    assert str(added) in proposal.what, 'the text must name the dock for the fleet file'
     others = [one.position for one in charging_yard.vertices.values()]
     assert min(math.dist(vertex.position, other) for other in others) >= ROOM
 

@@ -1,4 +1,4 @@
-"""The witness names what is broken, and nothing else."""
+"""The witness names each broken promise, and nothing else."""
 from __future__ import annotations
 
 from typing import Dict, Sequence, Tuple
@@ -180,7 +180,7 @@ def test_a_mission_that_never_ends_is_named(witness: Witness) -> None:
     is_told(witness, State.ACTIVE)
     assert witness.open_missions == [7]
     witness.end()
-    assert 'mission 7 over [1] never ended; told was ACTIVE, robot a' in witness.broken[0]
+    assert 'mission 7 over [1] never ended; last state ACTIVE, robot a' in witness.broken[0]
 
 
 def test_of_a_mission_of_somebody_else_nothing_is_known(witness: Witness) -> None:

@@ -83,7 +83,7 @@ def _parser() -> argparse.ArgumentParser:
                         help='virtual hours of each run (8)')
     parser.add_argument('--seeds', type=_whole, default=5, help='runs of each size (5)')
     parser.add_argument('--longest-edge', type=_positive, metavar='M',
-                        help='cut longer edges into sections, as fleet_launch does, in m')
+                        help='cut edges longer than M metres into sections, as fleet_launch does')
     parser.add_argument('--latency', type=_positive, default=0.1, metavar='S',
                         help='virtual s until the planner answers (0.1)')
     parser.add_argument('--rounds', type=int, default=0,

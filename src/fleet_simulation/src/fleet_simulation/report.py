@@ -115,7 +115,7 @@ def in_words(study: Study) -> str:
     if edges and best.use[Use.WAITING] > 0.01:
         share = 100 * sum(part for _, part in edges)
         ids = ' and '.join(str(id) for id, _ in edges)
-        told.append(f'A robot waits for {100 * best.use[Use.WAITING]:.0f} % of its time; '
+        told.append(f'A robot spends {100 * best.use[Use.WAITING]:.0f} % of its time waiting; '
                     f'{"edges" if len(edges) > 1 else "edge"} {ids} '
                     f'{"cause" if len(edges) > 1 else "causes"} {share:.0f} % of this waiting.')
     good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
@@ -123,7 +123,7 @@ def in_words(study: Study) -> str:
         told.append(f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.')
     failed = sum(sum(run.failures.values()) for run in best.runs)
     if failed:
-        told.append(f'{_count(failed, "mission")} failed in these runs.')
+        told.append(f'{_count(failed, "mission")} failed in the runs of this fleet.')
     return ' '.join(told)
 
 
@@ -174,7 +174,8 @@ def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
     if bounded:
         lines.append(svg.Line('demand', [(size.robots, size.requested) for size in found]))
     rows = [(str(size.robots), str(size.per_hour), f'{size.per_hour.mean / size.robots:.1f}',
-             f'{100 * size.served:.0f} %' if bounded else 'unlimited') for size in found]
+             f'{100 * size.served:.0f} %' if bounded else 'unlimited demand')
+            for size in found]
     told = ('Each further robot adds 5 % or more: there is no knee in the simulated sizes.'
             if is_largest
             else f'The dashed line is the knee: {best.robots} robots. The knee is the smallest '

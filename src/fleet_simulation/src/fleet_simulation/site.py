@@ -36,8 +36,8 @@ class Site:
     """All inputs of a run, except the number of robots and the seed.
 
     settings -- of each robot in the fleet file, by its name
-    starts   -- ids of vertices on which robots of all types may stand for ever; added robots
-                begin on them, evenly spread
+    starts   -- ids of vertices on which robots of all types may stand for ever; if a fleet is
+                larger than that of the fleet file, its robots begin on them, evenly spread
     parking  -- ids of the vertices on which the planner may park robots
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan

@@ -1,8 +1,13 @@
-"""An independent witness of a running fleet: it judges by where the robots truly are.
+"""An independent witness of a running fleet: it judges the fleet by the robots' true positions.
 
-It imports nothing of the fleet manager and knows nothing of its decisions. The caller tells it the
-true places of all robots, what was asked of the fleet, what the fleet told, and what was done to
-robots. `broken` names each promise that did not hold. Seconds are those of the caller's clock.
+It imports nothing of the fleet manager and does not know its decisions. The caller gives it:
+
+- the true positions of all robots,
+- the missions and stops that were requested,
+- the mission statuses that the fleet published,
+- the faults and people that affect robots.
+
+`broken` lists each promise that did not hold. Times are s of the caller's clock.
 """
 from __future__ import annotations
 
@@ -16,13 +21,13 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 Place = Tuple[float, float]
 
 SKEW = 0.06  # m that robots move between the answers of two simulators
-NEAR = 0.6  # m from a vertex within which a robot has visited it
-CLOSE = 0.5  # m of room below which a robot that a person moves may end the other one's mission
-STANDS = 0.15  # m that a robot moves while it comes to rest
+NEAR = 0.6  # m from a vertex within which a robot counts as having visited it
+CLOSE = 0.5  # m; if a moved robot has less free space to another, missions of both may fail
+STANDS = 0.15  # m by which a stopped robot may still move
 
 
 class State(enum.IntEnum):
-    """Of a mission, with the numbers of `itrci_nav_msgs/MissionStatus`."""
+    """The state of a mission, with the numbers of `itrci_nav_msgs/MissionStatus`."""
 
     PENDING = 0
     ACTIVE = 1
@@ -34,7 +39,7 @@ class State(enum.IntEnum):
 
     @property
     def is_end(self) -> bool:
-        """Whether nothing may follow."""
+        """Whether no other state may follow."""
         return self in (State.SUCCEEDED, State.FAILED, State.REFUSED, State.CANCELLED)
 
 
@@ -42,10 +47,10 @@ class State(enum.IntEnum):
 class _Mission:
     destinations: Sequence[int]
     since: float
-    state: Optional[State] = None  # none was told yet
+    state: Optional[State] = None  # None: no status was published yet
     robot: str = ''
     reached: int = 0
-    is_cancelled: bool = False  # a person asked for it
+    is_cancelled: bool = False  # whether a person cancelled it
     served_by: Set[str] = field(default_factory=set)
 
     @property
@@ -54,11 +59,12 @@ class _Mission:
 
 
 class Witness:
-    """See the module's text.
+    """Judges a fleet; see the module's docstring.
 
-    radii -- of the robots by name, m
-    vertices -- the graph's places by id
-    grace -- s after which a robot that can be reached stands, once it was told to stop
+    radii     -- of the robots by name, in m
+    clearance -- m that must stay free between two robots
+    vertices  -- positions of the graph's vertices by id, in m
+    grace     -- s within which a robot that can be reached must stand after a stop
     """
 
     def __init__(self, radii: Mapping[str, float], clearance: float,
@@ -67,7 +73,7 @@ class Witness:
         self._grace = grace
         self.broken: List[str] = []
         self.nearest = math.inf
-        """The least room that two robots had beyond what they must keep, m."""
+        """Smallest free space (m) between two robots so far, minus the clearance."""
         self.looks = 0
         self.driven: Dict[str, float] = dict.fromkeys(radii, 0.0)
         self._named: Set[Tuple[str, ...]] = set()
@@ -80,61 +86,62 @@ class Witness:
         self._cut: Dict[str, int] = {}
         self._troubled: Dict[str, float] = {}
 
-    # -- what is done ------------------------------------------------------------------------------
+    # -- actions of the caller ---------------------------------------------------------------------
 
     def ask(self, mission: int, destinations: Sequence[int], now: float) -> None:
-        """A mission that the fleet can serve was sent."""
+        """A mission was requested that the fleet can serve."""
         self._missions[mission] = _Mission(destinations, now)
 
     def cancel(self, mission: int) -> None:
-        """It may end as cancelled from now on."""
+        """A person cancelled the mission; it may end as CANCELLED from now on."""
         self._missions[mission].is_cancelled = True
 
     def stop(self, names: Iterable[str], now: float) -> None:
-        """The fleet manager said that these robots are stopped."""
+        """The fleet manager confirmed that these robots are stopped."""
         for name in names:
             self._stopped.setdefault(name, now)
 
     def go_on(self, names: Iterable[str]) -> None:
-        """They may drive again."""
+        """The stop of these robots is released."""
         for name in names:
             self._stopped.pop(name, None)
             self._rest.pop(name, None)
 
     def cut(self, names: Iterable[str]) -> None:
-        """They cannot be reached, until `mend` was called as often."""
+        """These robots cannot be reached until `mend` was called as often as `cut`."""
         for name in names:
             self._cut[name] = self._cut.get(name, 0) + 1
             self._rest.pop(name, None)
 
     def mend(self, names: Iterable[str], now: float) -> None:
-        """They can be reached again, and have the whole grace to come to rest."""
+        """Ends one `cut`: the robots can be reached again; a stop gets the whole grace again."""
         for name in names:
             self._cut[name] -= 1
             if name in self._stopped:
                 self._stopped[name] = now
 
     def trouble(self, name: str, now: float) -> None:
-        """Something was done to the robot for which its mission may fail."""
+        """A fault affected the robot; its mission may fail because of it."""
         self._troubled[name] = now
 
     def carry(self, name: str, now: float) -> None:
-        """A person moves the robot: its distance counts again once it is back and clear."""
+        """A person moves the robot. Its distances are not judged until `bring_back` was called and
+        it is far enough from all others."""
         self._carried.add(name)
         self._returned.discard(name)
         self.trouble(name, now)
 
     def bring_back(self, name: str) -> None:
-        """The person is done with it."""
+        """The person has finished moving the robot."""
         self._returned.add(name)
 
-    # -- what is seen ------------------------------------------------------------------------------
+    # -- observations ------------------------------------------------------------------------------
 
     def see(self, now: float, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
-        """Where all robots are, looked at twice in a row.
+        """Judges the positions of all robots, sampled twice in a row.
 
-        Robots of one simulator are seen at one moment, those of another one a little later. Two
-        are too near only if they are in both looks.
+        Each simulator samples its robots at one moment, but different simulators at slightly
+        different moments. Therefore two robots are too near only if they are so in both samples.
         """
         self.looks += 1
         self._check_distances(first, second, now)
@@ -143,7 +150,7 @@ class Witness:
             self._check_rest(name, place, now)
 
     def hear(self, mission: int, state: State, robot: str, reached: int, reason: str) -> None:
-        """A status was told; one of a mission that the caller did not ask for means nothing."""
+        """Judges a published status. Missions that the caller did not request are ignored."""
         asked = self._missions.get(mission)
         if asked is None:
             return
@@ -162,20 +169,21 @@ class Witness:
         self._check_end(mission, asked, reason)
 
     def end(self) -> None:
-        """Nothing is done any more, and all missions had time to end."""
+        """Judges open missions at the end of the run; all missions had time to end."""
         for mission, asked in self._missions.items():
             if asked.is_open:
-                told = 'nothing' if asked.state is None else asked.state.name
+                told = 'none' if asked.state is None else asked.state.name
                 self._break(f'mission {mission} over {list(asked.destinations)} never ended; '
-                            f'told was {told}, robot {asked.robot or "none"}', 'open', str(mission))
+                            f'last state {told}, robot {asked.robot or "none"}', 'open',
+                            str(mission))
 
     @property
     def open_missions(self) -> List[int]:
-        """Asked for, and not ended."""
+        """Ids of the requested missions that have not ended."""
         return [mission for mission, asked in self._missions.items() if asked.is_open]
 
     def ends(self) -> Dict[State, int]:
-        """How many missions ended how."""
+        """Returns the number of missions by the state in which they ended."""
         states = [asked.state for asked in self._missions.values() if not asked.is_open]
         return {state: states.count(state) for state in State if state.is_end}
 
@@ -213,7 +221,7 @@ class Witness:
     def _check_rest(self, name: str, place: Place, now: float) -> None:
         since = self._stopped.get(name)
         if name in self._carried:
-            self._rest.pop(name, None)  # a person moves it
+            self._rest.pop(name, None)  # a person moves this robot
             return
         if since is None or self._cut.get(name) or now < since + self._grace:
             return
@@ -227,7 +235,7 @@ class Witness:
             missed = self._missed(asked)
             if missed:
                 self._break(f'mission {mission} over {list(asked.destinations)} succeeded, but '
-                            f'{asked.robot} never was at {missed} in this order',
+                            f'{asked.robot} did not visit {missed} in this order',
                             'missed', str(mission))
         elif asked.state is State.CANCELLED and not asked.is_cancelled:
             self._break(f'no person cancelled mission {mission}: {reason}', 'cancel', str(mission))
@@ -235,11 +243,11 @@ class Witness:
             self._break(f'mission {mission} was refused: {reason}', 'refused', str(mission))
         elif asked.state is State.FAILED and not any(
                 self._troubled.get(name, -math.inf) >= asked.since for name in asked.served_by):
-            self._break(f'mission {mission} of {asked.robot} failed, to which nothing was done: '
+            self._break(f'mission {mission} of {asked.robot} failed, though no fault affected it: '
                         f'{reason}', 'failed', str(mission))
 
     def _missed(self, asked: _Mission) -> List[int]:
-        """The destinations that the robot did not visit, from the first such on."""
+        """Returns the first destination that the robot did not visit, and all after it."""
         trail = [place for _, place in self._trails.get(asked.robot, [])]
         left = list(asked.destinations)
         for before, place in zip(trail[:1] + trail, trail):
@@ -255,9 +263,10 @@ class Witness:
 
 
 def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tuple[float, float]]:
-    """The medians of the second and the last quarter, if the last is larger by `share` and `least`.
+    """Returns the medians of the second and the last quarter of the samples, if the values grew.
 
-    The first quarter is left out: in it caches fill.
+    They grew if the last median is larger by more than `share` (0..1) and by more than `least`.
+    Otherwise None. The first quarter is ignored because caches fill in it.
     """
     quarter = len(samples) // 4
     if not quarter:
@@ -268,7 +277,7 @@ def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tup
 
 
 def _distance(point: Place, start: Place, end: Place) -> float:
-    """From a point to the straight piece between two others."""
+    """Returns the distance (m) from a point to the line segment between two others."""
     length = math.dist(start, end)
     if length == 0.0:
         return math.dist(point, start)

@@ -1,4 +1,4 @@
-"""Plans that are wrong in ways of which no planner should be capable: for chaos, soak and tests."""
+"""Makes plans wrong in ways that no correct planner produces, for chaos, soak and tests."""
 from __future__ import annotations
 
 import math
@@ -9,52 +9,52 @@ from typing import Callable, Dict
 from graph_fleet_manager.planning.tasks import Outcome
 
 ELSEWHERE = (0, 1, -1, 7, 2 ** 31 - 1, 1 - 2 ** 31)
-"""Edges that are drawn for others: most graphs have some of them and lack some."""
+"""Edge ids that replace others; most graphs have some of these edges and lack the others."""
 
 
 def without_order(outcome: Outcome, _: Random) -> Outcome:
-    """No robot waits for another one."""
+    """Removes the order constraints: no robot waits for another one."""
     return replace(outcome, precedence=())
 
 
 def with_holes(outcome: Outcome, _: Random) -> Outcome:
-    """The second drive of each robot is left out."""
+    """Removes the second drive of each robot."""
     return replace(outcome, precedence=(), drives={
         name: drives[:1] + drives[2:] for name, drives in outcome.drives.items()})
 
 
 def exchanged(outcome: Outcome, _: Random) -> Outcome:
-    """Each robot has the drives of another one."""
+    """Gives each robot the drives of another one."""
     names = list(outcome.drives)
     return replace(outcome, precedence=(), drives={
         name: outcome.drives[other] for name, other in zip(names, names[1:] + names[:1])})
 
 
 def without_drives(outcome: Outcome, _: Random) -> Outcome:
-    """All robots stay where they are, and are said to be served."""
+    """Removes all drives, but still claims that the robots are served."""
     return replace(outcome, precedence=(), drives=dict.fromkeys(outcome.drives, ()))
 
 
 def shortened(outcome: Outcome, chance: Random) -> Outcome:
-    """Each robot lacks its last drives; the order of use still names them."""
+    """Removes the last drives of each robot; the order constraints still name them."""
     return replace(outcome, drives={name: drives[:chance.randint(0, len(drives))]
                                     for name, drives in outcome.drives.items()})
 
 
 def incomplete(outcome: Outcome, chance: Random) -> Outcome:
-    """One robot has no plan."""
+    """Removes the plan of one robot."""
     left_out = chance.choice(sorted(outcome.drives)) if outcome.drives else ''
     return replace(outcome, drives={name: drives for name, drives in outcome.drives.items()
                                     if name != left_out})
 
 
 def turned(outcome: Outcome, chance: Random) -> Outcome:
-    """Some edges are driven the other way."""
+    """Reverses the direction of some drives."""
     return _with_edges(outcome, chance, lambda edge: -edge)
 
 
 def elsewhere(outcome: Outcome, chance: Random) -> Outcome:
-    """Some edges are others, which the graph may lack."""
+    """Replaces some edges by others that the graph may lack."""
     return _with_edges(outcome, chance, lambda _: chance.choice(ELSEWHERE))
 
 
@@ -65,7 +65,7 @@ def _with_edges(outcome: Outcome, chance: Random, other: Callable[[int], int]) -
 
 
 def of_an_unknown_robot(outcome: Outcome, chance: Random) -> Outcome:
-    """One plan is that of a robot which no fleet has."""
+    """Gives the plan of one robot to a robot that is not in the fleet."""
     if not outcome.drives:
         return outcome
     drives = dict(outcome.drives)
@@ -74,14 +74,14 @@ def of_an_unknown_robot(outcome: Outcome, chance: Random) -> Outcome:
 
 
 def reversed_order(outcome: Outcome, _: Random) -> Outcome:
-    """Each robot waits for the robots that should wait for it."""
+    """Reverses each order constraint: each robot waits for those that should wait for it."""
     return replace(outcome, precedence=tuple(
         one._replace(first=one.then, before=one.drive, then=one.first, drive=one.before)
         for one in outcome.precedence))
 
 
 def impossible_order(outcome: Outcome, chance: Random) -> Outcome:
-    """The order of use names drives and fractions that do not exist."""
+    """Lets the order constraints name drives and fractions that do not exist."""
     return replace(outcome, precedence=tuple(
         one._replace(before=chance.choice((0, 2 ** 32 - 1)),
                      fraction=chance.choice((math.nan, -1.0, 1e9)))
@@ -89,7 +89,7 @@ def impossible_order(outcome: Outcome, chance: Random) -> Outcome:
 
 
 def without_time(outcome: Outcome, chance: Random) -> Outcome:
-    """Drives end long before they begin."""
+    """Sets times such that drives end long before they begin."""
     return replace(outcome, drives={
         name: tuple(drive._replace(start=float(chance.randrange(2 ** 30)), end=0.0)
                     for drive in drives) for name, drives in outcome.drives.items()})
@@ -100,4 +100,4 @@ Spoil = Callable[[Outcome, Random], Outcome]
 WRONG: Dict[str, Spoil] = {spoil.__name__: spoil for spoil in (
     without_order, with_holes, exchanged, without_drives, shortened, incomplete, turned, elsewhere,
     of_an_unknown_robot, reversed_order, impossible_order, without_time)}
-"""Each way, by its name."""
+"""All functions that make a plan wrong, by name."""
