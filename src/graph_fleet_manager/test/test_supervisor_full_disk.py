@@ -86,7 +86,7 @@ def test_a_mission_is_cancelled_or_paused_although_that_cannot_be_stored(command
     fleet.run(20.0)
     assert fleet.agvs['a'].visited == [1, 2], 'the robot must stop at the end of its edge'
     assert fleet.told(1)[-1] is MissionState.ACTIVE, 'nothing may be published that is not stored'
-    assert f'{command.name} is carried out, but forgotten' in fleet.statuses[-1].reason
+    assert f'{command.name} is carried out, but will be lost' in fleet.statuses[-1].reason
     fleet.disk_fails(False)
     fleet.run(5.0)
     assert fleet.told(1)[-1] is (MissionState.CANCELLED if command is Command.CANCEL
@@ -186,7 +186,7 @@ def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
     fleet.disk_fails()
     fleet.run_until(lambda: fleet.reached(1) == 1)
     fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
-    assert fleet.statuses[-1].reason.startswith('PAUSE is carried out, but forgotten')
+    assert fleet.statuses[-1].reason.startswith('PAUSE is carried out, but will be lost')
     status, = fleet.supervisor.book.stored_open
     for told in (fleet.statuses[-1], status):
         assert (told.state, told.reached) == (MissionState.ACTIVE, 0)

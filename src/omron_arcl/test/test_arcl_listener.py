@@ -70,7 +70,7 @@ def test_a_new_connection_replaces_the_old_one(received, links):
         assert is_closed(old)
         new.sendall(lines(b'Stopped'))
         received.wait(lambda line: line.raw == b'Stopped', 'a line')
-        links.wait(lambda link: 'anew' in link.reason, 'the reason')
+        links.wait(lambda link: 'new connection' in link.reason, 'the reason')
 
 
 def test_half_a_line_of_the_old_connection_does_not_run_into_the_new_one(received):

@@ -11,7 +11,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
 
 LONGEST = 1000     # number of edges in a route; a longer one is a mistake or an attack
-# m from a vertex within which a robot can count as standing on it, whatever its play
+# m from a vertex within which a robot can count as standing on it, for any play
 NEAR = 0.3
 # m from a vertex within which a robot without play counts as standing on it
 AT_VERTEX = 0.02

@@ -129,7 +129,7 @@ class Mission:
     reason      -- why it ended, or what it waits for
     changes     -- number of times that it got other destinations; earlier plans are then useless
     stored      -- its status on the disk; None: it is not stored yet
-    changed_by  -- who requested the changes that are not stored yet; empty: none, or not given
+    changed_by  -- name of the giver of changes that are not stored yet; empty: none, or not given
     """
 
     serial: int

@@ -96,7 +96,7 @@ class MoveBaseServer(CommandActions):
         return MoveBaseResult()
 
     def _tell(self, goal_id: str, reason: Optional[str]) -> None:
-        """Reports a failure to the giver of a goal by topic, who gets no result."""
+        """Reports a failure of a goal that came by topic: its giver gets no result."""
         with self._lock:
             giver = self._forwarded.pop(goal_id, None)
         if giver and reason:

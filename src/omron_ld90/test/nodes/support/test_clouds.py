@@ -33,11 +33,11 @@ def test_another_layout_is_read_and_a_point_without_a_place_is_left_out():
 
 
 @pytest.mark.parametrize('wrong, reason', [
-    ({'width': 3}, 'laid out'), ({'point_step': 7}, 'laid out'), ({'data': b''}, 'laid out'),
-    ({'fields': []}, 'no x and y'), ({'width': 2**31}, 'the most'),
-    ({'fields': [PointField('x', 2**31, 7, 1), PointField('y', 4, 7, 1)]}, 'laid out'),
+    ({'width': 3}, 'the layout'), ({'point_step': 7}, 'the layout'), ({'data': b''}, 'the layout'),
+    ({'fields': []}, 'no x and y'), ({'width': 2**31}, 'at most'),
+    ({'fields': [PointField('x', 2**31, 7, 1), PointField('y', 4, 7, 1)]}, 'the layout'),
     ({'fields': [PointField('x', 0, PointField.INT8, 1), PointField('y', 4, 7, 1)]}, 'no x and y'),
-    ({'height': 2, 'width': 1, 'row_step': 100}, 'laid out')])
+    ({'height': 2, 'width': 1, 'row_step': 100}, 'the layout')])
 def test_what_is_no_cloud_is_refused_in_words(wrong, reason):
     with pytest.raises(ValueError, match=reason):
         places_in(cloud(**wrong))

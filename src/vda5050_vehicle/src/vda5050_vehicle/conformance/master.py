@@ -71,7 +71,7 @@ class Master:
             'connection', 'state', 'factsheet', 'visualization')])
 
     def receive(self, topic: str, payload: bytes, retained: bool = False, qos: int = 1) -> None:
-        """Stores and checks a message of the vehicle; never raises, whatever it contains."""
+        """Stores and checks a message of the vehicle; never raises, for any content."""
         moment = self.now()
         if self._on_payload:
             self._on_payload(topic, payload)
