@@ -24,7 +24,9 @@ from __future__ import annotations
 
 import os
 import threading
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Container, FrozenSet, List, Optional, Tuple
 
 import rospkg
@@ -51,6 +53,7 @@ from graph_fleet_manager.site.survey import Survey, parking_for_all, survey
 from itrci_nav_msgs.msg import DockingPoints, ExecutionRouteStates, ParkingPlaces
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
+from node_lifecycle.worker import start_worker
 from trajectory_graph import Graph
 
 _REPORTED_WITHIN = 3.0  # s in which each connected robot has reported, at 1 Hz or more
@@ -154,12 +157,12 @@ class GraphServer:
         rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; it is being '
                       'surveyed.', len(graph.vertices), len(graph.edges),
                       sum(graph.curve(id).length for id in graph.edges))
-        threading.Thread(target=self._survey, args=(graph, self._stamp), name='survey',
-                         daemon=True).start()
+        start_worker('survey', partial(self._survey, graph, self._stamp))
 
     def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
         """Surveys a graph and publishes the results, unless another graph is in force by then."""
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _SURVEY_NICENESS)
+        with suppress(PermissionError):  # hardened services may not change a priority
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _SURVEY_NICENESS)
         network = RoadNetwork(graph, (), self._fleet.dock_approach)
         found = survey(network, self._fleet)
         said = remarks(graph, self._fleet, found)
@@ -174,7 +177,7 @@ class GraphServer:
         self._park_by_closures()
 
     def _begin_parking(self) -> None:
-        threading.Thread(target=self._park_by_closures, name='parking', daemon=True).start()
+        start_worker('parking', self._park_by_closures)
 
     def _park_by_closures(self) -> None:
         """Computes and publishes the parking vertices for the edges that are closed now.
