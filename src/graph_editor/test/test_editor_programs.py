@@ -117,7 +117,7 @@ def test_what_cannot_be_done_is_one_sentence(hall, tmp_path, capsys, arguments, 
 def test_a_goal_that_is_nowhere_is_told_and_is_no_vertex(hall, tmp_path, capsys):
     graph = tmp_path / 'graph.yaml'
     assert make('--map', hall, '--output', graph, '--goal', 'far,300,300,') == 0
-    assert 'warning: far is where no robot' in capsys.readouterr().err
+    assert 'warning: far is at a position at which a robot' in capsys.readouterr().err
     assert 'far' not in {vertex.label for vertex in load_graph(graph).vertices.values()}
 
 

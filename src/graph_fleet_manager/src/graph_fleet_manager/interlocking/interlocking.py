@@ -140,7 +140,6 @@ class Interlocking:
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
-        self.stored(robots)
 
     # -- grants -----------------------------------------------------------------------------------
 
@@ -200,7 +199,7 @@ class Interlocking:
         return self._to_store
 
     def stored(self, names: Iterable[str]) -> None:
-        """The allocations of these robots are in the journal now."""
+        """The present allocations of these robots are in the journal now."""
         for name in names:
             if name in self._robots:
                 self._stored.put(name, self._robots[name].client.allocation)

@@ -132,7 +132,7 @@ def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
 def _line(graph: Graph, edge: int, begin: float) -> Tuple[Point, ...]:
     """The curve of a signed edge from a fraction of it on."""
     curve = graph.curve(edge)
-    rest = curve.length * (1.0 - begin)
+    first, rest = begin * curve.length, (1.0 - begin) * curve.length
     steps = max(int(rest / _STEP), 1)
-    points = (curve.point_at(curve.length - rest * k / steps) for k in range(steps + 1))
+    points = (curve.point_at(first + rest * k / steps) for k in range(steps + 1))
     return tuple((float(x), float(y)) for x, y in points)

@@ -105,6 +105,7 @@ class Supervisor:
                            self._ids)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching)
+        self.interlocking.stored(self._everywhere)
         for robot in self.robots.values():
             robot.client.stop_after_loss(self._out.new_id)
         self._outages = OutageWatch(self.book, self.robots, self._out)
