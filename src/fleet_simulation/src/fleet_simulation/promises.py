@@ -67,6 +67,7 @@ class Promises:
         self.blamed: Set[str] = set()
         self.carried: Set[str] = set()
         self._given: Dict[str, Set[int]] = {}
+        self._sent: Dict[str, Tuple[int, Tuple[int, ...]]] = {}
         self._lines = {id: LineString([_at(graph, id, 0.0), _at(graph, id, 1.0)])
                        for id in graph.edges}
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
@@ -113,13 +114,15 @@ class Promises:
         if not order.edges:
             return
         fleet, name = self.fleet, order.robot
+        is_repeated = order.repeated or (order.route_id, order.edges) == self._sent.get(name)
+        self._sent[name] = order.route_id, order.edges
         assert self.stopped is None, f'{order} though the fleet is stopped: {fleet.picture()}'
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
         outage = fleet.supervisor.robots[name].outage
         assert outage is None or not outage.needs_person, f'{order}: {fleet.picture()}'
         had = self._may_drive(name)
         is_ahead = fleet.ages.get(name, 0.0) < -CLOCK_ERROR
-        assert order.repeated or not (is_ahead and set(self._left_of(order)) - had), (
+        assert is_repeated or not (is_ahead and set(self._left_of(order)) - had), (
             f'{order} though its clock is ahead: {fleet.picture()}')
         if len(had) <= 1:
             self.resting.pop(name, None)
@@ -129,7 +132,7 @@ class Promises:
                 f'{order} though its mission is cancelled or paused: {fleet.picture()}')
         more = [edge for edge in self._left_of(order) if edge not in had]
         if fleet.is_disk_full:
-            assert order.repeated or not more, f'{order} is not stored: {fleet.picture()}'
+            assert is_repeated or not more, f'{order} is not stored: {fleet.picture()}'
         if fleet.closed:
             closed = set(fleet.closed) & {abs(edge) for edge in more} - self._given[name]
             assert not closed, f'{order} leads over {closed}, which is closed: {fleet.picture()}'
