@@ -158,6 +158,7 @@ class Promises:
                 (bool(supervisor.trouble), 'the journal cannot be written'),
                 (robot.needs_person, 'a person must look after it'),
                 (not robot.liveness.is_seen, 'it has not reported since the start'),
+                (bool(supervisor.interlocking.excluding(name)), 'its places exclude another robot'),
                 (abs(edge) in self.fleet.closed and not is_inside, 'the edge is closed')):
             assert not is_wrong, f'{name} is granted {edge}, but {why}: {self.fleet.picture()}'
 

@@ -293,7 +293,7 @@ class VirtualFleet(Generic[Body]):
         for _ in range(2):
             problem, actions = self.supervisor.bring_in(name, self.now)
             self.do(actions)
-            if 'told to stop first' not in problem:
+            if not (problem and self.supervisor.robots[name].client.is_stopping):
                 break
             self.run(3.0)
         return problem

@@ -436,8 +436,7 @@ class RouteClient:
 
         It would drive an extended route from its beginning.
         """
-        self._pending.drop()
-        self.over = True
+        self.withdraw()  # a copy of its order may still be on the way
         if self.record.ahead:
             heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
 
