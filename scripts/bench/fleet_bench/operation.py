@@ -1,53 +1,97 @@
-"""A fleet at work: missions one after the other, delays and stalls, with a time for each
-replanning.
+"""A fleet at work in virtual time: missions one after the other, robots that are late and stall.
+
+The robots reach their speed at once. So the figures show what the plans and the supervisor cost,
+and not what it costs to accelerate and brake.
 """
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from random import Random
-from typing import Dict, Sequence
+from typing import Dict, Sequence, Tuple
+
+from fleet_simulation.demand import Demand
+from fleet_simulation.demand_file import Wanted
+from fleet_simulation.driven_robot import Delays, DrivenRobot, Mechanics, Standstill
+from fleet_simulation.figures import Figures
+from fleet_simulation.simulation import Run
+from fleet_simulation.site import Site, site_of
+from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
+from graph_fleet_manager.fleet import Fleet, Robot, RobotType
+from graph_fleet_manager.supervision.missions import Request, Status
+from graph_fleet_manager.supervision.settings import RobotSettings
+from trajectory_graph import Graph, load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / 'src/graph_fleet_manager/test'))
-
-from fleet_run import Delays, FleetRun  # noqa: E402
-
-from graph_fleet_manager.fleet import RobotType  # noqa: E402
-from graph_fleet_manager.planning.planner import FleetPlanner  # noqa: E402
-from graph_fleet_manager.planning.road_network import RoadNetwork  # noqa: E402
-from trajectory_graph import Graph, load_graph, split_edges  # noqa: E402
-
 DOCK = 16
 STATIONS = (6, 18, 27, 39, 52, DOCK)
 PARKING = (8, 10, 14, 32, 33, 35, 41, 18, 27, 39, 52, 6, DOCK)  # the largest well-formed set
-# The first vertices of `parking` are the starts of the robots. At edge speeds an AGV drives as fast
-# as the edge allows.
-AGV = RobotType('agv', 0.43, 10.0, docks=frozenset((DOCK,)))
+# An AGV drives at the speed of the edge, which is at most 1 m/s here. The first vertices of PARKING
+# are the starts of the robots.
+AGV = RobotType('agv', 0.43, 1.0, docks=frozenset((DOCK,)))
 LD90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks=frozenset((DOCK,)))
-DELAYS = Delays()
+STALLS = Standstill(800.0, 20.0)
+DELAYS = Delays(1.1, STALLS, Standstill(0.0, 0.0))
+AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100.0,
+                                turn_acceleration=1000.0, bend_rate=1e6))
+
+
+class Operation(Run):
+    """A run in which each robot gets its next goal when it has reached the last one."""
+
+    def __init__(self, site: Site, robots: int, goals: Sequence[int], seed: int) -> None:
+        super().__init__(site, robots, seed)
+        self.longest_standstill = 0.0
+        """The longest time in which no robot was driving, in s."""
+        self._goals = goals
+        self._draw = Random(seed)
+        self._missions: Dict[int, str] = {}
+        """The robot of each open mission."""
+        self._moved = 0.0
+        """The virtual time at which a robot last drove."""
+
+    def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
+        return DrivenRobot(name, self._site.graph, kind, vertex, AT_ONCE, self._site.delays,
+                           Random(f'{name} {self._random.random()}'), 1.0)
+
+    def _request(self) -> None:
+        for name in sorted(self.world.agvs.keys() - set(self._missions.values())):
+            here = self.world.agvs[name].vehicle.drive.vertex
+            goal = self._draw.choice([goal for goal in self._goals if goal != here])
+            self._next_id += 1
+            self._missions[self._next_id] = name
+            self._ask(Request(self._next_id, (goal,), robot=name, stamp=self.world.now + 0.1))
+
+    def tells(self, status: Status) -> None:
+        """A robot whose mission has ended needs another one."""
+        super().tells(status)
+        if not status.state.is_open:
+            self._missions.pop(status.request_id, None)
+
+    def stepped(self) -> None:
+        """Notes for how long no robot drives."""
+        super().stepped()
+        now = self.world.now
+        if any(not robot.vehicle.drive.at_rest for robot in self.world.agvs.values()):
+            self._moved = now
+        self.longest_standstill = max(self.longest_standstill, now - self._moved)
 
 
 def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequence[int],
-            parking: Sequence[int], clearance: float, seed: int, seconds: float,
-            rounds: int, time_limit: float) -> FleetRun:
-    """Runs the fleet for the given number of simulated seconds; each mission is one goal, drawn
-    evenly.
-    """
-    planner = FleetPlanner(RoadNetwork(graph), clearance, [kind], parking, seed=seed)
-    planner.prepare()
-    robots: Dict[str, tuple] = {f'r{k}': (kind, start) for k, start in enumerate(starts)}
-
-    def next_mission(random: Random, at: int) -> Sequence[int]:
-        return (random.choice([goal for goal in goals if goal != at]),)
-    run = FleetRun(planner, robots, next_mission, DELAYS, seed, rounds, time_limit)
-    run.run(seconds)
-    return run
+            seed: int, seconds: float, rounds: int) -> Tuple[Figures, Operation]:
+    """Runs a fleet for the given number of virtual seconds; each mission is one goal."""
+    robots = tuple(Robot(f'r{k}', kind, start, '') for k, start in enumerate(starts))
+    site = site_of(graph, Fleet((kind,), robots, 0.1),
+                   {robot.name: RobotSettings(release_ahead=0.0) for robot in robots},
+                   Wanted(Demand(()), DELAYS, {}, {}), rounds=rounds)
+    run = Operation(site, len(robots), goals, seed)
+    figures = run.run(seconds / 3600.0)
+    if figures.trouble:
+        raise RuntimeError(f'seed {seed}: {figures.trouble}')
+    return figures, run
 
 
 def in_the_laboratory(robots: int, longest: float, kind: RobotType, seed: int,
-                      seconds: float = 3600.0, rounds: int = 100) -> FleetRun:
+                      rounds: int = 100) -> Tuple[Figures, Operation]:
     """An hour on the example laboratory's graph, with its edges cut at `longest` m."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), longest)
-    return at_work(graph, kind, PARKING[:robots], STATIONS, PARKING, 0.1, seed, seconds, rounds,
-                   time_limit=2.0)
+    return at_work(graph, kind, PARKING[:robots], STATIONS, seed, 3600.0, rounds)

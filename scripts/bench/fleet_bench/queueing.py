@@ -38,8 +38,8 @@ def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
 
     def late(planned: float) -> float:
         driven = planned * random.uniform(1.0, operation.DELAYS.slower)
-        stalls = random.random() < driven / operation.DELAYS.between_stalls
-        return driven + (operation.DELAYS.stall if stalls else 0.0)
+        stalls = random.random() < driven / operation.STALLS.every
+        return driven + (operation.STALLS.seconds if stalls else 0.0)
 
     def other_than(vertex: int) -> int:
         return random.choice([station for station in operation.STATIONS if station != vertex])
