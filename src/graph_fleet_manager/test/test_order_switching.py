@@ -1,4 +1,4 @@
-"""Order switching: corridors are reversed as a whole and before use, without rings, with a gain."""
+"""Order switching: groups are reversed as a whole and before use, without rings, with a gain."""
 from __future__ import annotations
 
 import os
@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from plan_checker import Order, World, faults, held_faults
 from plan_replay import replay, replay_faults
 
-from graph_fleet_manager.planning.corridors import Corridor, Progress, corridors
+from graph_fleet_manager.planning.edge_groups import EdgeGroup, Progress, edge_groups
 from graph_fleet_manager.planning.order_switching import GAIN, Course, switch_order
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.plans import Drive
@@ -74,9 +74,9 @@ class Moment:
         return found
 
     @property
-    def corridors(self) -> List[Corridor]:
-        """The corridors in which robots meet from now on."""
-        return corridors(self.network, self.clearance, self.progress)
+    def groups(self) -> List[EdgeGroup]:
+        """The groups in which robots meet from now on."""
+        return edge_groups(self.network, self.clearance, self.progress)
 
     def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
         """The plan in the checker's form: past drives in the old order, the rest in this order."""
@@ -148,19 +148,19 @@ def ends(courses: Dict[str, Course], order: Sequence[Constraint]) -> Dict[str, f
 
 @MANY
 @ANY_SEED
-def test_corridors_keep_a_plan_safe_and_each_that_can_be_reversed_does_so_the_other_way_round(seed):
+def test_groups_keep_a_plan_safe_and_each_that_can_be_reversed_does_so_the_other_way_round(seed):
     case = a_case(seed)
     at = moment(case, Random(seed))
-    found, progress = at.corridors, at.progress
+    found, progress = at.groups, at.progress
     starts = {name: course.planned for name, course in at.courses.items()}
-    order = [one for corridor in found for one in corridor.constraints]
+    order = [one for group in found for one in group.constraints]
     assert faults(case.world, at.plan(order, starts)) == []
     for number, turned in enumerate(found):
         for one in turned.reverse:
             assert one.before >= progress[one.first].released
             assert one.drive >= progress[one.then].released
-        order = [one for k, corridor in enumerate(found)
-                 for one in (turned.reverse if k == number else corridor.constraints)]
+        order = [one for k, group in enumerate(found)
+                 for one in (turned.reverse if k == number else group.constraints)]
         if turned.reverse and not has_ring(at.courses, order):
             plan = at.plan(order, starts)
             assert held_faults(case.world, plan, Order(plan)) == []
@@ -187,7 +187,7 @@ def grid(random: Random) -> Tuple[Moment, World]:
 def test_a_switched_order_is_safe_without_rings_and_better_by_what_is_told(seed):
     random = Random(seed)
     at, world = grid(random)
-    found, courses = at.corridors, at.courses
+    found, courses = at.groups, at.courses
     switched = switch_order(courses, found, gain=0.01)
     if switched is not None:
         plan = at.plan(switched.order(found), switched.starts)
@@ -203,7 +203,7 @@ def test_a_switched_order_is_safe_without_rings_and_better_by_what_is_told(seed)
 
 def test_one_grid_in_ten_is_switched():
     grids = [grid(Random(seed))[0] for seed in range(40)]
-    assert sum(switch_order(at.courses, at.corridors) is not None for at in grids) >= 4
+    assert sum(switch_order(at.courses, at.groups) is not None for at in grids) >= 4
 
 
 def has_ring(courses, order):
@@ -237,7 +237,7 @@ def planned(graph: Graph, now: float = 0.0, late=None, **trips: Tuple[int, int])
 
 def first_through(at: Moment) -> str:
     """The robot that goes first at the only place where two robots meet."""
-    (only,) = at.corridors
+    (only,) = at.groups
     return only.first
 
 
@@ -245,7 +245,7 @@ def test_a_late_robot_lets_the_other_one_go_first():
     at = planned(crossing(), a=(1, 5), b=(11, 15))
     early = first_through(at)
     at.late = {early: 30.0}
-    switched = switch_order(at.courses, at.corridors)
+    switched = switch_order(at.courses, at.groups)
     assert switched is not None and switched.reversed == {0}
     assert switched.gain > 20.0
 
@@ -255,22 +255,22 @@ def test_a_robot_that_was_let_into_the_crossing_goes_first_however_late():
     early = first_through(at)
     at.now = next(d.start for d in at.outcome.drives[early][1:]) + 0.1
     at.late = {early: 30.0}
-    assert switch_order(at.courses, at.corridors) is None
+    assert switch_order(at.courses, at.groups) is None
 
 
 def test_a_gain_below_the_threshold_changes_nothing():
     at = planned(crossing(), a=(1, 5), b=(11, 15))
     at.late = {first_through(at): 30.0}
-    gain = switch_order(at.courses, at.corridors).gain
-    assert switch_order(at.courses, at.corridors, gain=gain + GAIN) is None
+    gain = switch_order(at.courses, at.groups).gain
+    assert switch_order(at.courses, at.groups, gain=gain + GAIN) is None
 
 
 
 def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
     at = planned(corridor(9), a=(3, 9), b=(1, 7))
     at.late = {'a': 60.0}
-    assert [one.reverse for one in at.corridors] == [()]
-    assert switch_order(at.courses, at.corridors) is None
+    assert [one.reverse for one in at.groups] == [()]
+    assert switch_order(at.courses, at.groups) is None
 
 
 def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
@@ -281,7 +281,7 @@ def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
         for name, begins in ((late, 40.0 + k), (other, 0.0)):
             courses[name] = Course(0, begins, (3.0,) * 20, (0.0,) * 20,
                                    tuple(3.0 * n for n in range(20)), 20)
-        found.append(Corridor(late, other, (Constraint(late, 9, 1.0, other, 10),),
+        found.append(EdgeGroup(late, other, (Constraint(late, 9, 1.0, other, 10),),
                               (Constraint(other, 10, 1.0, late, 9),)))
     all_of_them = switch_order(courses, found)
     assert all_of_them.reversed == set(range(25))

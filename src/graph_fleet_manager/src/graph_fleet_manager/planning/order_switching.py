@@ -1,9 +1,9 @@
-"""Switches the order of use while robots are late: reverses corridors if that gains time.
+"""Switches the order of use while robots are late: reverses groups if that gains time.
 
 A late robot holds up each robot that comes after it. Orders that are not begun yet may be reversed.
 The plans still lead to the same places, and the order stays free of rings (switchable action
 dependency graphs: Berndt et al., T-RO 2024). That paper solves a mixed-integer program. This module
-searches greedily, corridor by corridor. The cost of an order follows from the longest paths through
+searches greedily, group by group. The cost of an order follows from the longest paths through
 its graph, whose nodes are the beginnings of drives.
 
 Safety does not depend on this module: a robot is granted only what is free. A ring would be a
@@ -15,13 +15,13 @@ import time
 from math import inf
 from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-from graph_fleet_manager.planning.corridors import Corridor
+from graph_fleet_manager.planning.edge_groups import EdgeGroup
 from graph_fleet_manager.planning.precedence import Constraint
 
 GAIN = 5.0     # s that all robots together must gain by a change
 LATE = 5.0     # s beyond the plan's times by which a robot may hold up another one
 TRIALS = 40    # maximum number of orders that are tried
-_IN_A_ROW = 6  # maximum number of corridors that are reversed together
+_IN_A_ROW = 6  # maximum number of groups that are reversed together
 _LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1
 _EPSILON = 1e-6  # s
 
@@ -48,7 +48,7 @@ class Course(NamedTuple):
 class Switched(NamedTuple):
     """Another order.
 
-    reversed -- numbers of the corridors whose order is reversed
+    reversed -- numbers of the groups whose order is reversed
     starts   -- when each robot is to begin each drive of its course
     gain     -- s that all robots together gain
     """
@@ -57,14 +57,14 @@ class Switched(NamedTuple):
     starts: Dict[str, Tuple[float, ...]]
     gain: float
 
-    def order(self, corridors: Sequence[Corridor]) -> Tuple[Constraint, ...]:
+    def order(self, groups: Sequence[EdgeGroup]) -> Tuple[Constraint, ...]:
         """The constraints of the new order."""
-        return tuple(constraint for number, corridor in enumerate(corridors)
-                     for constraint in (corridor.reverse if number in self.reversed
-                                        else corridor.constraints))
+        return tuple(constraint for number, group in enumerate(groups)
+                     for constraint in (group.reverse if number in self.reversed
+                                        else group.constraints))
 
 
-def switch_order(courses: Mapping[str, Course], corridors: Sequence[Corridor],
+def switch_order(courses: Mapping[str, Course], groups: Sequence[EdgeGroup],
                  gain: float = GAIN, trials: int = TRIALS,
                  deadline: float = inf) -> Optional[Switched]:
     """A better order if a robot is so late that it holds up another one; None: there is none.
@@ -72,7 +72,7 @@ def switch_order(courses: Mapping[str, Course], corridors: Sequence[Corridor],
     gain     -- s that each change must gain, added up over the robots
     deadline -- monotonic s
     """
-    orders = _Orders(courses, corridors, trials, deadline)
+    orders = _Orders(courses, groups, trials, deadline)
     begun = orders.evaluate(frozenset())
     if begun is None or not orders.is_late(begun):
         return None
@@ -96,28 +96,28 @@ class _Times(NamedTuple):
 
 
 class _Order(NamedTuple):
-    """The reversed corridors of an order, and its times."""
+    """The reversed groups of an order, and its times."""
 
     reversed: FrozenSet[int]
     times: _Times
 
 
 class _Arc(NamedTuple):
-    """`then` begins `lag` s after `node` at the earliest, for one order of `corridor`."""
+    """`then` begins `lag` s after `node` at the earliest, for one order of `group`."""
 
     node: int
     then: int
     lag: float
-    corridor: int  # -1: none, both drives belong to one robot
+    group: int  # -1: none, both drives belong to one robot
     is_reverse: bool
 
 
 class _Orders:
-    """All orders of the corridors. The nodes are the beginnings of drives, robot by robot."""
+    """All orders of the groups. The nodes are the beginnings of drives, robot by robot."""
 
-    def __init__(self, courses: Mapping[str, Course], corridors: Sequence[Corridor], trials: int,
+    def __init__(self, courses: Mapping[str, Course], groups: Sequence[EdgeGroup], trials: int,
                  deadline: float) -> None:
-        self._corridors = corridors
+        self._groups = groups
         self._left, self._deadline = trials, deadline
         self._nodes: Dict[str, range] = {}
         self._earliest: List[float] = []
@@ -126,11 +126,11 @@ class _Orders:
         self._ends: List[Tuple[int, float, float]] = []
         self._before: List[List[_Arc]] = []
         self._behind: List[List[Tuple[int, float, int, bool]]] = []
-        self._of_corridor: List[List[_Arc]] = [[] for _ in corridors]
+        self._of_group: List[List[_Arc]] = [[] for _ in groups]
         for name, course in courses.items():
             self._add_course(name, course)
-        for number, corridor in enumerate(corridors):
-            for is_reverse, side in enumerate((corridor.constraints, corridor.reverse)):
+        for number, group in enumerate(groups):
+            for is_reverse, side in enumerate((group.constraints, group.reverse)):
                 for constraint in side:
                     self._add_constraint(courses, constraint, number, bool(is_reverse))
         self._open = [sum(not arc.is_reverse for arc in arcs) for arcs in self._before]
@@ -151,7 +151,7 @@ class _Orders:
             k = course.done - course.first - 1
             self._ends.append((first + k, course.seconds[k], 1.0))
 
-    def _add_constraint(self, courses: Mapping[str, Course], constraint: Constraint, corridor: int,
+    def _add_constraint(self, courses: Mapping[str, Course], constraint: Constraint, group: int,
                         is_reverse: bool) -> None:
         before, then = courses.get(constraint.first), courses.get(constraint.then)
         if before is None or then is None:
@@ -159,9 +159,9 @@ class _Orders:
         one, other = constraint.before - before.first, constraint.drive - then.first
         if one >= 0 and other >= 0:
             arc = _Arc(self._nodes[constraint.first][one], self._nodes[constraint.then][other],
-                       constraint.fraction * before.seconds[one], corridor, is_reverse)
+                       constraint.fraction * before.seconds[one], group, is_reverse)
             self._add(arc)
-            self._of_corridor[corridor].append(arc)
+            self._of_group[group].append(arc)
 
     def _add(self, arc: _Arc) -> None:
         self._before[arc.then].append(arc)
@@ -188,10 +188,10 @@ class _Orders:
         """The times as far as they are known, and the nodes that wait for each other for ever."""
         self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
-        side = [False] * (len(self._corridors) + 1)  # the last entry stands for no corridor
+        side = [False] * (len(self._groups) + 1)  # the last entry stands for no group
         for number in chosen:
             side[number] = True
-            for arc in self._of_corridor[number]:
+            for arc in self._of_group[number]:
                 waits[arc.then] += 1 if arc.is_reverse else -1
         ready = [node for node, count in enumerate(waits) if not count]
         passed = 0
@@ -199,8 +199,8 @@ class _Orders:
             node = ready.pop()
             passed += 1
             start = starts[node]
-            for then, lag, corridor, is_reverse in self._behind[node]:
-                if side[corridor] is is_reverse:
+            for then, lag, group, is_reverse in self._behind[node]:
+                if side[group] is is_reverse:
                     if start + lag > starts[then]:
                         starts[then] = start + lag
                     waits[then] -= 1
@@ -214,7 +214,7 @@ class _Orders:
         """Is a robot so late that another one begins a drive later than planned?"""
         starts = times.starts
         return any(starts[then] > self._planned[then] + LATE and any(
-            arc.corridor >= 0 and not arc.is_reverse
+            arc.group >= 0 and not arc.is_reverse
             and starts[arc.node] + arc.lag > self._planned[then] + LATE for arc in arcs)
             for then, arcs in enumerate(self._before))
 
@@ -225,7 +225,7 @@ class _Orders:
             if order.times.starts[node] <= self._planned[node] + LATE:
                 continue
             own = max([self._earliest[node], *(order.times.starts[arc.node] + arc.lag
-                                               for arc in arcs if arc.corridor < 0)])
+                                               for arc in arcs if arc.group < 0)])
             wait = order.times.starts[node] - own
             if wait > _EPSILON:
                 found.append((-wait, node))
@@ -238,11 +238,11 @@ class _Orders:
         """
         tried = order
         for _ in range(_IN_A_ROW):
-            binding = {arc.corridor for arc in self._active(node, tried.reversed)
+            binding = {arc.group for arc in self._active(node, tried.reversed)
                        if tried.times.starts[arc.node] + arc.lag
                        >= tried.times.starts[node] - _EPSILON}
             if not binding or -1 in binding or not all(
-                    self._corridors[corridor].reverse for corridor in binding):
+                    self._groups[group].reverse for group in binding):
                 return None
             another = self._without_rings(tried.reversed ^ binding, binding, self._robot(node))
             if another is None:
@@ -254,7 +254,7 @@ class _Orders:
 
     def _without_rings(self, chosen: FrozenSet[int], turned: Set[int],
                        robot: range) -> Optional[_Order]:
-        """Reverses further corridors until there is no ring, first those in which `robot` waits."""
+        """Reverses further groups until there is no ring, first those in which `robot` waits."""
         turned = set(turned)
         for _ in range(_IN_A_ROW):
             if self.is_over:
@@ -263,13 +263,13 @@ class _Orders:
             if not ring:
                 return _Order(chosen, times)
             loose = [arc for arc in self._ring(ring, chosen)
-                     if arc.corridor >= 0 and arc.corridor not in turned
-                     and self._corridors[arc.corridor].reverse]
+                     if arc.group >= 0 and arc.group not in turned
+                     and self._groups[arc.group].reverse]
             if not loose:
                 return None
-            corridor = min(loose, key=lambda arc: arc.then not in robot).corridor
-            turned.add(corridor)
-            chosen ^= {corridor}
+            group = min(loose, key=lambda arc: arc.then not in robot).group
+            turned.add(group)
+            chosen ^= {group}
         return None
 
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
@@ -285,7 +285,7 @@ class _Orders:
 
     def _active(self, node: int, chosen: FrozenSet[int]) -> List[_Arc]:
         return [arc for arc in self._before[node]
-                if (arc.corridor in chosen) is arc.is_reverse]
+                if (arc.group in chosen) is arc.is_reverse]
 
     def _robot(self, node: int) -> range:
         return next(nodes for nodes in self._nodes.values() if node in nodes)

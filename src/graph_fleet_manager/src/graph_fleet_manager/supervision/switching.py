@@ -9,7 +9,7 @@ import math
 import time
 from typing import List, Optional, Tuple
 
-from graph_fleet_manager.planning.corridors import Progress, corridors
+from graph_fleet_manager.planning.edge_groups import Progress, edge_groups
 from graph_fleet_manager.planning.order_switching import LATE, Course, switch_order
 from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
@@ -51,7 +51,7 @@ class OrderSwitching:
         if all(course.begins <= course.planned[0] + LATE
                for course in courses.values() if course.planned):
             return None
-        found = corridors(world.network, self._clearance, {
+        found = edge_groups(world.network, self._clearance, {
             name: _progress(own, world.robots[name], world) for name, own in plan.plans.items()})
         switched = switch_order(courses, found, deadline=deadline)
         if switched is None:

@@ -1,10 +1,10 @@
-"""Corridors: conflicts between two plans whose order can be reversed only as a whole.
+"""Edge groups: conflicts between two plans whose order can be reversed only as a whole.
 
 Draw the drives of one robot along x and those of another robot along y. Mark each pair of drives
 that exclude each other. The two plans are a path through this picture that passes each mark on one
-side. Marks that touch each other, also at a corner, form a *corridor*. One order holds for all of
+side. Marks that touch each other, also at a corner, form a *group*. One order holds for all of
 them, whether the robots drive through it one behind the other or against each other. The path may
-pass the corridor on its other side instead, unless one of the robots was granted a drive in it,
+pass the group on its other side instead, unless one of the robots was granted a drive in it,
 already stands in it, or ends in it (edge grouping: Feng et al., AAAI 2025).
 """
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Progress(NamedTuple):
     is_between: bool = False
 
 
-class Corridor(NamedTuple):
+class EdgeGroup(NamedTuple):
     """Drives of two robots that must all be driven in one order, or all in the other.
 
     constraints -- those by which `first` goes first
@@ -76,9 +76,9 @@ class _Marks(NamedTuple):
     fixed: np.ndarray        # (M,) is the order of the pair fixed?
 
 
-def corridors(network: RoadNetwork, clearance: float,
-              fleet: Mapping[str, Progress]) -> List[Corridor]:
-    """All corridors of the remaining plans. Their constraints are as safe as `precedence`."""
+def edge_groups(network: RoadNetwork, clearance: float,
+              fleet: Mapping[str, Progress]) -> List[EdgeGroup]:
+    """All groups of the remaining plans. Their constraints are as safe as `precedence`."""
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
         return []
@@ -89,7 +89,7 @@ def corridors(network: RoadNetwork, clearance: float,
              for k, one in enumerate(dict.fromkeys(kinds))
              for j, other in enumerate(dict.fromkeys(kinds))]
     marks = _Marks(*map(np.concatenate, zip(*found)))
-    return _corridors(names, drives, marks)
+    return _groups(names, drives, marks)
 
 
 def _rest(fleet: Sequence[Progress]) -> _Drives:
@@ -169,7 +169,7 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
     return fixed
 
 
-def _corridors(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[Corridor]:
+def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGroup]:
     count = len(marks.first)
     if not count:
         return []
@@ -183,39 +183,39 @@ def _corridors(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[Cor
     joined = [(np.flatnonzero(hit), end[hit]) for (step, side), end in zip(_TOUCHING, ends)
               for hit in [key[np.minimum(end, count - 1)] == key + step * width + side]]
     row, column = (np.concatenate(side) for side in zip(*joined))
-    corridor = np.empty(count, dtype=np.int64)
-    groups, corridor[order] = connected_components(
+    group = np.empty(count, dtype=np.int64)
+    groups, group[order] = connected_components(
         coo_matrix((np.ones(len(row)), (row, column)), (count, count)), directed=False)
     fixed = np.zeros(groups, dtype=bool)
-    fixed[corridor[marks.fixed]] = True
+    fixed[group[marks.fixed]] = True
     pairs = np.zeros((groups, 2), dtype=np.int64)
-    pairs[corridor, 0], pairs[corridor, 1] = one, other
+    pairs[group, 0], pairs[group, 1] = one, other
     kept: List[List[Constraint]] = [[] for _ in range(groups)]
     reverse: List[List[Constraint]] = [[] for _ in range(groups)]
-    for k in _needed(corridor, before, marks.first_clear, then).tolist():
-        kept[corridor[k]].append(Constraint(names[one[k]], int(before[k]),
+    for k in _needed(group, before, marks.first_clear, then).tolist():
+        kept[group[k]].append(Constraint(names[one[k]], int(before[k]),
                                             float(marks.first_clear[k]), names[other[k]],
                                             int(then[k])))
-    loose = np.flatnonzero(~fixed[corridor])
-    for k in loose[_needed(corridor[loose], then[loose], marks.then_clear[loose],
+    loose = np.flatnonzero(~fixed[group])
+    for k in loose[_needed(group[loose], then[loose], marks.then_clear[loose],
                            before[loose])].tolist():
-        reverse[corridor[k]].append(Constraint(names[other[k]], int(then[k]),
+        reverse[group[k]].append(Constraint(names[other[k]], int(then[k]),
                                                float(marks.then_clear[k]), names[one[k]],
                                                int(before[k])))
-    return [Corridor(names[a], names[b], tuple(kept[k]), tuple(reverse[k]))
+    return [EdgeGroup(names[a], names[b], tuple(kept[k]), tuple(reverse[k]))
             for k, (a, b) in enumerate(pairs.tolist())]
 
 
-def _needed(corridor: np.ndarray, before: np.ndarray, clear: np.ndarray,
+def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """The marks of each corridor that demand more than the marks of its earlier drives."""
-    if not len(corridor):
+    """The marks of each group that demand more than the marks of its earlier drives."""
+    if not len(group):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))
     more = (np.diff(before[by_demand]) != 0) | (np.diff(clear[by_demand]) != 0.0)
     demand = np.zeros(len(before), dtype=np.int64)
     demand[by_demand[1:]] = np.cumsum(more)
-    order = np.lexsort((-demand, then, corridor))
-    most = np.maximum.accumulate(demand[order] + corridor[order] * (len(order) + 1))
+    order = np.lexsort((-demand, then, group))
+    most = np.maximum.accumulate(demand[order] + group[order] * (len(order) + 1))
     needed: np.ndarray = np.sort(order[np.concatenate(([True], np.diff(most) > 0))])
     return needed
