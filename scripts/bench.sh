@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs benchmarks and prints tables. Each figure is the median of several runs; its floor stands beside it.
 #
-#   scripts/bench.sh all          each topic, the long ones shortened: about an hour and a half on two cores
+#   scripts/bench.sh all          each topic, the long ones shortened: about an hour on two cores
 #   scripts/bench.sh              each topic as a whole: many hours
 #   scripts/bench.sh TOPIC...     only these topics (scripts/bench/TOPIC.py)
 #   scripts/bench.sh TOPIC --only PART   options go to the topic's program; its --help lists them
@@ -12,12 +12,14 @@ set -euo pipefail
 
 [ "${1:-}" != -h ] && [ "${1:-}" != --help ] || { sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
 declare -A shortened=(  # options of a topic in `all`
-  [agreement]='--minutes 10 --virtual 10'
-  [fleet]='--only stations --only any_vertex --only conflict_sets --only sparse --only replanning --only lab_8_sections'
+  [agreement]='--minutes 3 --virtual 4'
+  [factory]='--only load'
+  [fleet]='--only stations --only any_vertex --only conflict_sets --only sparse --only replanning'
   [load]='--only robots_200'
   [order]='--only laboratory --seeds 1'
   [scale]='--robots 50 --hosted true'
-  [supervisor]='--only latency --only acceptance --only load'
+  [supervisor]='--only latency'
+  [vda5050]='--only latency'
 )
 topics=() options=() is_short=''
 while [ $# -gt 0 ] && [[ "$1" != -* ]]; do topics+=("$1"); shift; done
