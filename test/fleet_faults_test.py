@@ -163,7 +163,7 @@ class FleetFaults(unittest.TestCase):
             self.reports.wait_for(lambda report: len(_left_of(report)) == 1, OFTEN,
                                   'route that the cancel cut', after=len(self.reports.messages))
             self.wait_for_status(mission, lambda status: status.reason.startswith(
-                'CANCEL is carried out, but forgotten if'))
+                'CANCEL is carried out, but will be lost if'))
 
             self.stopped_but_not_stored()
             states = {line.request_id: line.state.name for line in history(self.journal)}

@@ -6,7 +6,7 @@ simulated LD-90s and AGVs, their ROS nodes, the fleet manager, random missions, 
 virtual fleet is `fleet_simulation` with the same graph, robots and missions, without random delays.
 Both are observed once a second and evaluated by the same function.
 
-`--minutes M` of real time (60), `--virtual N` virtual hours (20). `--keep FILE` writes what was
+`--minutes M` of real time (60), `--virtual N` virtual runs of the same length (20). `--keep FILE` writes what was
 observed of the real fleet; `--real FILE` takes it from there and runs no real fleet.
 """
 from __future__ import annotations
@@ -20,7 +20,7 @@ import statistics
 import time
 from collections import Counter
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from random import Random
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Sequence, Tuple, Union
@@ -231,12 +231,12 @@ class ObservedRun(Run):
                 for name, robot in self.world.agvs.items())))
 
 
-def virtual(seed: int) -> Dict[str, float]:
-    """The figures of one virtual hour."""
+def virtual(seconds: float, seed: int) -> Dict[str, float]:
+    """The figures of one virtual run."""
     run = ObservedRun(virtual_site(), seed)
-    trouble = run.run((WARM_UP + 3600.0) / 3600.0).trouble
+    trouble = run.run((WARM_UP + seconds) / 3600.0).trouble
     assert not trouble, f'seed {seed}: {trouble}'
-    return figures_of(run.observed, 3600.0)
+    return figures_of(run.observed, seconds)
 
 
 # --- both -----------------------------------------------------------------------------------------
@@ -254,8 +254,8 @@ def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float
                      f'{show(mean - half)} to {show(mean + half)}',
                      'yes' if abs(measured - mean) <= half else '**no**',
                      f'{100.0 * (measured / mean - 1.0):+.1f} %'))
-    print_table(rows, ('figure', 'real', f'mean of {len(hours)} virtual hours',
-                       'range of 95 % of single virtual hours', 'real within', 'real to mean'))
+    print_table(rows, ('figure', 'real', f'mean of {len(hours)} virtual runs',
+                       'range of 95 % of single virtual runs', 'real within', 'real to mean'))
 
 
 def half_width(values: Sequence[float]) -> float:
@@ -269,7 +269,7 @@ def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--minutes', type=float, default=60.0, help='of real time')
-    parser.add_argument('--virtual', type=int, default=20, metavar='N', help='hours')
+    parser.add_argument('--virtual', type=int, default=20, metavar='N', help='runs')
     parser.add_argument('--real', type=Path, metavar='FILE', help='an earlier run kept it')
     parser.add_argument('--keep', type=Path, metavar='FILE', help='for what is observed')
     options = parser.parse_args()
@@ -279,7 +279,7 @@ def main() -> None:
         with options.keep.open('w') as lines:
             lines.writelines(json.dumps(one) + '\n' for one in observed)
     with multiprocessing.Pool(os.cpu_count()) as pool:
-        hours = pool.map(virtual, range(1, options.virtual + 1), 1)
+        hours = pool.map(partial(virtual, seconds), range(1, options.virtual + 1), 1)
     print_agreement(figures_of(observed, seconds), hours)
 
 

@@ -287,6 +287,20 @@ def test_a_robot_that_has_driven_there_and_back_holds_no_more_after_a_restart(cl
     assert again.allocation == client.allocation
 
 
+@pytest.mark.parametrize('is_restarted', [False, True])
+def test_a_robot_that_forgot_its_route_holds_what_a_late_copy_leads_over(client, ids, is_restarted):
+    client.extend([1, 2, -2], ids)
+    client.take(report(1, [1, 2, -2], 3))
+    client.extend([-1], ids)
+    assert [hold.edge for hold in client.allocation.holds] == [-1]
+    if is_restarted:
+        memory, client = client.memory, RouteClient(RouteRecord(GRAPH, AGV))
+        client.restore(memory)
+    client.take(Report(0, (), (), Pose(1, 1.0), stamp=101.0))
+    assert client.withdrawn == 1
+    assert [hold.edge for hold in client.allocation.holds] == [1, 2, -2, -1]
+
+
 def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client, ids):
     client.extend([1], ids)
     client.take(report(1, [1], 0))

@@ -1,6 +1,7 @@
 """Areas: where a robot may be besides the places of the graph."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Sequence, Tuple
 
@@ -22,6 +23,8 @@ class Area:
 
 def are_nearer(one: Sequence[Point], other: Sequence[Point], distance: float) -> bool:
     """Do two lines through points come nearer to each other than `distance` (m)?"""
+    if len(one) == len(other) == 1:  # as for robots that stand between vertices
+        return math.dist(one[0], other[0]) <= distance
     (first, last), others = _segments(one), np.stack(_segments(other), axis=2)
     for segment in range(others.shape[1]):
         start, end = (np.broadcast_to(others[:, segment, which, None], first.shape)

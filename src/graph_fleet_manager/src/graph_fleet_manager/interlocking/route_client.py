@@ -436,7 +436,9 @@ class RouteClient:
 
         It would drive an extended route from its beginning.
         """
-        self.withdraw()  # a copy of its order may still be on the way
+        if self.record.ahead:  # a copy of its order may be on the way, and would begin it anew
+            self._acknowledged.clear()
+        self.withdraw()
         if self.record.ahead:
             heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
 

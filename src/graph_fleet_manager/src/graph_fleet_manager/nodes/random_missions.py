@@ -80,7 +80,8 @@ class RandomMissions:
                 for kept in (self._open, self._sent, self._heard):
                     del kept[message.request_id]
                 self._ended[message.state] += 1
-                self._fill()  # at once, so that no robot waits for the next look
+                if message.state != MissionStatus.REFUSED:
+                    self._fill()  # at once, so that no robot waits for the next look
                 rospy.loginfo('Missions: %d succeeded, %d failed, %d refused, %d cancelled.',
                               *(self._ended[state] for state in (
                                   MissionStatus.SUCCEEDED, MissionStatus.FAILED,
