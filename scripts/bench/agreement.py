@@ -6,8 +6,9 @@ simulated LD-90s and AGVs, their ROS nodes, the fleet manager, random missions, 
 virtual fleet is `fleet_simulation` with the same graph, robots and missions, without random delays.
 Both are observed once a second and evaluated by the same function.
 
-`--minutes M` of real time (60), `--virtual N` virtual runs of the same length (20). `--keep FILE` writes what was
-observed of the real fleet; `--real FILE` takes it from there and runs no real fleet.
+`--minutes M` of real time (60), `--virtual N` virtual runs of the same length (20). `--keep FILE`
+writes what was observed of the real fleet; `--real FILE` takes it from there and runs no real
+fleet.
 """
 from __future__ import annotations
 

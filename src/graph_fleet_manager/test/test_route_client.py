@@ -244,6 +244,8 @@ def test_a_robot_that_stands_off_its_route_blocks_no_more_because_its_report_com
     away = Report(0, (), (), Pose(3, 0.5), stamp=100.0)
     client.take(replace(away, age=1.0))
     assert [area.radius for area in client.allocation.areas] == [AGV.speed], 'it may still move'
+    client.take(replace(away, stamp=100.5, age=2.0))
+    assert [area.radius for area in client.allocation.areas] == [2.0 * AGV.speed], 'perhaps slowly'
     client.take(replace(away, stamp=101.0, age=2.0))
     assert [area.radius for area in client.allocation.areas] == [0.0]
 

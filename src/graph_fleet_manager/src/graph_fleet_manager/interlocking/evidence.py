@@ -18,6 +18,7 @@ from trajectory_graph import Graph
 # m that a silent robot may have moved while a person drives it
 MANUAL_REACH = 10.0
 DISPROOFS = 2        # number of later locations elsewhere that disprove an outlier
+_STANDING = 1.0      # s near one place after which a robot counts as standing
 _STEP = 0.5          # m: the step in which the area around such a robot grows
 
 
@@ -68,6 +69,8 @@ class Evidence:
         self.clock_is_off = False
         self._age = 0.0          # s for which the robot may have moved on from its last location
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
+        self._stood_at: Optional[Point] = None  # the location near which it has stayed
+        self._stands_since = 0.0                # stamp of the first location there
         self._is_moved = False   # by another giver than the fleet manager, as last reported
         self._strays = 0         # number of consecutive locations that were outliers
         self._absent_since = -math.inf
@@ -112,8 +115,11 @@ class Evidence:
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
             if judged.disproofs < DISPROOFS)
+        if self._stood_at is None or math.dist(self._stood_at, point) > TREMBLE:
+            self._stood_at, self._stands_since = point, report.stamp
         # A robot that stands does not grow, however late its report arrives.
-        self._age = report.age if has_moved or drives else 0.0
+        stands = not report.is_running and report.stamp - self._stands_since >= _STANDING
+        self._age = 0.0 if stands else report.age
         if is_covered:
             self._strays = 0
         else:
