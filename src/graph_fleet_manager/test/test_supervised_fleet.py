@@ -479,7 +479,7 @@ def test_a_robot_that_was_switched_off_and_on_again_mid_route_needs_a_person(sec
         fleet.run(5.0)
         robot = fleet.supervisor.robots['a']
         assert (robot.outage, robot.why) == (Outage.FAILED, 'it has forgotten its route')
-        fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+        assert not fleet.bring_in('a')
         fleet.run_until_done(id)
         assert fleet.state(id) is MissionState.SUCCEEDED
 

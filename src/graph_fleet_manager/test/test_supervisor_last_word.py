@@ -63,7 +63,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     agv.report = report
     fleet.deaf.clear()
     fleet.run(15.0)
-    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    assert not fleet.bring_in('a')
     fleet.run(2.0)
     assert robot(fleet).works
 
