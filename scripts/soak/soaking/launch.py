@@ -18,7 +18,6 @@ from ports import free_port
 
 PLANTS = Path(__file__).resolve().parents[1] / 'plants'
 TRUE_ANSWERS = '/plan_answer_of_planner'
-FAST = 5.0  # s after which a call to a hanging process fails
 
 
 class Launch:

@@ -19,7 +19,6 @@ WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth
 _LOOK = 10          # steps between two samples of what the robots do
 _BATTERY = 100      # steps between two battery reports
 _REPLANNING = 50    # steps between two complete new plans, with Order.REPLANNING
-_MOVES = 0.01       # m/s
 _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 

@@ -2,7 +2,7 @@
 """
 from __future__ import annotations
 
-from typing import Dict, Iterator, List, NamedTuple, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
@@ -33,8 +33,11 @@ class ClaimIndex:
         self._kinds: Dict[str, RobotType] = {}
         self._at: Dict[RobotType, Dict[int, List[Tuple[str, Claim]]]] = {}
 
-    def claims_of(self, allocation: Allocation) -> List[Claim]:
-        """The claims that an allocation makes by its edges and its vertex, but not by its areas."""
+    def claims(self, name: str) -> Sequence[Claim]:
+        """The claims of a robot by its edges and its vertex, but not by its areas."""
+        return self._claims.get(name, ())
+
+    def _claims_of(self, allocation: Allocation) -> List[Claim]:
         claims = [Claim(self._geometry.edge_place(hold.edge), hold.edge > 0, hold.cleared)
                   for hold in allocation.holds]
         if allocation.vertex is not None:
@@ -44,7 +47,7 @@ class ClaimIndex:
     def put(self, name: str, allocation: Allocation) -> None:
         """Replaces the claims of a robot."""
         self.remove(name)
-        claims = self._claims[name] = self.claims_of(allocation)
+        claims = self._claims[name] = self._claims_of(allocation)
         self._kinds[name] = allocation.kind
         at = self._at.setdefault(allocation.kind, {})
         for claim in claims:

@@ -109,8 +109,8 @@ class Evidence:
             self._strays += 1
             return
         before, self.location = self.location, point
-        has_moved = before is None or math.dist(before, point) > TREMBLE
-        self._is_moved = before is not None and has_moved and not drives
+        self._is_moved = (before is not None and math.dist(before, point) > TREMBLE
+                          and not drives)
         self.reach = 0.0
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)

@@ -11,8 +11,8 @@ from enum import Enum
 from typing import (
     AbstractSet,
     Callable,
+    Collection,
     Dict,
-    Iterable,
     Iterator,
     List,
     Mapping,
@@ -198,7 +198,7 @@ class Interlocking:
         """
         return self._to_store
 
-    def stored(self, names: Iterable[str]) -> None:
+    def stored(self, names: Collection[str]) -> None:
         """The present allocations of these robots are in the journal now."""
         for name in names:
             if name in self._robots:
@@ -252,7 +252,7 @@ class Interlocking:
         robot, own = self._robots[name], self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
             return ''
-        for claim in self._holds.claims_of(own):
+        for claim in self._holds.claims(name):
             other = self.holder(robot, claim)
             if other:
                 return other
@@ -268,7 +268,7 @@ class Interlocking:
                 continue
             distance = kind.reach + allocation.kind.reach + self._clearance
             near = self._places_near(area, distance)
-            claims = self._holds.claims_of(allocation)
+            claims = self._holds.claims(other)
             if any(_meets(near.get(claim.place), claim) for claim in claims):
                 return other
             if any(are_nearer(area.line, its.line, distance + area.radius + its.radius)
