@@ -1,6 +1,7 @@
 """The fleet manager's side of the route protocol."""
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import count
 
@@ -8,6 +9,7 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of
 
 from graph_fleet_manager.geometry.areas import Area
+from graph_fleet_manager.interlocking.evidence import MANUAL_REACH
 from graph_fleet_manager.interlocking.pending_order import REPEAT
 from graph_fleet_manager.interlocking.reports import (
     NEAR,
@@ -16,6 +18,7 @@ from graph_fleet_manager.interlocking.reports import (
     Report,
     WrongReport,
     check_report,
+    point_of,
     position_of,
 )
 from graph_fleet_manager.interlocking.route_client import RouteClient
@@ -234,10 +237,58 @@ def test_a_robot_that_falls_silent_as_it_arrives_was_not_moved_by_another_giver(
     assert not client.grow(5.0)
 
 
+def test_a_robot_that_brakes_after_a_stop_is_not_moved_by_another_giver(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0, fraction=0.5))
+    client.halt(ids)
+    client.take(Report(2, (), (), Pose(1, 0.7), stamp=100.5))
+    client.take(Report(2, (), (), Pose(1, 0.9), stamp=101.0))
+    assert not client.grow(5.0)
+    client.take(Report(2, (), (), Pose(2, 0.2), stamp=101.5))
+    assert client.grow(5.0), 'it has moved farther than it needs for braking'
+
+
 def test_a_robot_that_a_person_drives_may_be_farther_on_while_it_is_silent(client):
     client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
     client.take(Report(0, (), (), Pose(1, 0.3), stamp=101.0))
     assert client.grow(5.0)
+
+
+def test_a_robot_that_a_person_drives_slowly_may_be_farther_on_while_it_is_silent(client):
+    for tick in range(11):  # 0.2 m/s: 0.02 m between two reports
+        client.take(Report(0, (), (), Pose(1, 0.01 * tick), stamp=100.0 + 0.1 * tick))
+    assert client.grow(5.0)
+
+
+def test_a_robot_that_a_person_has_parked_does_not_grow_while_it_is_silent(client):
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
+    for stamp in (101.0, 101.5, 102.0):
+        client.take(Report(0, (), (), Pose(1, 0.3), stamp=stamp))
+    assert not client.grow(5.0)
+
+
+def test_a_robot_that_waits_on_a_route_of_another_giver_may_be_farther_on_while_it_is_silent(
+        client):
+    for stamp in (100.0, 101.0, 102.0):
+        client.take(replace(report(77, [2, 3], 0), stamp=stamp))
+    assert client.grow(5.0)
+
+
+def test_a_restart_does_not_forget_that_a_person_drives_the_robot(client):
+    stored = client.memory
+    for tick in range(30):
+        before = client.progress
+        client.take(Report(0, (), (), Pose(1, 0.025 * tick), stamp=100.0 + 0.1 * tick))
+        if client.progress != before:
+            stored = client.memory
+    again = RouteClient(RouteRecord(GRAPH, AGV))
+    again.restore(stored)
+    area = max(again.allocation.areas, key=lambda area: area.radius)
+    where = point_of(GRAPH, Pose(1, 0.725))
+    assert math.dist(area.line[0], where) + MANUAL_REACH <= area.radius
+    assert not again.grow(1.0)
+    again.take(Report(0, (), (), Pose(1, 0.8), stamp=104.0))
+    assert again.evidence.reach == 0.0, 'it is known again where the robot is'
 
 
 def test_a_robot_that_stands_off_its_route_blocks_no_more_because_its_report_comes_late(client):

@@ -134,11 +134,11 @@ def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
 @pytest.mark.parametrize('edges', [(1, 99), (2, 1), (0,)])
 @pytest.mark.parametrize('state', [EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED])
 def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, state):
-    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1), 'b': (AGV, 6)})
+    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 12)})
     foreign = Report(7, edges, (state,) * len(edges), Pose(1, 0.0), '', fleet.now)
     fleet.silent['a'] = 1e9
     fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
-    fleet.request(1, 4, robot='b')
+    fleet.request(1, 11, robot='b')  # far from the robot that may be driving unseen
     fleet.run_until_done(1)
     told = fleet.notes[:1] if state is EdgeState.PROCESSING else []
     assert fleet.notes[:1] == told and all('the journal does not know' in note for note in told)

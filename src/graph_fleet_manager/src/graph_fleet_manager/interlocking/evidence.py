@@ -19,7 +19,8 @@ from trajectory_graph import Graph
 MANUAL_REACH = 10.0
 DISPROOFS = 2        # number of later locations elsewhere that disprove an outlier
 _STANDING = 1.0      # s near one place after which a robot counts as standing
-_STEP = 0.5          # m: the step in which the area around such a robot grows
+_STEP = 0.5          # m: the step in which the area around a robot grows that is moved by hand
+_SQUARE = 1.0        # m: such a robot's location is stored whenever it is in another such square
 
 
 @dataclass(frozen=True)
@@ -48,13 +49,17 @@ class EvidenceMemory(NamedTuple):
     reach: float = 0.0
     location: Optional[Point] = None
     is_absent: bool = False
+    is_moved: bool = False
 
 
 class Evidence:
-    """All that is known of one robot's place in addition to its grants."""
+    """All that is known of one robot's place in addition to its grants.
 
-    def __init__(self, kind: RobotType) -> None:
-        self._kind = kind
+    stopping -- m within which the robot stops when its route ends early
+    """
+
+    def __init__(self, kind: RobotType, stopping: float) -> None:
+        self._kind, self._stopping = kind, stopping
         self.outliers: Tuple[Outlier, ...] = ()
         self.lost: Tuple[Area, ...] = ()
         """Curves that the robot held on a graph which is not in force any more."""
@@ -69,8 +74,9 @@ class Evidence:
         self.clock_is_off = False
         self._age = 0.0          # s for which the robot may have moved on from its last location
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
-        self._stood_at: Optional[Point] = None  # the location near which it has stayed
-        self._stands_since = 0.0                # stamp of the first location there
+        self._stays_at: Optional[Point] = None  # the location near which it has stayed
+        self._stays_since = 0.0                 # stamp of the first location there
+        self._drove_to: Optional[Point] = None  # from there it may be braking still
         self._is_moved = False   # by another giver than the fleet manager, as last reported
         self._strays = 0         # number of consecutive locations that were outliers
         self._absent_since = -math.inf
@@ -108,22 +114,30 @@ class Evidence:
         if point is None:
             self._strays += 1
             return
-        before, self.location = self.location, point
-        self._is_moved = (before is not None and math.dist(before, point) > TREMBLE
-                          and not drives)
+        self.location = point
         self.reach = 0.0
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
             if judged.disproofs < DISPROOFS)
-        if self._stood_at is None or math.dist(self._stood_at, point) > TREMBLE:
-            self._stood_at, self._stands_since = point, report.stamp
+        has_left = self._stays_at is not None and math.dist(self._stays_at, point) > TREMBLE
+        if self._stays_at is None or has_left or drives:
+            self._stays_at, self._stays_since = point, report.stamp
+        has_stayed = report.stamp - self._stays_since >= _STANDING
+        self._is_moved = not is_obedient or not (drives or has_stayed) and (
+            self._is_moved or has_left and not self._may_brake(point))
+        if drives or has_stayed:
+            self._drove_to = point if drives else None
         # A robot that stands does not grow, however late its report arrives.
-        stands = not report.is_running and report.stamp - self._stands_since >= _STANDING
-        self._age = 0.0 if stands else report.age
+        self._age = 0.0 if has_stayed and not report.is_running else report.age
         if is_covered:
             self._strays = 0
         else:
             self._stray(point)
+
+    def _may_brake(self, point: Point) -> bool:
+        """May the robot have come here by braking from the end of its own drive?"""
+        drove_to = self._drove_to
+        return drove_to is not None and math.dist(drove_to, point) <= self._stopping + TREMBLE
 
     def uncover(self) -> None:
         """The robot does not hold the place of its last location any more: that is an outlier now.
@@ -139,7 +153,8 @@ class Evidence:
     def grow(self, silence: float) -> bool:
         """Grows the area of a robot that has been silent for `silence` s. Returns whether it grew.
 
-        Only a robot that was last seen to move by another giver may have moved since.
+        Only a robot that another giver was moving may have moved since. The robot counts as moved
+        until it stays in one place for a second, so slow driving counts, too.
         """
         if not self._is_moved or self.is_absent:
             return False
@@ -184,12 +199,27 @@ class Evidence:
     def memory(self) -> EvidenceMemory:
         """The evidence to be stored."""
         return EvidenceMemory(self.outliers, self.lost, self.foreign, self.reach, self.location,
-                              self.is_absent)
+                              self.is_absent, self._is_moved)
+
+    @property
+    def progress(self) -> EvidenceMemory:
+        """The part of the evidence that must be stored as soon as a report changes it.
+
+        The location counts only while another giver moves the robot, in squares of 1 m.
+        """
+        here = self.location if self._is_moved else None
+        square = None if here is None else (here[0] // _SQUARE, here[1] // _SQUARE)
+        return self.memory._replace(location=square)
 
     def restore(self, memory: EvidenceMemory, now: float) -> None:
-        """Sets the evidence to its state before a restart. `now` is the supervisor's time."""
+        """Sets the evidence to its state before a restart. `now` is the supervisor's time.
+
+        A robot that another giver moved may have been moved on since: how long is not known.
+        """
         (self.outliers, self.lost, self.foreign, self.reach, self.location,
-         self.is_absent) = memory
+         self.is_absent, self._is_moved) = memory
+        if self._is_moved:
+            self.reach = MANUAL_REACH + math.hypot(_SQUARE, _SQUARE)
         self._absent_since = now
 
 

@@ -41,7 +41,7 @@ class RouteClient:
 
     def __init__(self, record: RouteRecord) -> None:
         self.record = record
-        self.evidence = Evidence(record.kind)
+        self.evidence = Evidence(record.kind, record.stopping)
         self.route_id = 0
         self.over = True
         """The last route cannot be extended: the next one needs another id."""
@@ -119,7 +119,7 @@ class RouteClient:
         """The part of the state that must be stored as soon as a report changes it."""
         record = self.record
         return (record.done, record.end, record.generation, record.tail, self.over,
-                self.is_stopping, self.evidence.memory._replace(location=None))
+                self.is_stopping, self.evidence.progress)
 
     def _allocated(self) -> Allocation:
         record, evidence = self.record, self.evidence

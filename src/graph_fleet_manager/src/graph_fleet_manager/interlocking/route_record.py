@@ -55,7 +55,8 @@ class RouteRecord:
         self.tail: Tuple[int, ...] = ()
         """Edges that were taken back, but that the robot may still reach before it stands."""
         self._tail_at = 0  # number of the edge that the first edge of the tail had
-        self._slack, self._stopping = slack, stopping
+        self.stopping = stopping
+        self._slack = slack
 
     # -- state ------------------------------------------------------------------------------------
 
@@ -160,7 +161,7 @@ class RouteRecord:
         since, it may still need its stopping distance. The removed edges within that distance
         become the tail.
         """
-        reach = self._stopping + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
+        reach = self.stopping + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
         removed = self.part(end, self.end)
         self.cut(end)
         reach -= self.distance_ahead()

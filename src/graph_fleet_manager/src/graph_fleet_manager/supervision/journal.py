@@ -364,8 +364,10 @@ def _evidence_values(evidence: EvidenceMemory) -> Optional[List[Any]]:
 def _evidence(values: Optional[Sequence[Any]]) -> EvidenceMemory:
     if values is None:
         return EvidenceMemory()
-    outliers, lost, foreign, reach, location, is_absent = values
+    outliers, lost, foreign, reach, location, is_absent, *is_moved = values
     return EvidenceMemory(
         tuple(Outlier((point[0], point[1]), age) for point, age in outliers),
         tuple(Area(tuple((x, y) for x, y in line), radius) for line, radius in lost),
-        tuple(foreign), reach, None if location is None else (location[0], location[1]), is_absent)
+        tuple(foreign), reach, None if location is None else (location[0], location[1]), is_absent,
+        # An older journal does not say whether another giver moved the robot.
+        is_moved[0] if is_moved else reach > 0.0)
