@@ -14,7 +14,7 @@ from dataclasses import replace
 import pytest
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.interlocking.orders import Memory
+from graph_fleet_manager.interlocking.orders import Base, Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
 from graph_fleet_manager.supervision.journal_database import (
@@ -69,7 +69,7 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
     mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
     book.set(mission, MissionState.ACTIVE, robot='a')
     position = GraphPosition(edge=1, fraction=0.25)
-    memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, position, False, (4,)),
+    memory = RobotMemory(Memory(5, (1, -2), 1, {5: Base(0, 1)}, position, False, (4,)),
                          Outage.TAKEN_OVER, 'why', True)
     journal.store([mission], {'a': memory}, {'number': 7})
     journal.close()

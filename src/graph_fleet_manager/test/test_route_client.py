@@ -9,6 +9,7 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of
 
 from graph_fleet_manager.geometry.areas import Area
+from graph_fleet_manager.interlocking.allocation import Hold
 from graph_fleet_manager.interlocking.evidence import MANUAL_REACH
 from graph_fleet_manager.interlocking.pending_order import REPEAT
 from graph_fleet_manager.interlocking.reports import (
@@ -338,6 +339,44 @@ def test_a_robot_that_has_driven_there_and_back_holds_no_more_after_a_restart(cl
     again = RouteClient(RouteRecord(GRAPH, AGV))
     again.restore(client.memory)
     assert again.allocation == client.allocation
+
+
+def test_a_refusal_that_is_heard_after_a_restart_leaves_a_longer_order_on_its_way(client, ids):
+    client.extend([1], ids)
+    client.due(0.0)
+    client.extend([2], ids)
+    sent = client.due(1.0)
+    again = RouteClient(RouteRecord(GRAPH, AGV))
+    again.restore(client.memory)
+    heard = again.take(report(1, [1], 0, state=FAILED, reason='no'))
+    assert not heard.failed, 'the robot may still take up the longer order'
+    assert again.record.ahead == (1, 2)
+    assert again.due(0.0).edges == sent.edges
+
+
+@pytest.mark.parametrize('is_restarted', [False, True])
+def test_more_edges_under_an_unacknowledged_id_do_not_let_the_robot_turn_back(client, ids,
+                                                                              is_restarted):
+    """It cannot drive the later edges before it has taken up the route."""
+    client.extend([1, 2, 3], ids)
+    client.take(report(1, [1, 2, 3], 1, fraction=0.9))
+    client.extend([4], ids, renew=True)
+    before = client.allocation.holds
+    client.extend([-4, -3, -2], ids)
+    if is_restarted:
+        memory, client = client.memory, RouteClient(RouteRecord(GRAPH, AGV))
+        client.restore(memory)
+    assert client.allocation.holds == (*before, Hold(-4), Hold(-3), Hold(-2))
+
+
+def test_an_order_under_a_new_id_lets_a_robot_turn_back_that_comes_to_its_beginning_again(
+        client, ids):
+    client.extend([1, 2, -2, 2], ids)
+    client.take(report(1, [1, 2, -2, 2], 1, fraction=0.9))
+    assert client.allocation.holds[0].cleared > 0.0
+    assert client.turns_back_if_renewed(True) and not client.turns_back_if_renewed(False)
+    client.extend([3], ids, renew=True)
+    assert client.allocation.holds[0] == Hold(2)
 
 
 @pytest.mark.parametrize('is_restarted', [False, True])

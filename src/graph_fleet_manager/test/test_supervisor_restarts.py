@@ -144,6 +144,18 @@ def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, s
     assert fleet.notes[:1] == told and all('the journal does not know' in note for note in told)
 
 
+def test_a_route_of_another_giver_over_an_edge_that_only_the_new_graph_has_is_held():
+    whole = corridor(12)
+    fleet = SupervisedFleet(cut_short(whole, 4), {'a': (AGV, 1)})
+    fleet.silent['a'] = 1e9
+    foreign = Report(7, (1, 10), (EdgeState.PROCESSING,) * 2, Pose(1, 0.0), '', fleet.now)
+    fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
+    fleet.run(1.0)
+    restart_on(fleet, whole)
+    assert {1, 10} <= {hold.edge for hold in
+                       fleet.supervisor.robots['a'].client.allocation.holds}
+
+
 @pytest.mark.parametrize('crash', [True, False])
 def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},

@@ -67,7 +67,7 @@ def test_random_plans_faults_and_people_bring_no_robots_too_near():
 
 def first_fault(make=random_yard, **more) -> Optional[Found]:
     """The first fault within the given number of steps."""
-    for seed in range(40):
+    for seed in range(80):
         random = Random(seed)
         yard = make(random)
         for name, value in more.items():

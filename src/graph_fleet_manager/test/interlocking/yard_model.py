@@ -698,7 +698,8 @@ def _robot_key(robot: Believed, machine: Machine, of: Callable[[int], int]) -> o
     return (of(client.route_id), client.over, client.to_order_anew,
             None if order is None else (of(order.route_id), order.base - record.first, order.edges),
             client.takes_away, client.is_new_motion,
-            tuple(sorted((of(id), base - record.first) for id, base in client._bases.items())),
+            tuple(sorted((of(id), base.moved(-record.first))
+                         for id, base in client._bases.items())),
             tuple(sorted(map(of, client._acknowledged))), tuple(sorted(map(of, client._ended))),
             tuple(sorted(map(of, client._since_loss))),
             client._awaits_report, of(client.withdrawn or 0), client._ordered,

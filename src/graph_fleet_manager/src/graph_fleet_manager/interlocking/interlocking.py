@@ -154,6 +154,9 @@ class Interlocking:
         """
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
+        if refusal is None and robot.client.turns_back_if_renewed(renew):
+            # Its allocation would grow back over places that others may have been granted since.
+            refusal = Refusal(Gate.NOT_READY, 0)
         granted: List[int] = []
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)

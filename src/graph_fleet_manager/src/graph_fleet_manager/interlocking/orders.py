@@ -32,13 +32,28 @@ class Sending(NamedTuple):
     known_epoch: int = 0
 
 
+class Base(NamedTuple):
+    """Where a route begins in the route record.
+
+    number -- number of the route's first edge
+    before -- number behind the last edge that the robot may drive without this route
+    """
+
+    number: int
+    before: int
+
+    def moved(self, by: int) -> Base:
+        """The same base in a record that counts its edges from another number on."""
+        return Base(self.number + by, self.before + by)
+
+
 class Memory(NamedTuple):
     """The state of a route client that must survive a restart. Edges are counted from 0 here."""
 
     route_id: int
     edges: Tuple[int, ...]
     done: int
-    bases: Mapping[int, int]
+    bases: Mapping[int, Base]
     position: Optional[GraphPosition]
     over: bool
     ended: Tuple[int, ...] = ()
@@ -83,11 +98,12 @@ class Memory(NamedTuple):
             if is_on(graph, self.edges[done:]):
                 return kept._replace(
                     edges=self.edges[done:], done=max(self.done - done, 0), over=True,
-                    bases={id: base - done for id, base in self.bases.items()},
+                    bases={id: base.moved(-done) for id, base in self.bases.items()},
                     shortened=None if self.shortened is None else self.shortened - done,
                     cleared=max((self.cleared[0] - done, self.cleared[1]), (0, 0.0)))
+        bases = {self.route_id: Base(0, 0)} if self.is_stopping else {}
         return kept._replace(edges=(), done=0, position=None, over=True, shortened=None,
-                             cleared=(0, 0.0), bases={self.route_id: 0} if self.is_stopping else {})
+                             cleared=(0, 0.0), bases=bases)
 
 
 @dataclass

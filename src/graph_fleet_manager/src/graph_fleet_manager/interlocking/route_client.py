@@ -11,7 +11,7 @@ from typing import Callable, Dict, Optional, Sequence, Set, Tuple
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.allocation import Allocation, Hold, Knowledge
 from graph_fleet_manager.interlocking.evidence import Evidence
-from graph_fleet_manager.interlocking.orders import Heard, Memory, Order, Sending, is_on
+from graph_fleet_manager.interlocking.orders import Base, Heard, Memory, Order, Sending, is_on
 from graph_fleet_manager.interlocking.pending_order import PendingOrder
 from graph_fleet_manager.interlocking.reports import (
     TREMBLE,
@@ -50,7 +50,7 @@ class RouteClient:
         self._pending = PendingOrder()
         self._epoch = 0  # epoch of the robot's motion, as last reported
         # base of each route by id, in the order in which they were given
-        self._bases: Dict[int, int] = {}
+        self._bases: Dict[int, Base] = {}
         self._acknowledged: Set[int] = set()
         self._since_loss: Set[int] = set()
         """Ids of the routes that were given after the robot lost edges of its record."""
@@ -141,13 +141,21 @@ class RouteClient:
         The record may pass the beginning of that order's route again. The robot may already be
         there when the order arrives. It then takes the order as one for the next round.
         """
-        return min((base for id, base in self._bases.items()
-                    if id not in self._acknowledged and self._returns_to(base)), default=None)
+        return min((base.number for id, base in self._bases.items()
+                    if id not in self._acknowledged and self._returns(base)), default=None)
 
-    def _returns_to(self, number: int) -> bool:
-        """Does the record come back to the beginning of edge `number`?"""
+    def turns_back_if_renewed(self, renew: bool) -> bool:
+        """Would an order of more edges under a new id let the robot turn back?
+
+        renew -- the order needs a new id in any case
+        """
         record = self.record
-        first, *later = record.part(number, record.end) or (0,)
+        return self._needs_new_id(renew) and self._returns(Base(record.done, record.end))
+
+    def _returns(self, base: Base) -> bool:
+        """Does the record come back to a route's beginning on edges that need not this route?"""
+        record = self.record
+        first, *later = record.part(base.number, min(base.before, record.end)) or (0,)
         return any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id
                    == record.graph.start_vertex(first).id for edge in later)
 
@@ -157,7 +165,7 @@ class RouteClient:
     # -- routes and their ids ---------------------------------------------------------------------
 
     def _begin(self, route_id: int) -> None:
-        self._bases[route_id] = self.record.done
+        self._bases[route_id] = Base(self.record.done, self.record.end)
         if self.evidence.lost:
             self._since_loss.add(route_id)
         self.route_id = route_id
@@ -166,7 +174,7 @@ class RouteClient:
 
     def _order_until(self, end: int, takes_away: bool = False) -> None:
         """Orders the record up to edge number `end`, from the base of the route."""
-        base = self._bases[self.route_id]
+        base = self._bases[self.route_id].number
         self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away,
                            self._epoch)
 
@@ -178,10 +186,14 @@ class RouteClient:
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
         """Lets the robot drive more edges; `renew`: under a new id (for another mission)."""
         self._changed()
-        if renew or self.over or self.record.end - self._bases[self.route_id] >= NEW_ID_AFTER:
+        if self._needs_new_id(renew):
             self._begin(new_id())
         self.record.append(edges)
         self._order_until(self.record.end)
+
+    def _needs_new_id(self, renew: bool) -> bool:
+        return renew or self.over or (
+            self.record.end - self._bases[self.route_id].number >= NEW_ID_AFTER)
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge. Returns whether it may drive farther.
@@ -264,7 +276,7 @@ class RouteClient:
     def _order_again(self) -> None:
         """Repeats the order that was given before a restart."""
         end = self.record.end if self._ordered is None else self._ordered
-        if self._bases[self.route_id] < self.record.first:
+        if self._bases[self.route_id].number < self.record.first:
             self.to_order_anew = end - self.record.first
         else:
             self._order_until(end)
@@ -286,6 +298,9 @@ class RouteClient:
                 self._adopt_other(report)
             # In any other case `take` finds that another giver took the robot over, or that it lost
             # its route.
+        elif self._may_be_refusal(report) and base.number >= self.record.first:
+            if self.route_id in self._bases and not self.is_stopping:
+                self._order_again()  # another copy, or a longer order, may be on its way
         else:
             self._acknowledged.add(report.route_id)
             has_stopped = report.route_id == self.route_id and not report.edges
@@ -293,7 +308,7 @@ class RouteClient:
                     # the last order was refused, so none is on its way
                     self.route_id not in self._bases):
                 return
-            end = base + len(report.edges)
+            end = base.number + len(report.edges)
             if self._ordered is not None or self.record.end > end or (
                     report.route_id != self.route_id):
                 self._order_again()
@@ -304,9 +319,10 @@ class RouteClient:
         Edges that are already driven do not count: the graph may not have them any more.
         """
         self.record.adopt(report.left)
-        self._bases = {report.route_id: self.record.first - report.completed}
+        self._bases = {report.route_id: Base(self.record.first - report.completed,
+                                             self.record.end)}
         if self.order is not None:
-            self._bases[self.route_id] = self.record.done
+            self._bases[self.route_id] = Base(self.record.done, self.record.end)
         self._acknowledged.add(report.route_id)
         if self.order is None:
             self.route_id = report.route_id
@@ -367,15 +383,13 @@ class RouteClient:
                     self.order is None or self.route_id in self._acknowledged):
                 self._forgotten(heard)
             return heard
-        base = self._bases[report.route_id]
+        base = self._bases[report.route_id].number
         skipped = max(record.first - base, 0)
         mine = record.part(base + skipped, base + len(report.edges))
         if mine != report.edges[skipped:] or report.is_running and report.completed < skipped:
             heard.foreign = report.is_running
             return heard
-        if report.is_failed and report.completed == 0 and (
-                report.route_id not in self._acknowledged
-                and not (awaited and report.stamp != self._refused_at)):
+        if self._may_be_refusal(report) and not (awaited and report.stamp != self._refused_at):
             return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
         is_taken_up = report.route_id in self._acknowledged or not report.is_failed
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
@@ -398,11 +412,17 @@ class RouteClient:
         if report.is_running or record.is_standing:
             record.leave(report.age)
         # Edges of a route that may still be reported are kept.
-        record.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
+        record.forget(min([*(base.number for base in self._bases.values()),
+                           *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.withdraw()
             heard.failed = report.reason or _SAID_NONE
         return heard
+
+    def _may_be_refusal(self, report: Report) -> bool:
+        """May a failed route mean that the robot has refused it, and has never taken it up?"""
+        return (report.is_failed and report.completed == 0
+                and report.route_id not in self._acknowledged)
 
     def _covers(self, report: Report) -> bool:
         """Is the robot within its record, as exactly as it follows its edges?"""
@@ -438,6 +458,8 @@ class RouteClient:
         """
         if self.record.ahead:  # a copy of its order may be on the way, and would begin it anew
             self._acknowledged.clear()
+            self._bases = {id: base._replace(before=self.record.end)
+                           for id, base in self._bases.items()}
         self.withdraw()
         if self.record.ahead:
             heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
@@ -475,7 +497,7 @@ class RouteClient:
         self._awaits_report = False
         self.over = True
         base = self._bases.get(report.route_id)
-        end = self.record.done if base is None else base + len(report.edges)
+        end = self.record.done if base is None else base.number + len(report.edges)
         if is_taken_up:
             self.record.cut(min(max(end, self.record.done), self.record.end))
         if base is not None:
@@ -494,7 +516,7 @@ class RouteClient:
     def memory(self) -> Memory:
         """The state for `restore` after a restart. It must be stored before an order is sent."""
         record = self.record
-        bases = {id: base - record.first for id, base in self._bases.items()}
+        bases = {id: base.moved(-record.first) for id, base in self._bases.items()}
         number, fraction = record.begin_of_holds(self._turns_back_to)
         return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
                       record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,

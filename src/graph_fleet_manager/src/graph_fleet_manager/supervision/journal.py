@@ -30,7 +30,7 @@ from urllib.parse import quote
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.evidence import EvidenceMemory, Outlier
-from graph_fleet_manager.interlocking.orders import Memory
+from graph_fleet_manager.interlocking.orders import Base, Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.supervision.journal_database import (
     JournalDatabase,
@@ -328,7 +328,8 @@ def _memory_text(memory: RobotMemory) -> str:
     client, kind = memory.client, memory.kind
     return json.dumps({
         'route_id': client.route_id, 'track': client.edges, 'done': client.done,
-        'bases': list(client.bases.items()), 'over': client.over, 'ended': client.ended,
+        'bases': [(id, *base) for id, base in client.bases.items()],
+        'over': client.over, 'ended': client.ended,
         'stopping': client.is_stopping, 'shortened': client.shortened,
         'place': _position_values(client.position), 'cleared': client.cleared, 'tail': client.tail,
         'evidence': _evidence_values(client.evidence), 'stamp': client.stamp,
@@ -343,9 +344,11 @@ def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
     done = stored['done']
     client = Memory(stored['route_id'], tuple(stored['track']), done,
-                    dict(map(tuple, stored['bases'])), _position(stored['place']),
-                    stored['over'], tuple(stored['ended']), stored.get('stopping', False),
-                    stored.get('shortened'),
+                    # An older journal does not say what the robot may drive without the route.
+                    {id: Base(number, *(before or [len(stored['track'])]))
+                     for id, number, *before in stored['bases']},
+                    _position(stored['place']), stored['over'], tuple(stored['ended']),
+                    stored.get('stopping', False), stored.get('shortened'),
                     tuple(stored.get('cleared', (0, 0.0))), tuple(stored.get('tail', ())),
                     _evidence(stored.get('evidence')), stored.get('stamp', 0.0),
                     stored.get('withdrawn'), tuple(stored.get('acknowledged', ())))

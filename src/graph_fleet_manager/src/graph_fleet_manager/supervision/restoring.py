@@ -116,8 +116,11 @@ def _parts(memory: Memory) -> Dict[int, float]:
 
 
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
-    """Is the curve of an edge the same in both graphs?"""
-    if edge not in graph.edges:
+    """Is the curve of an edge the same in both graphs?
+
+    A robot may drive a route of another giver over an edge that the graph before did not have.
+    """
+    if not (edge in graph.edges and edge in before.edges):
         return False
     ends = [(one.edge(edge).curve_type, one.edge(edge).param_f, one.edge(edge).param_b, *(
         (vertex.position, vertex.theta)
