@@ -9,7 +9,10 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-case "${1:-}" in -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;; esac
+case "${1:-}" in
+  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  -*) die "unknown option $1: see scripts/make_wheels.sh --help" ;;
+esac
 
 here="$root/build/dist" log="$root/build/wheels.log"
 mkdir -p "$root/build"
