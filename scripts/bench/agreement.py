@@ -156,7 +156,7 @@ def watch(master: str, count: int, seen: Any) -> None:
             seen.put(('ready', begun))
 
     def on_status(status: MissionStatus) -> None:
-        if status.state == MissionStatus.SUCCEEDED:
+        if status.state == MissionStatus.SUCCEEDED and begun < math.inf:
             seen.put(Success(time.monotonic() - begun, status.robot))
 
     rospy.Subscriber('/fleet_state', FleetState, on_state, queue_size=10)

@@ -154,10 +154,10 @@ class Interlocking:
         """
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
-        if refusal is None and robot.client.turns_back_if_renewed(renew):
-            # Its allocation would grow back over places that others may have been granted since.
-            refusal = Refusal(Gate.NOT_READY, 0)
         granted: List[int] = []
+        back = () if refusal else self._turning_back(robot, renew)
+        if any(self.holder(robot, claim) for claim in back):
+            refusal = Refusal(Gate.NOT_READY, 0)
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)
             if refusal is not None:
@@ -165,8 +165,17 @@ class Interlocking:
             granted.append(asked.edge)
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if granted:
+            for claim in back:
+                self._to_store.update(self._stored.excluding(robot.name, robot.type, claim))
             robot.client.extend(granted, self._new_id, renew)
         return Grant(tuple(granted), refusal)
+
+    def _turning_back(self, robot: InterlockedRobot, renew: bool) -> Sequence[Claim]:
+        """The places behind a robot that its next order makes it hold again, if there are any."""
+        if not robot.client.turns_back_if_renewed(renew):
+            return ()
+        edge = robot.client.record.ahead[0]
+        return (Claim(self._geometry.edge_place(edge), edge > 0),)
 
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
         record, before = robot.client.record, 0
