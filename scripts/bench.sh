@@ -15,10 +15,10 @@ declare -A shortened=(  # options of a topic in `all`
   [agreement]='--minutes 3 --virtual 4'
   [factory]='--only load'
   [fleet]='--only stations --only any_vertex --only conflict_sets --only sparse --only replanning'
-  [load]='--only robots_200'
+  [load]='--only robots_200 --only planning'
   [order]='--only laboratory --seeds 1'
   [scale]='--robots 50 --hosted true'
-  [supervisor]='--only latency'
+  [supervisor]='--only latency --only acceptance --only load'
   [vda5050]='--only latency'
 )
 topics=() options=() is_short=''
