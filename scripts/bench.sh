@@ -12,7 +12,7 @@ set -euo pipefail
 
 [ "${1:-}" != -h ] && [ "${1:-}" != --help ] || { sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
 declare -A shortened=(  # options of a topic in `all`
-  [agreement]='--minutes 3 --virtual 4'
+  [agreement]='--minutes 6 --virtual 6'
   [factory]='--only load'
   [fleet]='--only stations --only any_vertex --only conflict_sets --only sparse --only replanning'
   [load]='--only robots_200 --only planning'
