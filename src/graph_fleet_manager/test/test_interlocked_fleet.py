@@ -210,6 +210,25 @@ def test_a_robot_that_a_person_drives_and_that_falls_silent_may_be_anywhere_near
     assert max(area.radius for area in areas) == 10.0
 
 
+def test_a_restart_stops_no_robot_because_another_robot_that_a_person_drives_has_not_reported_yet():
+    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 7)})
+    fleet.run(2.0)
+    put(fleet.agvs['b'], 6, 1.0)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.bring_in('b', fleet.now)[1])
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    for step in range(20):
+        put(fleet.agvs['a'], 1, 0.1 * step)
+        fleet.run(0.1)
+    fleet.silent['a'] = fleet.now + 2.0
+    restart(fleet)
+    fleet.run(1.0)
+    robots = fleet.supervisor.robots
+    assert fleet.supervisor.interlocking.excluding('b') == 'a' and robots['b'].outage is None
+    fleet.run(3.0)
+    assert robots['a'].client.is_heard and robots['b'].outage is None
+
+
 def test_a_robot_last_seen_standing_does_not_grow_while_it_is_silent():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(2.0)

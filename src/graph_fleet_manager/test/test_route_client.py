@@ -24,7 +24,13 @@ from graph_fleet_manager.interlocking.reports import (
 )
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from trajectory_graph.route_protocol import EdgeState, Reason, RouteRefusal, reason_of
+from trajectory_graph.route_protocol import (
+    EdgeState,
+    Reason,
+    ReasonCode,
+    RouteRefusal,
+    reason_of,
+)
 
 DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
@@ -53,6 +59,13 @@ def report(id, edges, completed, fraction=0.0, state=AHEAD, reason='', age=0.0):
     states = (DONE,) * completed + (state,) * (len(edges) - completed)
     pose = Pose(edges[completed], fraction) if completed < len(edges) else Pose(edges[-1], 1.0)
     return Report(id, tuple(edges), states, pose, reason_of(0, reason), 100.0, age)
+
+
+def restarted(client, graph=GRAPH):
+    """The client after a restart of the fleet manager, perhaps with another graph."""
+    again = RouteClient(RouteRecord(graph, AGV))
+    again.restore(client.memory.on(graph))
+    return again
 
 
 def test_an_order_is_repeated_unchanged_until_the_report_has_its_length(client, ids):
@@ -292,6 +305,43 @@ def test_a_restart_does_not_forget_that_a_person_drives_the_robot(client):
     assert again.evidence.reach == 0.0, 'it is known again where the robot is'
 
 
+def test_the_first_report_after_a_restart_shows_that_a_person_has_moved_the_robot(client):
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=102.0))
+    again = restarted(client)
+    again.take(Report(0, (), (), Pose(2, 0.5), stamp=110.0))
+    assert again.grow(5.0)
+
+
+def test_a_robot_that_a_person_takes_over_does_not_brake(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0, fraction=0.5))
+    taken = Reason(ReasonCode.TAKEN_OVER, 'a person drives it')
+    client.take(replace(report(1, [1, 2], 0, 0.7, FAILED), reason=taken, stamp=101.0))
+    assert client.grow(5.0)
+
+
+def test_a_robot_that_still_moves_seconds_after_its_drive_does_not_brake(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0, fraction=0.5))
+    for tick in range(1, 9):
+        client.take(replace(report(1, [1, 2], 0, 0.5 + 0.05 * (tick % 3), FAILED),
+                            stamp=100.0 + 0.5 * tick))
+    assert client.grow(5.0)
+
+
+def test_a_robot_without_a_clock_does_not_count_as_moved_for_ever(client):
+    for fraction in (0.0, 0.3, 0.3):
+        client.take(Report(0, (), (), Pose(1, fraction)))
+    assert not client.grow(5.0)
+
+
+def test_a_robot_whose_clock_is_set_back_does_not_count_as_moved_for_ever(client):
+    for stamp, fraction in ((5000.0, 0.0), (5000.5, 0.3), (100.0, 0.3), (101.5, 0.3)):
+        client.take(Report(0, (), (), Pose(1, fraction), stamp=stamp))
+    assert not client.grow(5.0)
+
+
 def test_a_robot_that_stands_off_its_route_blocks_no_more_because_its_report_comes_late(client):
     away = Report(0, (), (), Pose(3, 0.5), stamp=100.0)
     client.take(replace(away, age=1.0))
@@ -352,6 +402,69 @@ def test_a_refusal_that_is_heard_after_a_restart_leaves_a_longer_order_on_its_wa
     assert not heard.failed, 'the robot may still take up the longer order'
     assert again.record.ahead == (1, 2)
     assert again.due(0.0).edges == sent.edges
+
+
+def test_a_failure_of_an_earlier_route_heard_after_a_restart_is_no_refusal_of_the_last_order(
+        client, ids):
+    client.extend([1, 2], ids)
+    client.extend([3], ids, renew=True)
+    client.due(0.0)
+    again = restarted(client)
+    heard = again.take(report(1, [1, 2], 0, state=FAILED, reason='a person drives it'))
+    assert heard.failed and again.order is None
+    assert again.withdrawn == 2, 'the last order may still be on its way'
+
+
+def test_a_refusal_by_a_robot_without_a_clock_is_settled_by_its_next_report(client, ids):
+    client.extend([1], ids)
+    refused = replace(report(1, [1], 0, state=FAILED, reason='no'), stamp=0.0)
+    assert client.take(refused).refused
+    client.take(refused)
+    assert client.is_ready, 'it still waits for a report of the truth'
+
+
+def test_an_order_that_was_withdrawn_is_not_given_again_by_a_restart(client, ids):
+    client.extend([1], ids)
+    client.take(report(1, [1], 1))
+    client.extend([2], ids, renew=True)
+    client.due(0.0)
+    client.withdraw()
+    again = restarted(client)
+    again.take(report(1, [1], 1))
+    assert again.order is None and again.withdrawn == 2
+
+
+def test_a_robot_stays_within_its_allocation_on_a_graph_without_the_beginning_of_its_route(ids):
+    """The base of its unacknowledged route lies before the edges that the new graph has."""
+    whole = corridor(8)
+    client = RouteClient(RouteRecord(whole, AGV))
+    client.record.position, client.is_heard = GraphPosition(vertex=1), True
+    client.extend([1, 2, 3, 4, 5, -5], ids)
+    client.take(report(1, [1, 2, 3, 4, 5, -5], 0))
+    client.extend([-4], ids, renew=True)
+    client.take(report(1, [1, 2, 3, 4, 5, -5], 3, fraction=0.5))
+    left = graph_of({k: (2.0 * (k - 1), 0.0) for k in range(4, 9)},
+                    {k: (k, k + 1) for k in range(4, 8)})
+    again = restarted(client, left)
+    assert 4 in {hold.edge for hold in again.allocation.holds}
+
+
+def test_a_stop_never_lets_a_robot_turn_back(client, ids):
+    client.extend([1, 2, -2, 2], ids)
+    client.take(report(1, [1, 2, -2, 2], 1, fraction=0.9))
+    before = client.allocation
+    client.halt(ids)
+    assert client.allocation == before
+
+
+@pytest.mark.parametrize('has_stopped', [False, True])
+def test_an_order_that_is_given_again_lets_only_a_driving_robot_turn_back(client, ids,
+                                                                          has_stopped):
+    client.extend([1, 2, -2, 2], ids)
+    client.take(report(1, [1, 2, -2, 2], 1, fraction=0.9))
+    before = client.allocation
+    client.try_again(ids, 3, has_stopped)
+    assert (client.allocation == before) is has_stopped
 
 
 @pytest.mark.parametrize('is_restarted', [False, True])

@@ -14,11 +14,13 @@ from graph_fleet_manager.interlocking.reports import (
     Report,
 )
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import ReasonCode
 
 # m that a silent robot may have moved while a person drives it
 MANUAL_REACH = 10.0
 DISPROOFS = 2        # number of later locations elsewhere that disprove an outlier
 _STANDING = 1.0      # s near one place after which a robot counts as standing
+_BRAKING = 3.0       # s in which a robot brakes after the end of its own drive
 _STEP = 0.5          # m: the step in which the area around a robot grows that is moved by hand
 _SQUARE = 1.0        # m: such a robot's location is stored whenever it is in another such square
 
@@ -76,7 +78,8 @@ class Evidence:
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
         self._stays_at: Optional[Point] = None  # the location near which it has stayed
         self._stays_since = 0.0                 # stamp of the first location there
-        self._drove_to: Optional[Point] = None  # from there it may be braking still
+        # the last location on its own drive, and its stamp; from there it may be braking still
+        self._drove_to: Optional[Tuple[Point, float]] = None
         self._is_moved = False   # by another giver than the fleet manager, as last reported
         self._strays = 0         # number of consecutive locations that were outliers
         self._absent_since = -math.inf
@@ -114,19 +117,22 @@ class Evidence:
         if point is None:
             self._strays += 1
             return
-        self.location = point
+        before, self.location = self._stays_at or self.location, point
         self.reach = 0.0
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
             if judged.disproofs < DISPROOFS)
-        has_left = self._stays_at is not None and math.dist(self._stays_at, point) > TREMBLE
-        if self._stays_at is None or has_left or drives:
+        has_left = before is not None and math.dist(before, point) > TREMBLE
+        if (self._stays_at is None or has_left or drives
+                or not 0.0 < self._stays_since <= report.stamp):
             self._stays_at, self._stays_since = point, report.stamp
-        has_stayed = report.stamp - self._stays_since >= _STANDING
+        # Without a stamp it is not known for how long the robot has stayed.
+        has_stayed = (report.stamp - self._stays_since >= _STANDING if report.stamp
+                      else not has_left)
         self._is_moved = not is_obedient or not (drives or has_stayed) and (
-            self._is_moved or has_left and not self._may_brake(point))
+            self._is_moved or has_left and not self._may_brake(report, point))
         if drives or has_stayed:
-            self._drove_to = point if drives else None
+            self._drove_to = (point, report.stamp) if drives else None
         # A robot that stands does not grow, however late its report arrives.
         self._age = 0.0 if has_stayed and not report.is_running else report.age
         if is_covered:
@@ -134,10 +140,13 @@ class Evidence:
         else:
             self._stray(point)
 
-    def _may_brake(self, point: Point) -> bool:
+    def _may_brake(self, report: Report, point: Point) -> bool:
         """May the robot have come here by braking from the end of its own drive?"""
-        drove_to = self._drove_to
-        return drove_to is not None and math.dist(drove_to, point) <= self._stopping + TREMBLE
+        if self._drove_to is None or report.reason.code is ReasonCode.TAKEN_OVER:
+            return False
+        end, stamp = self._drove_to
+        return (report.stamp - stamp <= _BRAKING
+                and math.dist(end, point) <= self._stopping + TREMBLE)
 
     def uncover(self) -> None:
         """The robot does not hold the place of its last location any more: that is an outlier now.

@@ -155,9 +155,10 @@ class Interlocking:
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
         granted: List[int] = []
-        back = () if refusal else self._turning_back(robot, renew)
-        if any(self.holder(robot, claim) for claim in back):
-            refusal = Refusal(Gate.NOT_READY, 0)
+        back = None if refusal else self._turning_back(robot, renew)
+        other = self.holder(robot, back) if back is not None else ''
+        if other:
+            refusal = Refusal(Gate.NOT_READY, robot.client.record.ahead[0], other)
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)
             if refusal is not None:
@@ -165,17 +166,17 @@ class Interlocking:
             granted.append(asked.edge)
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if granted:
-            for claim in back:
-                self._to_store.update(self._stored.excluding(robot.name, robot.type, claim))
+            if back is not None:
+                self._to_store.update(self._stored.excluding(robot.name, robot.type, back))
             robot.client.extend(granted, self._new_id, renew)
         return Grant(tuple(granted), refusal)
 
-    def _turning_back(self, robot: InterlockedRobot, renew: bool) -> Sequence[Claim]:
-        """The places behind a robot that its next order makes it hold again, if there are any."""
+    def _turning_back(self, robot: InterlockedRobot, renew: bool) -> Optional[Claim]:
+        """The place behind a robot that its next order makes it hold again, if there is one."""
         if not robot.client.turns_back_if_renewed(renew):
-            return ()
+            return None
         edge = robot.client.record.ahead[0]
-        return (Claim(self._geometry.edge_place(edge), edge > 0),)
+        return Claim(self._geometry.edge_place(edge), edge > 0)
 
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
         record, before = robot.client.record, 0
@@ -188,15 +189,18 @@ class Interlocking:
                         Claim(self._geometry.edge_place(edge), edge > 0, begun))
             before = edge
 
-    def grant_again(self, robot: InterlockedRobot, count: int) -> Optional[Refusal]:
+    def grant_again(self, robot: InterlockedRobot, count: int,
+                    has_stopped: bool = False) -> Optional[Refusal]:
         """Orders `count` edges that the robot holds once more, under a new route id.
 
         It is used after an emergency stop or a restart kept the robot from driving these edges.
+
+        has_stopped -- the robot has reported that it does not drive these edges now
         """
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
         if refusal is None:
-            robot.client.try_again(self._new_id, count)
+            robot.client.try_again(self._new_id, count, has_stopped)
         return refusal
 
     # -- the journal ------------------------------------------------------------------------------

@@ -36,7 +36,8 @@ class Base(NamedTuple):
     """Where a route begins in the route record.
 
     number -- number of the route's first edge
-    before -- number behind the last edge that the robot may drive without this route
+    before -- number behind the last edge that the robot may drive without this route; it may lie
+              behind the end of the record, if edges were taken back since
     """
 
     number: int

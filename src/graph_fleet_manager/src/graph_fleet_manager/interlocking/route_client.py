@@ -155,7 +155,8 @@ class RouteClient:
     def _returns(self, base: Base) -> bool:
         """Does the record come back to a route's beginning on edges that need not this route?"""
         record = self.record
-        first, *later = record.part(base.number, min(base.before, record.end)) or (0,)
+        begin = max(base.number, record.first)
+        first, *later = record.part(begin, min(base.before, record.end)) or (0,)
         return any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id
                    == record.graph.start_vertex(first).id for edge in later)
 
@@ -164,8 +165,14 @@ class RouteClient:
 
     # -- routes and their ids ---------------------------------------------------------------------
 
-    def _begin(self, route_id: int) -> None:
-        self._bases[route_id] = Base(self.record.done, self.record.end)
+    def _begin(self, route_id: int, is_driving: bool = True) -> None:
+        """Begins a route with the edge that is being driven.
+
+        is_driving -- the robot may drive the edges ahead of it before it takes up this route
+        """
+        self._changed()
+        done = self.record.done
+        self._bases[route_id] = Base(done, self.record.end if is_driving else done)
         if self.evidence.lost:
             self._since_loss.add(route_id)
         self.route_id = route_id
@@ -224,18 +231,21 @@ class RouteClient:
 
     def halt(self, new_id: NewId) -> None:
         """Stops the robot wherever it is. It keeps its allocation until `settle`."""
-        self._begin(new_id())
+        self._begin(new_id(), is_driving=False)  # a stop leads nowhere
         self.over = True
         self._awaits_report = False
         self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
-    def try_again(self, new_id: NewId, count: int) -> None:
+    def try_again(self, new_id: NewId, count: int, has_stopped: bool = False) -> None:
         """Orders `count` of the edges ahead once more, under a new id.
 
         It is used after an emergency stop kept the robot from driving them, or after a restart lost
         their order.
+
+        has_stopped -- the robot has reported that it does not drive these edges now
         """
-        self._begin(new_id())
+        is_heard = all(id in self._acknowledged for id in self._bases)
+        self._begin(new_id(), is_driving=not (has_stopped and is_heard))
         self._pending.give(Order(self.route_id, self.record.done, self.record.ahead[:count]),
                            known_epoch=self._epoch)
         self.to_order_anew = 0
@@ -274,7 +284,9 @@ class RouteClient:
         return sending
 
     def _order_again(self) -> None:
-        """Repeats the order that was given before a restart."""
+        """Repeats the order that was given before a restart, unless it was withdrawn since."""
+        if self.withdrawn == self.route_id:
+            return
         end = self.record.end if self._ordered is None else self._ordered
         if self._bases[self.route_id].number < self.record.first:
             self.to_order_anew = end - self.record.first
@@ -298,8 +310,9 @@ class RouteClient:
                 self._adopt_other(report)
             # In any other case `take` finds that another giver took the robot over, or that it lost
             # its route.
-        elif self._may_be_refusal(report) and base.number >= self.record.first:
-            if self.route_id in self._bases and not self.is_stopping:
+        elif (report.route_id == self.route_id and base.number >= self.record.first
+                and self._may_be_refusal(report)):
+            if not self.is_stopping:
                 self._order_again()  # another copy, or a longer order, may be on its way
         else:
             self._acknowledged.add(report.route_id)
@@ -389,7 +402,8 @@ class RouteClient:
         if mine != report.edges[skipped:] or report.is_running and report.completed < skipped:
             heard.foreign = report.is_running
             return heard
-        if self._may_be_refusal(report) and not (awaited and report.stamp != self._refused_at):
+        is_later = not report.stamp or report.stamp != self._refused_at
+        if self._may_be_refusal(report) and not (awaited and is_later):
             return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
         is_taken_up = report.route_id in self._acknowledged or not report.is_failed
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}

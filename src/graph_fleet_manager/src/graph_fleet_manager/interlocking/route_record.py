@@ -89,7 +89,7 @@ class RouteRecord:
     def begin_of_holds(self, back_to: Optional[int] = None) -> Tuple[int, float]:
         """Number and cleared fraction of the first edge that is held."""
         cleared = max(self.cleared, (self.first, 0.0))
-        return cleared if back_to is None else min(cleared, (back_to, 0.0))
+        return cleared if back_to is None else min(cleared, (max(back_to, self.first), 0.0))
 
     @property
     def is_standing(self) -> bool:

@@ -224,7 +224,7 @@ def _words(refusal: Refusal) -> str:
     if refusal.gate is Gate.CLOSED_EDGE:
         return f'edge {abs(refusal.edge)}, which is closed'
     if refusal.gate is Gate.NOT_READY:
-        return 'a new location of its own'
+        return refusal.other or 'a new location of its own'
     if refusal.gate is Gate.UNKNOWN_ROBOT:
         return (f'{refusal.other}, which has never reported: switch it on, or '
                 f'`fleet absent {refusal.other}`')

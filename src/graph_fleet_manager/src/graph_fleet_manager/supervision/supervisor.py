@@ -295,10 +295,16 @@ class Supervisor:
                 self._out.send()
 
     def _separate(self, robot: ManagedRobot) -> None:
-        """Stops two robots that exclude each other according to evidence."""
+        """Stops two robots that exclude each other according to evidence.
+
+        After a start, the place of a robot that has not reported yet is known only roughly.
+        """
         if not robot.client.is_by_evidence:
             return
         other = self.interlocking.excluding(robot.name)
+        near_one = self.robots.get(other)
+        if self._is_starting and near_one is not None and not near_one.client.is_heard:
+            return
         for one, near in ((robot.name, other), (other, robot.name)):
             mine = self.robots.get(one)
             if other and mine is not None and mine.notice(
@@ -478,7 +484,7 @@ class Supervisor:
                 self._separate(robot)
             mission_progress.follow(self.book, robot, now)
             again = robot.wants_to_go_on(now)
-            if again and self.interlocking.grant_again(robot, again) is None:
+            if again and self.interlocking.grant_again(robot, again, True) is None:
                 self._out.robot_changed(robot.name)
             if not self.is_stopped and robot.go_on_after_stop(now):
                 self._out.robot_changed(robot.name)
