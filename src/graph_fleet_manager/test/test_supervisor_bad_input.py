@@ -11,7 +11,7 @@ from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode, RouteRefusal
+from trajectory_graph.route_protocol import NO_REASON, EdgeState, Reason, ReasonCode, RouteRefusal
 
 
 @pytest.fixture
@@ -71,7 +71,7 @@ def test_reports_that_come_again_late_and_out_of_order_change_nothing(fleet):
 def test_one_location_elsewhere_ends_no_mission_but_blocks_that_place_until_two_disprove_it(fleet):
     fleet.run_until_done(1)
     other = Report(fleet.agvs['a'].route_id, fleet.agvs['a'].edges,
-                   (EdgeState.COMPLETE,) * len(fleet.agvs['a'].edges), Pose(2, 0.5), '',
+                   (EdgeState.COMPLETE,) * len(fleet.agvs['a'].edges), Pose(2, 0.5), NO_REASON,
                    fleet.now)
     robot = fleet.supervisor.robots['a']
     hear(fleet, other)
@@ -88,7 +88,7 @@ def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
     fleet.silent['a'] = fleet.now + 2.0
     for later in (0.1, 0.2):
         hear(fleet, Report(agv.route_id, agv.edges, (EdgeState.COMPLETE,) * len(agv.edges),
-                           Pose(2, 0.5), '', fleet.now + later))
+                           Pose(2, 0.5), NO_REASON, fleet.now + later))
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
 
 
@@ -105,7 +105,7 @@ def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
 
 
 def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_there(fleet):
-    hear(fleet, Report(77, (4, 5), (EdgeState.PROCESSING,) * 2, Pose(4, 0.5), '', fleet.now))
+    hear(fleet, Report(77, (4, 5), (EdgeState.PROCESSING,) * 2, Pose(4, 0.5), NO_REASON, fleet.now))
     robot = fleet.supervisor.robots['a']
     assert robot.outage is Outage.TAKEN_OVER
     assert 'a route that was not given to it here' in robot.why

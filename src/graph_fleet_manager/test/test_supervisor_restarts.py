@@ -12,7 +12,7 @@ from graph_fleet_manager.supervision.outages import Outage, Sign
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import NO_REASON, EdgeState
 
 
 def cut_short(graph, length):
@@ -135,7 +135,7 @@ def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
 @pytest.mark.parametrize('state', [EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED])
 def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, state):
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 12)})
-    foreign = Report(7, edges, (state,) * len(edges), Pose(1, 0.0), '', fleet.now)
+    foreign = Report(7, edges, (state,) * len(edges), Pose(1, 0.0), NO_REASON, fleet.now)
     fleet.silent['a'] = 1e9
     fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
     fleet.request(1, 11, robot='b')  # far from the robot that may be driving unseen
@@ -148,7 +148,7 @@ def test_a_route_of_another_giver_over_an_edge_that_only_the_new_graph_has_is_he
     whole = corridor(12)
     fleet = SupervisedFleet(cut_short(whole, 4), {'a': (AGV, 1)})
     fleet.silent['a'] = 1e9
-    foreign = Report(7, (1, 10), (EdgeState.PROCESSING,) * 2, Pose(1, 0.0), '', fleet.now)
+    foreign = Report(7, (1, 10), (EdgeState.PROCESSING,) * 2, Pose(1, 0.0), NO_REASON, fleet.now)
     fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
     fleet.run(1.0)
     restart_on(fleet, whole)
