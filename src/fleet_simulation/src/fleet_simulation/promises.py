@@ -22,6 +22,7 @@ from graph_fleet_manager.supervision.missions import MissionState, Request, Stat
 from trajectory_graph import Graph
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
+_STANDS = 1.5       # s after which a robot that a person has put down is known to stand
 
 
 @dataclass
@@ -66,6 +67,10 @@ class Promises:
         self.resting: Dict[str, Rest] = {}
         self.blamed: Set[str] = set()
         self.carried: Set[str] = set()
+        self._by_hand: Dict[str, int] = {}
+        """By robot: the edge over which another program drove it."""
+        self._moved_at: Dict[str, float] = {}
+        """By robot: when a person or another program last moved it."""
         self._given: Dict[str, Set[int]] = {}
         self._sent: Dict[str, Tuple[int, Tuple[int, ...]]] = {}
         self._lines = {id: LineString([_at(graph, id, 0.0), _at(graph, id, 1.0)])
@@ -95,6 +100,7 @@ class Promises:
         """Another program drives a robot over an edge: robots that hold places near it are stopped,
         too."""
         self.blamed.add(name)
+        self._by_hand[name] = edge
         for other, robot in self.fleet.supervisor.robots.items():
             held = unary_union([self._lines[abs(one)] for one in robot.record.held]
                                + [Point(self.fleet.agvs[other].position)])
@@ -220,8 +226,14 @@ class Promises:
         believed = {abs(edge) for edge in robot.record.held} | set(edges)
         is_unknown = name in fleet.supervisor.unknown  # then nothing is granted to any robot
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
+        if name in self.carried or agv.is_driving and agv.edges == (self._by_hand.get(name),):
+            self._moved_at[name] = fleet.now
         if not agv.off_graph and robot.record.pose == agv.report(0.0).pose:
             self.carried.discard(name)
+        if fleet.now - self._moved_at.get(name, -math.inf) <= _STANDS and (
+                fleet.hangs or name in fleet.lost or fleet.silent.get(name, 0.0) > fleet.now):
+            # Its area grows, because the supervisor does not know how far it is moved on.
+            self.blamed.update(fleet.agvs)
         if drives or (name not in self.carried and abs(agv.edge) not in believed
                       and not is_unknown and robot.liveness.is_seen):
             held = unary_union([*(self._lines[edge] for edge in believed),
