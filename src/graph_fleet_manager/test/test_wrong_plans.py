@@ -40,6 +40,25 @@ def test_missions_end_though_the_first_plans_were_wrong(name, seed, monkeypatch)
     assert fleet.answers > SPOILT
 
 
+def test_after_a_wrong_answer_the_planner_is_not_asked_to_keep_the_plan_in_force():
+    """The plan in force may be the cause: its times may be wrong, and no check shows it."""
+    asked = []
+
+    class Fleet(SupervisedFleet):
+        def _plan(self, question):
+            asked.append(question)
+            outcome = super()._plan(question)
+            return without_drives(outcome, self.random) if len(asked) == 2 else outcome
+
+    fleet = Fleet(ladder(5), {'a': (AGV, 1), 'b': (AGV, 5)}, parking=(1, 5))
+    fleet.request(1, 5, robot='a')
+    fleet.run(1.0)
+    fleet.request(2, 1, robot='b')
+    fleet.run_until_done(1, 2, limit=120.0)
+    assert any(task.kept for task in asked[1].tasks), 'this plan was to be kept'
+    assert not any(task.kept for task in asked[2].tasks)
+
+
 def test_a_plan_that_leads_a_robot_past_its_destination_is_told():
     fleet = MisledFleet(ladder(5), {'a': (AGV, 1)}, parking=(1,))
     fleet.request(1, 5, robot='a')

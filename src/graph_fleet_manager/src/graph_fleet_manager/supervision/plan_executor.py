@@ -84,6 +84,7 @@ class PlanExecutor:
         fault = question.fault_of(outcome, world.network.graph)
         if fault:
             self._failures += 1
+            self.plan_anew()  # the plan that the planner was to keep may be the cause
             self._tell(f'the planner sent a plan that {fault}')
             return True
         self._tell('')
