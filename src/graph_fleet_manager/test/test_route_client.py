@@ -321,6 +321,21 @@ def test_a_robot_that_a_person_takes_over_does_not_brake(client, ids):
     assert client.grow(5.0)
 
 
+def test_a_robot_that_drove_on_unheard_and_then_stopped_was_not_moved_by_another_giver(client, ids):
+    client.extend([1, 2, 3], ids)
+    client.take(report(1, [1, 2, 3], 0, fraction=0.5))
+    client.take(Report(77, (), (), Pose(3, 0.5), stamp=110.0))
+    assert not client.grow(5.0)
+
+
+def test_a_robot_on_its_route_was_not_moved_since_an_older_location_in_the_journal(client, ids):
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
+    client.extend([1, 2], ids)
+    again = restarted(client)
+    again.take(Report(77, (), (), Pose(2, 0.5), stamp=110.0))
+    assert not again.grow(5.0)
+
+
 def test_a_robot_that_still_moves_seconds_after_its_drive_does_not_brake(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.5))

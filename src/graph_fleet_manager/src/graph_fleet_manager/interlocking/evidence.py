@@ -100,12 +100,13 @@ class Evidence:
     # -- changes ----------------------------------------------------------------------------------
 
     def see(self, report: Report, graph: Graph, is_covered: bool, is_obedient: bool,
-            drives: bool) -> None:
+            drives: bool, is_on_route: bool) -> None:
         """Evaluates the location in a report.
 
         is_covered  -- the robot is on a place that it was granted
         is_obedient -- the robot drives a route that it was given here, or it drives nothing
         drives      -- it drives that route, or has just come to its end
+        is_on_route -- it is on a place that it was granted, and has not driven all of them
         """
         self.clock_is_off = report.is_ahead
         self.foreign = () if is_obedient else report.left
@@ -123,6 +124,7 @@ class Evidence:
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
             if judged.disproofs < DISPROOFS)
         has_left = before is not None and math.dist(before, point) > TREMBLE
+        is_explained = self._may_come_from_drive(report, point, is_on_route)
         if (self._stays_at is None or has_left or drives
                 or not 0.0 < self._stays_since <= report.stamp):
             self._stays_at, self._stays_since = point, report.stamp
@@ -130,7 +132,7 @@ class Evidence:
         has_stayed = (report.stamp - self._stays_since >= _STANDING if report.stamp
                       else not has_left)
         self._is_moved = not is_obedient or not (drives or has_stayed) and (
-            self._is_moved or has_left and not self._may_brake(report, point))
+            self._is_moved or has_left and not is_explained)
         if drives or has_stayed:
             self._drove_to = (point, report.stamp) if drives else None
         # A robot that stands does not grow, however late its report arrives.
@@ -140,13 +142,22 @@ class Evidence:
         else:
             self._stray(point)
 
-    def _may_brake(self, report: Report, point: Point) -> bool:
-        """May the robot have come here by braking from the end of its own drive?"""
-        if self._drove_to is None or report.reason.code is ReasonCode.TAKEN_OVER:
+    def _may_come_from_drive(self, report: Report, point: Point, is_on_route: bool) -> bool:
+        """May the robot have come here by the end of its own drive, and by braking after it?
+
+        It may have driven unheard on places that it was granted: since its last report, or since
+        its last location in the journal.
+        """
+        if report.reason.code is ReasonCode.TAKEN_OVER:
+            return False
+        if self._stays_at is None:
+            return is_on_route
+        if self._drove_to is None:
             return False
         end, stamp = self._drove_to
-        return (report.stamp - stamp <= _BRAKING
-                and math.dist(end, point) <= self._stopping + TREMBLE)
+        return is_on_route and self._stays_since == stamp or (
+            report.stamp - stamp <= _BRAKING
+            and math.dist(end, point) <= self._stopping + TREMBLE)
 
     def uncover(self) -> None:
         """The robot does not hold the place of its last location any more: that is an outlier now.

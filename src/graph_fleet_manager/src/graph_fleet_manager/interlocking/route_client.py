@@ -365,7 +365,7 @@ class RouteClient:
         is_covered = self._covers(report)
         drives = report.is_running or bool(heard.passed and not report.is_failed)
         self.evidence.see(report, record.graph, is_covered, not heard.foreign,
-                          drives and not heard.foreign)
+                          drives and not heard.foreign, is_covered and bool(record.ahead))
         if self.evidence.lost and is_covered and self._is_after_loss(report):
             self.evidence.leave_lost(record.margin(report.age))
         heard.left = (record.is_standing and self.order is None and record.has_left()
