@@ -224,7 +224,7 @@ def test_a_restart_stops_no_robot_because_another_robot_that_a_person_drives_has
     restart(fleet)
     fleet.run(1.0)
     robots = fleet.supervisor.robots
-    assert fleet.supervisor.interlocking.excluding('b') == 'a' and robots['b'].outage is None
+    assert fleet.supervisor.interlocking.excluding('b') == ('a',) and robots['b'].outage is None
     fleet.run(3.0)
     assert robots['a'].client.is_heard and robots['b'].outage is None
 

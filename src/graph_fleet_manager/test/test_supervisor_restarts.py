@@ -65,7 +65,7 @@ def test_allocations_in_the_journal_never_exclude_each_other():
         fleet.step()
         robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.journal.robots(), None, fleet.now)
         stored = Interlocking(fleet.supervisor.network.geometry, fleet.clearance, robots, int)
-        assert [stored.excluding(name) for name in robots] == ['', '', ''], fleet.picture()
+        assert [stored.excluding(name) for name in robots] == [(), (), ()], fleet.picture()
 
 
 @pytest.mark.parametrize('restarts', [1, 3])

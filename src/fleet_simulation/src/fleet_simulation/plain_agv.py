@@ -14,6 +14,7 @@ from trajectory_graph.route_protocol import (
     EMERGENCY_STOP,
     NO_REASON,
     EdgeState,
+    Location,
     Phase,
     Reason,
     ReasonCode,
@@ -39,6 +40,7 @@ class Agv:
     near      -- m from a vertex within which it counts as standing there; if a test changes it, a
                  route near a vertex must begin with an edge that leads away from the vertex
     braking   -- m that it needs to stop
+    aside     -- m in x and y by which a person pushed it off its edge; it then reports x, y, too
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
@@ -61,6 +63,7 @@ class Agv:
         self.refusing = 0
         self.near = _NEAR
         self.braking = 0.0
+        self.aside = 0.0, 0.0
         self.travelled = 0.0
         self.visited: List[int] = [vertex]
         """Ids of the visited vertices, in order."""
@@ -69,7 +72,7 @@ class Agv:
     def position(self) -> Tuple[float, float]:
         """The position x, y in m, in the frame of the graph."""
         x, y = self.graph.curve(self.edge).point_at(self.arc)
-        return float(x), float(y)
+        return float(x) + self.aside[0], float(y) + self.aside[1]
 
     @property
     def is_driving(self) -> bool:
@@ -255,7 +258,9 @@ class Agv:
         rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
         states = ((EdgeState.COMPLETE,) * self.current
                   + (rest,) * (len(self.edges) - self.current))
-        return Report(self.route_id, self.edges, states, self._pose(), self.reason, stamp)
+        location = Location(*self.position, 0.0) if any(self.aside) else None
+        return Report(self.route_id, self.edges, states, self._pose(), self.reason, stamp,
+                      location=location)
 
     def _pose(self) -> Pose:
         if self.off_graph:

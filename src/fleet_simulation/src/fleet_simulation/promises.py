@@ -202,9 +202,22 @@ class Promises:
             if not rest.word.is_stored:
                 del self.resting[name]
         for name in self.fleet.agvs:
-            other = supervisor.interlocking.excluding(name)
-            assert not other or {name, other} & self.blamed, (
-                f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
+            for other in supervisor.interlocking.excluding(name):
+                assert {name, other} & self.blamed, (
+                    f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
+
+    def _check_excluding_ones_stand(self) -> None:
+        """Checks that all robots that exclude each other by evidence wait for a person."""
+        supervisor = self.fleet.supervisor
+        for name, robot in supervisor.robots.items():
+            if not (robot.client.is_by_evidence and robot.client.is_heard):
+                continue
+            for other in supervisor.interlocking.excluding(name):
+                pair = [supervisor.robots[one] for one in (name, other)
+                        if one in supervisor.robots]
+                assert all(one.needs_person for one in pair) or not all(
+                    one.client.is_heard for one in pair), (
+                    f'{name} and {other} exclude each other, but drive: {self.fleet.picture()}')
 
     def stepped(self) -> None:
         """Checks each robot after one time step."""
@@ -213,6 +226,7 @@ class Promises:
             del self.resting[name]
         if self.stopped is not None and fleet.supervisor.is_stopped:
             self.stopped.is_past = False
+        self._check_excluding_ones_stand()
         if not fleet.is_disk_full and not fleet.supervisor.trouble:
             for word in (*([self.stopped] if self.stopped else []), *self.out.values(),
                          *(rest.word for rest in self.resting.values())):

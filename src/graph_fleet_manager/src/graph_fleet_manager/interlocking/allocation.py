@@ -15,7 +15,7 @@ class Knowledge(Enum):
     KNOWN = 'known'
     """The robot is within its allocation, switched on or off."""
     UNKNOWN = 'unknown'
-    """The robot has never reported, so it may be anywhere."""
+    """The robot has never reported, or only an old journal knows it, so it may be anywhere."""
     ABSENT = 'absent'
     """A person declared that the robot is not on the site."""
 

@@ -16,11 +16,12 @@ from graph_fleet_manager.interlocking.reports import (
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import ReasonCode
 
-# m that a silent robot may have moved while a person drives it
+# m that a robot may have moved since its last location while a person drives it
 MANUAL_REACH = 10.0
 DISPROOFS = 2        # number of later locations elsewhere that disprove an outlier
 _STANDING = 1.0      # s near one place after which a robot counts as standing
 _BRAKING = 3.0       # s in which a robot brakes after the end of its own drive
+_LOOK = 0.2          # s within which the area around a robot grows again; ticks come more often
 _STEP = 0.5          # m: the step in which the area around a robot grows that is moved by hand
 _SQUARE = 1.0        # m: such a robot's location is stored whenever it is in another such square
 
@@ -68,7 +69,7 @@ class Evidence:
         self.foreign: Tuple[int, ...] = ()
         """Edges that the robot drives although this fleet manager did not order their route."""
         self.reach = 0.0
-        """Radius (m) around the last location in which a silent robot may have been driven by hand.
+        """Radius (m) around the last location: the robot may have been driven by hand since then.
         """
         self.location: Optional[Point] = None
         """The last location, x, y in m."""
@@ -100,8 +101,8 @@ class Evidence:
     # -- changes ----------------------------------------------------------------------------------
 
     def see(self, report: Report, graph: Graph, is_covered: bool, is_obedient: bool,
-            drives: bool, is_on_route: bool) -> None:
-        """Evaluates the location in a report.
+            drives: bool, is_on_route: bool) -> bool:
+        """Evaluates the location in a report. Returns whether that is a new one.
 
         is_covered  -- the robot is on a place that it was granted
         is_obedient -- the robot drives a route that it was given here, or it drives nothing
@@ -113,11 +114,11 @@ class Evidence:
         point = report.located(graph)
         told = report.stamp, point
         if report.stamp and told == self._told:
-            return
+            return False
         self._told = told
         if point is None:
             self._strays += 1
-            return
+            return False
         before, self.location = self._stays_at or self.location, point
         self.reach = 0.0
         self.outliers = tuple(
@@ -141,6 +142,7 @@ class Evidence:
             self._strays = 0
         else:
             self._stray(point)
+        return True
 
     def _may_come_from_drive(self, report: Report, point: Point, is_on_route: bool) -> bool:
         """May the robot have come here by the end of its own drive, and by braking after it?
@@ -170,15 +172,15 @@ class Evidence:
         self.outliers = (*(one for one in self.outliers
                            if math.dist(one.point, point) > TREMBLE), Outlier(point, self._age))
 
-    def grow(self, silence: float) -> bool:
-        """Grows the area of a robot that has been silent for `silence` s. Returns whether it grew.
+    def grow(self, age: float) -> bool:
+        """Grows the area around the last location, which is `age` s old. Returns whether it grew.
 
         Only a robot that another giver was moving may have moved since. The robot counts as moved
         until it stays in one place for a second, so slow driving counts, too.
         """
         if not self._is_moved or self.is_absent:
             return False
-        reach = min((silence + CLOCK_ERROR) * self._kind.speed, MANUAL_REACH)
+        reach = min((age + CLOCK_ERROR + _LOOK) * self._kind.speed, MANUAL_REACH)
         reach = min(math.ceil(reach / _STEP) * _STEP, MANUAL_REACH)
         if reach <= self.reach:
             return False
@@ -225,11 +227,12 @@ class Evidence:
     def progress(self) -> EvidenceMemory:
         """The part of the evidence that must be stored as soon as a report changes it.
 
-        The location counts only while another giver moves the robot, in squares of 1 m.
+        The location counts only while another giver moves the robot, in squares of 1 m. Its reach
+        does not count: `restore` sets the largest one for such a robot.
         """
         here = self.location if self._is_moved else None
         square = None if here is None else (here[0] // _SQUARE, here[1] // _SQUARE)
-        return self.memory._replace(location=square)
+        return self.memory._replace(location=square, reach=0.0)
 
     def restore(self, memory: EvidenceMemory, now: float) -> None:
         """Sets the evidence to its state before a restart. `now` is the supervisor's time.

@@ -30,6 +30,7 @@ from graph_fleet_manager.geometry.site_geometry import SiteGeometry
 from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
 from graph_fleet_manager.interlocking.claims import Claim, ClaimIndex
 from graph_fleet_manager.interlocking.orders import Sending
+from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.interlocking.route_client import NewId, RouteClient
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
@@ -139,6 +140,7 @@ class Interlocking:
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
+        self._to_compare: Set[str] = set()  # robots whose allocation has changed
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
 
     # -- grants -----------------------------------------------------------------------------------
@@ -199,9 +201,24 @@ class Interlocking:
         """
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
+        for asked in () if refusal else self._asked_again(robot, count, has_stopped):
+            refusal = _place_is_free(self, asked)
+            if refusal is not None:
+                return refusal
+            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if refusal is None:
             robot.client.try_again(self._new_id, count, has_stopped)
         return refusal
+
+    def _asked_again(self, robot: InterlockedRobot, count: int,
+                     has_stopped: bool) -> Iterator[Asked]:
+        """The edges to be ordered again. A person may have pushed the robot back on the first one.
+        """
+        record = robot.client.record
+        back = None if has_stopped else self._turning_back(robot, True)
+        for number, edge in enumerate(record.ahead[:count]):
+            begun = 0.0 if number or back is not None else record.certainly_begun(edge)
+            yield Asked(robot, edge, claim=Claim(self._geometry.edge_place(edge), edge > 0, begun))
 
     # -- the journal ------------------------------------------------------------------------------
 
@@ -253,6 +270,7 @@ class Interlocking:
         self._stored.remove(name)
         self._with_areas.discard(name)
         self._unknown.discard(name)
+        self._to_compare.discard(name)
 
     # -- robots that exclude each other ------------------------------------------------------------
 
@@ -262,51 +280,65 @@ class Interlocking:
         self._refresh()
         return sorted(self._unknown)
 
-    def excluding(self, name: str) -> str:
-        """Name of a robot whose allocation excludes that of this robot; empty: there is none."""
+    def excluding(self, name: str) -> Tuple[str, ...]:
+        """Names of all robots whose allocations exclude that of this robot."""
         self._refresh()
         robot, own = self._robots[name], self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
-            return ''
+            return ()
+        found: Set[str] = set()
         for claim in self._holds.claims(name):
-            other = self.holder(robot, claim)
-            if other:
-                return other
+            found.update(self._holders(robot, claim))
         for area in own.areas:
-            other = self._in_area(name, own.kind, area)
-            if other:
-                return other
-        return ''
+            found.update(self._in_area(name, own.kind, area))
+        return tuple(sorted(found))
 
-    def _in_area(self, name: str, kind: RobotType, area: Area) -> str:
+    def is_free(self, robot: InterlockedRobot, position: GraphPosition) -> bool:
+        """Does no other robot's allocation exclude that `robot` stands at this position?"""
+        self._refresh()
+        if position.vertex is not None:
+            return not self.holder(robot, Claim(self._geometry.index[position.vertex]))
+        area = Area((position.point(robot.client.record.graph),))
+        return next(self._in_area(robot.name, robot.type, area), None) is None
+
+    def newly_excluding(self) -> List[Tuple[str, str]]:
+        """All pairs of robots that exclude each other, if an allocation of the pair has changed.
+
+        A grant never makes such a pair. Evidence does, and so does a person.
+        """
+        self._refresh()
+        changed, self._to_compare = self._to_compare, set()
+        return [(name, other) for name in sorted(changed) if name in self._robots
+                and self._robots[name].client.is_by_evidence for other in self.excluding(name)]
+
+    def _in_area(self, name: str, kind: RobotType, area: Area) -> Iterator[str]:
         for other, allocation in self._known.items():
             if other == name or allocation.knowledge is Knowledge.ABSENT:
                 continue
             distance = kind.reach + allocation.kind.reach + self._clearance
             near = self._places_near(area, distance)
             claims = self._holds.claims(other)
-            if any(_meets(near.get(claim.place), claim) for claim in claims):
-                return other
-            if any(are_nearer(area.line, its.line, distance + area.radius + its.radius)
-                   for its in allocation.areas):
-                return other
-        return ''
+            if any(_meets(near.get(claim.place), claim) for claim in claims) or any(
+                    are_nearer(area.line, its.line, distance + area.radius + its.radius)
+                    for its in allocation.areas):
+                yield other
 
     def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
         """Name of a robot that holds a place which excludes this claim of `robot`; empty: none."""
+        return next(self._holders(robot, claim), '')
+
+    def _holders(self, robot: InterlockedRobot, claim: Claim) -> Iterator[str]:
+        """Names of all such robots. A name may come twice."""
         kind = robot.type
-        other = next(self._holds.excluding(robot.name, kind, claim), '')
-        if other:
-            return other
+        yield from self._holds.excluding(robot.name, kind, claim)
         for name in self._with_areas:
             if name == robot.name:
                 continue
             allocation = self._known[name]
             distance = kind.reach + allocation.kind.reach + self._clearance
-            for area in allocation.areas:
-                if _meets(self._places_near(area, distance).get(claim.place), claim):
-                    return name
-        return ''
+            if any(_meets(self._places_near(area, distance).get(claim.place), claim)
+                   for area in allocation.areas):
+                yield name
 
     def _places_near(self, area: Area, distance: float) -> Mapping[int, Tuple[float, float]]:
         key = area, distance
@@ -323,6 +355,7 @@ class Interlocking:
             if allocation is self._known.get(name):
                 continue
             self._known[name] = allocation
+            self._to_compare.add(name)
             self._holds.put(name, allocation)
             for names, is_one in ((self._with_areas, bool(allocation.areas)),
                                   (self._unknown, allocation.knowledge is Knowledge.UNKNOWN)):
@@ -407,8 +440,8 @@ def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _robot_is_clear_of_others(site: Interlocking, asked: Asked) -> Optional[Refusal]:
-    other = site.excluding(asked.robot.name)
-    return Refusal(Gate.TOO_NEAR, asked.edge, other) if other else None
+    others = site.excluding(asked.robot.name)
+    return Refusal(Gate.TOO_NEAR, asked.edge, others[0]) if others else None
 
 
 def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:

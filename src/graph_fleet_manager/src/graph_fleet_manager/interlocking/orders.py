@@ -74,6 +74,11 @@ class Memory(NamedTuple):
     """Ids of the routes that the robot has taken up."""
 
     @property
+    def last_id(self) -> int:
+        """The highest id of a route that the robot was given."""
+        return max((self.route_id, *self.bases, *self.ended))
+
+    @property
     def held(self) -> Tuple[int, ...]:
         """All edges that the robot may be on, signed."""
         return (*self.edges[self.cleared[0]:], *self.tail, *self.evidence.foreign)
@@ -117,6 +122,7 @@ class Heard:
     was_shorter -- the refused order was one that stops the robot or shortens its route
     foreign -- the robot drives a route that it was not given here
     left    -- the robot has nothing to drive, but is not where its route ended
+    is_located -- the report has a later location than all before
     """
 
     passed: List[int] = field(default_factory=list)
@@ -125,6 +131,7 @@ class Heard:
     was_shorter: bool = False
     foreign: bool = False
     left: bool = False
+    is_located: bool = False
 
 
 def is_on(graph: Graph, edges: Sequence[int]) -> bool:

@@ -6,6 +6,7 @@ robot's allocation.
 """
 from __future__ import annotations
 
+import math
 from typing import Callable, Dict, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.geometry.areas import Area
@@ -14,6 +15,7 @@ from graph_fleet_manager.interlocking.evidence import Evidence
 from graph_fleet_manager.interlocking.orders import Base, Heard, Memory, Order, Sending, is_on
 from graph_fleet_manager.interlocking.pending_order import PendingOrder
 from graph_fleet_manager.interlocking.reports import (
+    AT_VERTEX,
     TREMBLE,
     GraphPosition,
     Pose,
@@ -67,6 +69,8 @@ class RouteClient:
         self._stamp = 0.0
         self.is_heard = False
         """Has the robot reported since the start?"""
+        self.is_doubted = False
+        """The stored place may be an old one, and the robot has not reported its place since."""
         self._allocation: Optional[Allocation] = None
 
     # -- state ------------------------------------------------------------------------------------
@@ -130,7 +134,7 @@ class RouteClient:
         if standing is not None and standing.vertex is None:
             areas.append(Area((standing.point(record.graph),)))
         holds += tuple(Hold(edge) for edge in evidence.foreign if abs(edge) in record.graph.edges)
-        is_known = bool(holds or areas or standing is not None)
+        is_known = bool(holds or areas or standing is not None) and not self.is_doubted
         return Allocation(record.kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds,
                           standing.vertex if standing is not None else None, tuple(areas))
 
@@ -276,6 +280,13 @@ class RouteClient:
         self._pending.drop()
         self._awaits_report = False
 
+    def settle_beside(self, position: GraphPosition) -> None:
+        """The robot begins its next route at this position, but may stand a little beside it."""
+        self.settle(position)
+        here = self.evidence.location
+        if here is not None and math.dist(here, position.point(self.record.graph)) > AT_VERTEX:
+            self.evidence.uncover()
+
     def due(self, now: float) -> Optional[Sending]:
         """The order to send now, if there is one."""
         sending = None if self._awaits_report else self._pending.due(now)
@@ -364,8 +375,10 @@ class RouteClient:
         heard = self._follow(report, is_new)
         is_covered = self._covers(report)
         drives = report.is_running or bool(heard.passed and not report.is_failed)
-        self.evidence.see(report, record.graph, is_covered, not heard.foreign,
-                          drives and not heard.foreign, is_covered and bool(record.ahead))
+        heard.is_located = self.evidence.see(
+            report, record.graph, is_covered, not heard.foreign, drives and not heard.foreign,
+            is_covered and bool(record.ahead))
+        self.is_doubted &= not heard.is_located
         if self.evidence.lost and is_covered and self._is_after_loss(report):
             self.evidence.leave_lost(record.margin(report.age))
         heard.left = (record.is_standing and self.order is None and record.has_left()
@@ -560,12 +573,23 @@ class RouteClient:
             self._since_loss.add(self.route_id)
             self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
+    def doubt(self) -> None:
+        """The restored state is that of an old journal: until it is located, it may be anywhere."""
+        self.is_doubted, self.evidence.is_absent = True, False
+        self._changed()
+
+    def knows(self, route_id: int) -> bool:
+        """Was the robot given this route, as far as is known here?"""
+        return route_id == self.route_id or route_id in self._bases or route_id in self._ended
+
     # -- other evidence ---------------------------------------------------------------------------
 
-    def grow(self, silence: float) -> bool:
-        """Grows the allocation of a robot that was silent for `silence` s. Returns whether it grew.
+    def grow(self, age: float) -> bool:
+        """Grows the allocation of a robot that another giver moves. Returns whether it grew.
+
+        age -- s since its last location
         """
-        grows = self.evidence.grow(silence)
+        grows = self.evidence.grow(age)
         if grows:
             self._changed()
         return grows
@@ -588,6 +612,7 @@ class RouteClient:
     def declare_absent(self, now: float) -> None:
         """A person declares that the robot is not on the site."""
         self.settle(None)
+        self.is_doubted = False
         self.evidence.declare_absent(now)
 
     def is_back(self, report: Report, now: float) -> bool:

@@ -136,6 +136,16 @@ class RouteRecord:
         fraction = position.fraction if edge == position.edge else 1.0 - position.fraction
         return min(max(fraction - self._slack / self.graph.curve(edge).length, 0.0), _NOT_OVER)
 
+    def certainly_begun(self, edge: int) -> float:
+        """The fraction of the first edge ahead behind a robot, also if it was pushed back on it."""
+        pose = self.pose
+        if abs(edge) != abs(pose.edge):
+            return 0.0
+        fraction = pose.fraction if edge == pose.edge else 1.0 - pose.fraction
+        number, cleared = self.cleared
+        behind = fraction - (self._slack + TREMBLE) / self.graph.curve(edge).length
+        return min(max(behind, 0.0), cleared if number == self.done else 0.0)
+
     def has_left(self) -> bool:
         """Has a robot with nothing to drive reported that it is not at its position?"""
         return (self.position is not None

@@ -27,6 +27,7 @@ from typing import (
 )
 from urllib.parse import quote
 
+from file_replacement import replace_file
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.evidence import EvidenceMemory, Outlier
@@ -44,6 +45,7 @@ from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
+_LONGEST_NUMBER = 30  # number of characters in the file beside the journal
 _PAGE = 1000  # number of missions that the history reads at a time
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
 """The states of missions that have not ended, in SQL."""
@@ -103,6 +105,7 @@ class Journal:
         """Raises JournalUnavailable, or JournalError if the file can never be used."""
         self._clock = clock
         self._path = path
+        self._beside = f'{path}.run'
         self._file = JournalDatabase(path)
         self._db = self._file.database
         try:
@@ -184,12 +187,29 @@ class Journal:
         except sqlite3.Error as error:
             raise JournalUnavailable(self._path, error) from None
 
+    def write_beside(self, number: int) -> None:
+        """Writes a number into the file beside the journal. Raises JournalUnavailable."""
+        try:
+            replace_file(self._beside, f'{number}\n')
+        except OSError as error:
+            raise JournalUnavailable(self._beside, error) from None
+
     # -- reading ----------------------------------------------------------------------------------
 
     def value(self, name: str) -> int:
         """A stored number; 0: there is none."""
         row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
         return int(row[0]) if row else 0
+
+    def number_beside(self) -> int:
+        """The number in the file beside the journal; 0: there is none; -1: it cannot be read."""
+        try:
+            with open(self._beside, encoding='ascii') as file:
+                return int(file.read(_LONGEST_NUMBER))
+        except FileNotFoundError:
+            return 0
+        except (OSError, ValueError):
+            return -1
 
     def graph(self) -> Optional[Graph]:
         """The graph to which the stored data of robots refer; None: there is none."""

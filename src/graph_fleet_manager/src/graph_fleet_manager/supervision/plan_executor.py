@@ -101,6 +101,7 @@ class PlanExecutor:
         """The planner could not answer. The plan in force stays."""
         if self._open.pop(number, None) is not None:
             self._failures += 1
+            self.plan_anew()  # the plan that the planner was to keep may be the cause
             self._tell(f'the planner found none: {reason}')
 
     def _tell(self, trouble: str) -> None:

@@ -20,7 +20,7 @@ from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
-from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, STANDING, Liveness
+from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
 from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
@@ -61,6 +61,8 @@ class ManagedRobot:
     _refusals: int = 0
     _has_refused: bool = False
     """It refused its last order, and its starting place was not judged again yet."""
+    _located: float = -math.inf
+    """Time of the last location that was accepted."""
     _tried: float = -math.inf
     _retried: float = -math.inf
 
@@ -144,6 +146,9 @@ class ManagedRobot:
         heard = self.client.take(report)
         if self.liveness.takes_up(report, self.client.order is not None, now):
             self.notice(Sign.ANSWER)
+        if heard.is_located:
+            self._located = now - max(report.age, 0.0)
+        self.client.grow(now - self._located)
         self.passed += heard.passed
         self._judge(heard, report)
         if self.outage is Outage.STOPPED and not was_stopped:
@@ -228,8 +233,8 @@ class ManagedRobot:
 
     # -- time -------------------------------------------------------------------------------------
 
-    def look(self, now: float, heard: float) -> bool:
-        """Detects that the robot is silent or deaf. Returns whether its allocation has grown.
+    def look(self, now: float, heard: float) -> None:
+        """Detects that the robot is silent or deaf, and that its last location gets old.
 
         heard -- time until which all arrived reports were evaluated
         """
@@ -241,8 +246,8 @@ class ManagedRobot:
             self.notice(Sign.NO_ANSWER, f'it reports, but has not answered an order for '
                         f'{ANSWER:.0f} s: do its message definitions differ, or was the clock of '
                         'the fleet computer set back?')
-        silence = heard - self.liveness.seen
-        return self.liveness.is_seen and silence > STANDING and self.client.grow(silence)
+        if self.liveness.is_seen:
+            self.client.grow(heard - self._located)
 
     def wants_to_go_on(self, now: float) -> int:
         """Number of edges to order anew after an emergency stop; 0: none now.
@@ -264,24 +269,24 @@ class ManagedRobot:
             return 0
         return 1 if self.comes_to_rest else len(ahead)
 
-    def begin_elsewhere(self) -> None:
-        """Chooses another starting place after a refusal.
+    def other_beginning(self) -> Optional[GraphPosition]:
+        """Another starting place to be tried after a refusal; None: there is none.
 
         Each robot decides by itself how near to a vertex it must be. So a robot near a vertex is
         now settled on the vertex if it counted as on its edge, and on its edge otherwise.
         """
         record, client = self.record, self.client
         if not self._has_refused or not client.is_ready or client.order is not None:
-            return
+            return None
         self._has_refused = False
         if not self.works or not record.is_standing or record.position is None:
-            return
+            return None
         vertex = position_of(record.pose, record.graph, NEAR)
         if vertex is None or vertex.vertex is None or record.pose.fraction in (0.0, 1.0) or (
                 _is_dock(vertex, record.graph)):
-            return
-        client.settle(vertex if record.position.vertex is None else GraphPosition(
-            edge=record.pose.edge, fraction=record.pose.fraction))
+            return None
+        return vertex if record.position.vertex is None else GraphPosition(
+            edge=record.pose.edge, fraction=record.pose.fraction)
 
     def go_on_after_stop(self, now: float) -> bool:
         """After an obeyed fleet stop: settles the robot where it stands. Returns whether it did."""

@@ -35,12 +35,14 @@ class RouteIds:
         self.reserved = self._given + RESERVED
         journal.store(values=self.values)
 
-    def is_unknown(self, route_id: int) -> bool:
+    def is_later(self, route_id: int, last: int) -> bool:
         """Was this id given by a supervisor with a later journal?
 
         An id far beyond all given ids belongs to another program.
+
+        last -- the highest id that the robot was given, by this journal
         """
-        return self._given < route_id <= self._given + 2 * RESERVED and not is_past(route_id)
+        return last < route_id <= self._given + 2 * RESERVED and not is_past(route_id)
 
     def skip(self, route_id: int) -> None:
         """Skips the ids up to this one: they were given, although the journal does not have them.

@@ -6,11 +6,13 @@ answer is returned. While the disk cannot be written, only stops and shorter rou
 """
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet
-from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
+from graph_fleet_manager.interlocking.allocation import Knowledge
+from graph_fleet_manager.interlocking.interlocking import Gate, InterlockedRobot, Interlocking
 from graph_fleet_manager.interlocking.reports import (
     Report,
     WrongReport,
@@ -51,6 +53,7 @@ from graph_fleet_manager.supervision.restoring import (
 )
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_ids import RouteIds, is_past
+from graph_fleet_manager.supervision.run_number import RUN_NUMBER, RunNumber
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
@@ -106,6 +109,13 @@ class Supervisor:
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching)
         self.interlocking.stored(self._everywhere)
+        self._last_ids = {name: memory.client.last_id for name, memory in memories.items()}
+        self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
+        self._run = RunNumber(journal)
+        if self._run.is_wrong:
+            self._doubt_journal('it is not the one that the last run has left')
+        else:
+            journal.store(values={RUN_NUMBER: self._run.draw()})
         for robot in self.robots.values():
             robot.client.stop_after_loss(self._out.new_id)
         self._outages = OutageWatch(self.book, self.robots, self._out)
@@ -166,7 +176,7 @@ class Supervisor:
             else:
                 if mission is not None:
                     accepted.append((mission, before))
-        actions = self._out.take(now)
+        actions = self._actions(now)
         if not (accepted and self.trouble):
             return actions
         for mission, before in accepted:
@@ -211,11 +221,11 @@ class Supervisor:
         mission = self.book.find(request_id)
         if mission is None or not mission.state.is_open:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
-            return self._out.take(now)
+            return self._actions(now)
         before = mission.stored or mission.status
         if self.trouble and command in (Command.RESUME, Command.RELEASE, Command.MODIFY):
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
-            return self._out.take(now)
+            return self._actions(now)
         if change is None:
             problem = mission_commands.carry_out(command, mission, self.book, self.robots,
                                                  requested_by)
@@ -232,7 +242,7 @@ class Supervisor:
         if mission.robot:
             self._out.robot_changed(mission.robot)
         self._go_on(now)
-        actions = self._out.take(now)
+        actions = self._actions(now)
         if self.trouble:
             told = mission_commands.not_stored(before, command, self.trouble)
             actions.append(TellStatus(told))
@@ -248,19 +258,21 @@ class Supervisor:
             check_report(report, self.network.graph)
         except WrongReport as wrong:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
-            return self._out.take(now)
+            return self._actions(now)
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
         self._out.note_state(f'{name}/age', old_location(name, report),
                              f'The locations of {name} are new again.')
         before, was_seen = robot.client.progress, robot.liveness.is_seen
         if is_past(report.route_id):
             self._take_up_stop(robot)
-        elif self._is_starting and not was_seen:
+        elif not was_seen:
             self._look_at_first(robot, report)
         robot.hear(report, arrived)
-        robot.begin_elsewhere()
+        beginning = robot.other_beginning()
+        if beginning is not None and self.interlocking.is_free(robot, beginning):
+            robot.client.settle_beside(beginning)
         if robot.client.to_order_anew:
-            self.interlocking.grant_again(robot, robot.client.to_order_anew)
+            self._grant_again(robot, robot.client.to_order_anew)
         if robot.must_stop(report, now):
             robot.client.halt(self._out.new_id)
             self._out.send()
@@ -268,9 +280,21 @@ class Supervisor:
         if before != robot.client.progress:
             self._out.robot_changed(name)
             mission_progress.follow(self.book, robot, now)
-        self._separate(robot)
+        self._separate()
         self._outages.look_at(robot)
         return self._out.take_unless_due_later(now)
+
+    def _grant_again(self, robot: ManagedRobot, count: int, has_stopped: bool = False) -> None:
+        """Orders edges once more that a robot holds. If it cannot have them, it is planned anew.
+
+        For that it is told to stop, so that no earlier order lets it drive them.
+        """
+        refusal = self.interlocking.grant_again(robot, count, has_stopped)
+        if refusal is None:
+            self._out.robot_changed(robot.name)
+        elif refusal.gate is Gate.OCCUPIED:
+            self._halt((robot,))
+            self._out.send()
 
     def _take_up_stop(self, robot: ManagedRobot) -> None:
         """Stops the fleet because a robot got a stop that bypassed a hanging supervisor."""
@@ -282,36 +306,73 @@ class Supervisor:
 
     def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
         """Checks by a robot's first report whether the journal is an old one."""
-        if self.is_stopped or robot.client.is_stopping:
+        if robot.client.knows(report.route_id) or not self._ids.is_later(
+                report.route_id, self._last_ids.get(robot.name, 0)):
             return
-        if self._ids.is_unknown(report.route_id):
-            self._ids.skip(report.route_id)
-            if report.is_running:
-                self._out.note(f'{robot.name} drives route {report.route_id}, which the journal '
-                               'does not know: the journal was lost, or an older one was '
-                               'restored. All robots are stopped, and go on when all stand.', True)
-                self._is_recovering = True
-                self._halt(self.robots.values())
-                self._out.send()
+        self._ids.skip(report.route_id)
+        why = f'{robot.name} reports route {report.route_id}, which the journal does not know'
+        self._doubt_journal(why, robot.name)
+        if report.is_running and self._is_starting and not (
+                self.is_stopped or robot.client.is_stopping):
+            self._out.note(f'{why}, and drives it: the journal was lost, or an older one was '
+                           'restored. All robots are stopped, and go on when all stand.', True)
+            self._is_recovering = True
+            self._halt(self.robots.values())
+            self._out.send()
 
-    def _separate(self, robot: ManagedRobot) -> None:
-        """Stops two robots that exclude each other according to evidence.
+    def _doubt_journal(self, why: str, reporting: str = '') -> None:
+        """Counts the place of each robot that has not reported since the start as unknown.
+
+        The run number stays wrong until all robots are located, so that a restart doubts, too.
+
+        why       -- the reason as a clause
+        reporting -- the robot whose report is just being handled
+        """
+        doubted = [name for name, robot in self._everywhere.items()
+                   if name != reporting and name not in self._declared_absent
+                   and not robot.client.is_heard
+                   and robot.client.allocation.knowledge is not Knowledge.UNKNOWN]
+        for name in doubted:
+            self._everywhere[name].client.doubt()
+        self._run.is_wrong = True
+        self._out.value_changed(RUN_NUMBER, 0)
+        if doubted:
+            self._out.note(f'The journal is an old one: {why}. Nothing is granted until '
+                           f'{", ".join(doubted)} report where they are, or are declared absent.',
+                           True)
+
+    def _believe_journal(self) -> None:
+        """Draws a new run number when the places of all robots are known again."""
+        if self._run.is_wrong and not self.trouble and not any(
+                robot.client.is_doubted for robot in self._everywhere.values()):
+            with suppress(JournalUnavailable):  # it is tried again
+                self._out.value_changed(RUN_NUMBER, self._run.draw())
+
+    def _separate(self) -> None:
+        """Stops all robots that exclude each other since an allocation changed by evidence.
 
         After a start, the place of a robot that has not reported yet is known only roughly.
         """
-        if not robot.client.is_by_evidence:
-            return
-        other = self.interlocking.excluding(robot.name)
-        near_one = self.robots.get(other)
-        if self._is_starting and near_one is not None and not near_one.client.is_heard:
-            return
-        for one, near in ((robot.name, other), (other, robot.name)):
-            mine = self.robots.get(one)
-            if other and mine is not None and mine.notice(
-                    Sign.EXCLUDED, f'it is too near to {near}: move one of them by hand'):
-                mine.client.halt(self._out.new_id)
-                self._out.robot_changed(one)
-                self._out.send()
+        for pair in self.interlocking.newly_excluding():
+            robots = [self.robots[name] for name in pair if name in self.robots]
+            if self._is_starting and not all(robot.client.is_heard for robot in robots):
+                continue
+            for robot in robots:
+                if robot.notice(Sign.EXCLUDED, self._too_near('it', robot)):
+                    robot.client.halt(self._out.new_id)
+                    self._out.robot_changed(robot.name)
+                    self._outages.look_at(robot)
+                    self._out.send()
+
+    def _too_near(self, subject: str, robot: ManagedRobot) -> str:
+        """A clause that names all robots to which this one is too near; empty: there is none."""
+        near = ' and '.join(self.interlocking.excluding(robot.name))
+        return near and f'{subject} is too near to {near}: move one of them by hand'
+
+    def _actions(self, now: float) -> List[Action]:
+        """All actions that follow an event. Robots that exclude each other now are stopped."""
+        self._separate()
+        return self._out.take(now)
 
     def refusal(self, name: str, refusal: RouteRefusal, now: float,
                 stamp: float = 0.0) -> List[Action]:
@@ -319,7 +380,7 @@ class Supervisor:
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
         if not robot.hear_refusal(refusal, stamp):
-            return self._out.take(now)
+            return self._actions(now)
         self._out.robot_changed(name)
         # during an emergency stop each attempt is refused
         if not (was_stopped and robot.outage is Outage.STOPPED):
@@ -342,13 +403,13 @@ class Supervisor:
         self._out.robot_changed(name)
         self._outages.look()
         self._go_on(now)
-        return self._out.take(now)
+        return self._actions(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
         """Puts a robot back into service where it is. Also returns why not; empty: done."""
         robot = self.robots[name]
         if self.is_stopped:
-            return 'the fleet is stopped: resume it first', self._out.take(now)
+            return 'the fleet is stopped: resume it first', self._actions(now)
         # Without the disk, a restart would restore its old place, not the one where it stands.
         problem = self.trouble or robot.not_back_yet(now)
         if not problem and robot.client.withdrawn is not None:
@@ -362,13 +423,13 @@ class Supervisor:
             self._out.robot_changed(name)
             self._outages.look()
             self._go_on(now)
-        return problem, self._out.take(now)
+        return problem, self._actions(now)
 
     def _still_too_near(self, robot: ManagedRobot) -> str:
-        other = self.interlocking.excluding(robot.name)
-        if other:
-            robot.notice(Sign.EXCLUDED, f'it is too near to {other}: move one of them by hand')
-        return f'{robot.name} is too near to {other}: move one of them by hand' if other else ''
+        problem = self._too_near(robot.name, robot)
+        if problem:
+            robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
+        return problem
 
     def declare_absent(self, name: str, now: float) -> Tuple[str, List[Action]]:
         """A person says that a robot is not on the site. Also returns why not; empty: done."""
@@ -382,7 +443,7 @@ class Supervisor:
             self._out.robot_changed(name)
             self._outages.look()
             self._go_on(now)
-        return problem, self._out.take(now)
+        return problem, self._actions(now)
 
     @property
     def unknown(self) -> List[str]:
@@ -392,7 +453,7 @@ class Supervisor:
     def stop_fleet(self, now: float) -> List[Action]:
         """Sends an empty route to each robot at once, with or without a planner."""
         self._stop()
-        return self._out.take(now)
+        return self._actions(now)
 
     def _stop(self) -> None:
         self._close_gate()
@@ -420,13 +481,13 @@ class Supervisor:
         ticket -- the gate's ticket at the person's command; a later stop has precedence
         """
         if not self.gate.open(self.gate.ticket if ticket is None else ticket):
-            return ['the fleet was stopped again meanwhile'], self._out.take(now)
+            return ['the fleet was stopped again meanwhile'], self._actions(now)
         self.interlocking.is_stopped = False
         self._out.value_changed(STOPPED, 0)
         self._go_on(now)
         problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
                     if robot.needs_person]
-        actions = self._out.take(now)
+        actions = self._actions(now)
         if self.trouble:
             problems.insert(0, f'robots go on only after this is stored: {self.trouble}')
         return problems, actions
@@ -438,18 +499,18 @@ class Supervisor:
         if self.networks.close(edges):
             self.interlocking.closed = self.network.closed
             self._go_on(now)
-        return self._out.take(now)
+        return self._actions(now)
 
     def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
         """Handles the planner's answer. An answer that does not fit any more is ignored."""
         if self.plan_executor.plan_made(number, outcome, self._world()):
             self._go_on(now)
-        return self._out.take(now)
+        return self._actions(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
         """The planner could not answer. The plan in force stays."""
         self.plan_executor.plan_failed(number, reason)
-        return self._out.take(now)
+        return self._actions(now)
 
     def _keep_graph(self, graph: Graph) -> None:
         """Stores robots' data for this graph from now on. Former holds are kept as areas."""
@@ -466,7 +527,7 @@ class Supervisor:
         """
         self._heard = now if heard is None else heard
         self._go_on(now)
-        return self._out.take(now)
+        return self._actions(now)
 
     def errands(self) -> Dict[str, Errand]:
         """The errand of each robot."""
@@ -479,17 +540,16 @@ class Supervisor:
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
-            if robot.look(now, self._heard):
-                self._out.robot_changed(robot.name)
-                self._separate(robot)
+            robot.look(now, self._heard)
             mission_progress.follow(self.book, robot, now)
             again = robot.wants_to_go_on(now)
-            if again and self.interlocking.grant_again(robot, again, True) is None:
-                self._out.robot_changed(robot.name)
+            if again:
+                self._grant_again(robot, again, True)
             if not self.is_stopped and robot.go_on_after_stop(now):
                 self._out.robot_changed(robot.name)
         self._shorten()
         self._outages.look()
+        self._believe_journal()
         self._out.send()
         if self._is_starting:
             self._is_starting = (self._heard - self._began < SILENCE and not all(
