@@ -286,9 +286,9 @@ def test_a_fleet_that_was_stopped_again_meanwhile_does_not_go_on():
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     ticket = fleet.supervisor.gate.ticket
     fleet.supervisor.gate.close()
-    problems, actions = fleet.supervisor.resume_fleet(fleet.now, ticket)
+    problem, actions = fleet.supervisor.resume_fleet(fleet.now, ticket)
     fleet.do(actions)
-    assert problems == ['the fleet was stopped again meanwhile'] and fleet.supervisor.is_stopped
+    assert problem == 'the fleet was stopped again meanwhile' and fleet.supervisor.is_stopped
 
 
 def test_a_robot_that_was_stopped_inside_an_edge_leaves_it_though_the_edge_is_closed_since():

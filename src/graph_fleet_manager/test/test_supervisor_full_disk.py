@@ -56,9 +56,9 @@ def test_after_the_stop_the_mission_goes_on_once_the_disk_has_room_and_people_sa
     fleet.disk_fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
-    problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+    problem, actions = fleet.supervisor.resume_fleet(fleet.now)
     fleet.do(actions)
-    assert len(problems) == 1 and 'go on only after this is stored' in problems[0]
+    assert not problem and 'go on only after this is stored' in fleet.supervisor.who_goes_on
     stood = travelled(fleet)
     fleet.run(10.0)
     assert travelled(fleet) == stood, 'the robot drives on although its order is not stored'
@@ -296,9 +296,9 @@ def test_a_disk_that_fails_and_comes_back(on_small_disk, monkeypatch, fault, rea
             fleet.run(2.0)
             assert not fleet.agvs['a'].is_driving
         fleet.run(3.0)
-        problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+        problem, actions = fleet.supervisor.resume_fleet(fleet.now)
         fleet.do(actions)
-        assert problems == [] and not fleet.supervisor.trouble
+        assert not problem and not fleet.supervisor.trouble
         fleet.request(3, 7, robot='b')
         fleet.run_until_done(1, 3)
         assert fleet.state(1) is fleet.state(3) is MissionState.SUCCEEDED

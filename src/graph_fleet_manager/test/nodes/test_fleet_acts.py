@@ -6,7 +6,7 @@ from typing import Any, List
 
 import pytest
 import rospy
-from std_srvs.srv import Trigger
+from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.nodes import fleet_acts
 from graph_fleet_manager.nodes.rviz.menus import EDGE_MENU, ROBOT_MENU, Act, Subject
@@ -29,6 +29,20 @@ def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service
     fleet_acts.FleetActs(said.put).act(act, Subject(robot='a'))
     assert said.get(timeout=10.0) == 'a: done.'
     assert called == [(service, kind)] and act in ROBOT_MENU
+
+
+@pytest.mark.parametrize('answer, expected', [
+    (TriggerResponse(True, 'The fleet goes on, except b: emergency stop.'),
+     'The fleet goes on, except b: emergency stop.'),
+    (TriggerResponse(False, 'the fleet was stopped again meanwhile'),
+     f'{Act.RESUME_ALL.value}: NOT DONE: the fleet was stopped again meanwhile')])
+def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected):
+    said = queue.Queue()
+    monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
+    monkeypatch.setattr(fleet_acts.rospy, 'wait_for_service', lambda *_: None)
+    monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', lambda *_: lambda: answer)
+    fleet_acts.FleetActs(said.put).act(Act.RESUME_ALL, Subject())
+    assert said.get(timeout=10.0) == expected
 
 
 class Publisher:

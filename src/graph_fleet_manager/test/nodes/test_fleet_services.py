@@ -1,6 +1,7 @@
 """The fleet stop is obeyed at once: without graph, without disk, beside a hanging supervisor."""
 from __future__ import annotations
 
+import math
 import threading
 
 import genpy
@@ -76,11 +77,66 @@ def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
     for name in ('/stop_fleet', '/resume_fleet'):
         services.call(name, fleet.supervisor)
     assert logged == ['/stop_fleet: Every robot was told to stop.',
-                      '/resume_fleet: The fleet goes on.']
+                      f'/resume_fleet: {fleet.supervisor.who_goes_on}']
     del logged[:]
     services.call('/resume_fleet')
     assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, or its disk '
                       'cannot be written: see /diagnostics']
+
+
+def resumed(fleet):
+    """Resumes a fleet; returns why not, and what people are told if it is done."""
+    problem, actions = fleet.supervisor.resume_fleet(fleet.now)
+    fleet.do(actions)
+    return problem, fleet.supervisor.who_goes_on
+
+
+def test_a_resume_is_done_and_names_the_robots_that_stay():
+    """Who reads `not done` believes that nothing drives."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.request(1, 3, robot='a')
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(5.0)
+    assert resumed(fleet) == ('', 'The fleet goes on, except b: it was taken out of service.')
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_a_resume_by_which_no_robot_goes_on_says_so():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.run(1.0)
+    for name in 'ab':
+        fleet.do(fleet.supervisor.take_out(name, fleet.now))
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    assert resumed(fleet) == ('', 'The stop is released, but no robot goes on: a: it was taken out '
+                                  'of service; b: it was taken out of service.')
+    assert not fleet.supervisor.is_stopped
+
+
+def test_a_resume_while_a_robot_that_never_reported_holds_all_others_says_so():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.silent['b'] = math.inf
+    fleet.run(1.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    problem, told = resumed(fleet)
+    assert not problem and 'no robot goes on before b report' in told
+
+
+def test_the_service_tells_who_goes_on_and_that_it_is_done(services):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.do(services.call('/stop_fleet', fleet.supervisor)[1])
+    answer, _ = services.call('/resume_fleet', fleet.supervisor)
+    assert answer.success and answer.message == fleet.supervisor.who_goes_on
+
+
+def test_a_resume_after_which_the_fleet_was_stopped_again_is_not_done(services):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.do(services.call('/stop_fleet', fleet.supervisor)[1])
+    fleet.supervisor.gate.close()
+    answer, _ = services.call('/resume_fleet', fleet.supervisor)
+    assert not answer.success and 'stopped again' in answer.message
 
 
 def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
@@ -108,9 +164,9 @@ def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
     assert not fleet.agvs['a'].is_driving and fleet.state(1).is_open
-    problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+    problem, actions = fleet.supervisor.resume_fleet(fleet.now)
     fleet.do(actions)
-    assert problems == []
+    assert not problem
     fleet.run_until_done(1)
     assert fleet.agvs['a'].visited[-1] == 6
 
@@ -158,9 +214,9 @@ def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume(die
         fleet.restart()
     fleet.run(8.0)
     assert fleet.supervisor.is_stopped and fleet.supervisor.robots['a'].outage is None
-    problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+    problem, actions = fleet.supervisor.resume_fleet(fleet.now)
     fleet.do(actions)
-    assert problems == []
+    assert not problem
     fleet.run_until_done(1)
     assert fleet.agvs['a'].visited[-1] == 5
 

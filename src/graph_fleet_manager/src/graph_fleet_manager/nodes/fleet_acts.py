@@ -110,4 +110,7 @@ class FleetActs:
         except (rospy.ROSException, rospy.ServiceException) as error:
             self._say(f'{act.value}: NOT DONE, {service} does not answer ({error})')
             return
-        self._say(answer.message or f'{act.value}: {"done" if answer.success else "not done"}')
+        if answer.success:
+            self._say(answer.message or f'{act.value}: done')
+        else:
+            self._say(f'{act.value}: NOT DONE: {answer.message}')

@@ -6,7 +6,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from typing import Callable, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -31,6 +31,8 @@ STOP_PATIENCE = 0.5  # s after which a stop bypasses a supervisor that does not 
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """The work of a service. Returns the reason why it is not done (empty if done), and actions."""
+Done = Union[str, Callable[[Supervisor], str]]
+"""The answer to a call that is done, or what tells it."""
 
 
 class FleetServices:
@@ -71,7 +73,7 @@ class FleetServices:
             return DeclareAbsentResponse(told.success, told.message)
         return rospy.Service(name, DeclareAbsent, answer)
 
-    def _called(self, name: str, act: Act, done: str, lasts: bool = False) -> TriggerResponse:
+    def _called(self, name: str, act: Act, done: Done, lasts: bool = False) -> TriggerResponse:
         late = 'but it will be done' if lasts else 'and it will not be done'
         return _logged(name, self._answer(act, done, lasts=lasts) or TriggerResponse(
             False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
@@ -98,9 +100,8 @@ class FleetServices:
         ticket = self._gate.ticket
 
         def resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
-            problems, actions = supervisor.resume_fleet(now, ticket)
-            return '; '.join(problems), actions
-        return self._called('/resume_fleet', resume, 'The fleet goes on.')
+            return supervisor.resume_fleet(now, ticket)
+        return self._called('/resume_fleet', resume, lambda supervisor: supervisor.who_goes_on)
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
         """The stored status of a mission. Raises ServiceException if it cannot be read now."""
@@ -127,7 +128,7 @@ class FleetServices:
             self._robots |= {robot}
             self._services.append(self._offer_absence(robot, f'{robot} is forgotten.'))
 
-    def _answer(self, act: Act, done: str, patience: Optional[float] = None,
+    def _answer(self, act: Act, done: Done, patience: Optional[float] = None,
                 early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
                 lasts: bool = False) -> Optional[TriggerResponse]:
         """Returns the answer of the call; None if it was not begun within `patience` (s).
@@ -149,7 +150,8 @@ class FleetServices:
                 answer.put(response)
                 return actions
             problem, actions = act(supervisor, now)
-            answer.put(TriggerResponse(not problem, problem or done + _warning(supervisor)))
+            told = done if isinstance(done, str) else done(supervisor)
+            answer.put(TriggerResponse(not problem, problem or told + _warning(supervisor)))
             return actions
         (self._events.put_urgent if lasts else self._events.put)(event)
         patience = PATIENCE if patience is None else patience

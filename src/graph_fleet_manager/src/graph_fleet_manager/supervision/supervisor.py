@@ -473,24 +473,38 @@ class Supervisor:
             self._out.robot_changed(robot.name)
 
     def resume_fleet(self, now: float,
-                     ticket: Optional[int] = None) -> Tuple[List[str], List[Action]]:
-        """Lets each robot go on from where it is. Also names those for which a person must look.
+                     ticket: Optional[int] = None) -> Tuple[str, List[Action]]:
+        """Lets each robot go on from where it is. Also returns why not; empty: done.
 
-        A robot that has not obeyed the stop yet goes on after it has.
+        A robot that has not obeyed the stop yet goes on after it has. `who_goes_on` tells who
+        stays.
 
         ticket -- the gate's ticket at the person's command; a later stop has precedence
         """
         if not self.gate.open(self.gate.ticket if ticket is None else ticket):
-            return ['the fleet was stopped again meanwhile'], self._actions(now)
+            return 'the fleet was stopped again meanwhile', self._actions(now)
         self.interlocking.is_stopped = False
         self._out.value_changed(STOPPED, 0)
         self._go_on(now)
-        problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
-                    if robot.needs_person]
-        actions = self._actions(now)
+        return '', self._actions(now)
+
+    @property
+    def who_goes_on(self) -> str:
+        """After `resume_fleet`: which robots go on, and why others stay, as a sentence."""
+        staying = [f'{robot.name}: {robot.why or robot.outage.value}'
+                   for robot in self.robots.values()
+                   if robot.outage is not None and robot.outage is not Outage.ABSENT]
         if self.trouble:
-            problems.insert(0, f'robots go on only after this is stored: {self.trouble}')
-        return problems, actions
+            told = ('The stop is released, but robots go on only after this is stored: '
+                    + self.trouble)
+        elif self.unknown:
+            told = (f'The stop is released, but no robot goes on before {", ".join(self.unknown)} '
+                    'report where they are, or are declared absent')
+        elif staying and len(staying) == len(self.robots):
+            told = f'The stop is released, but no robot goes on: {"; ".join(staying)}'
+        else:
+            told = 'The fleet goes on' + (f', except {"; ".join(staying)}' if staying else '')
+        return f'{told}.'
 
     # -- the graph and the plan -------------------------------------------------------------------
 
