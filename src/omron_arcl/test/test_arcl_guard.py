@@ -3,8 +3,9 @@ from __future__ import annotations
 
 import pytest
 
-from omron_arcl import HelpList, InvalidCommand, parse_command
+from omron_arcl import Execution, HelpList, InvalidCommand, Outcome, parse_command
 from omron_arcl.guard import Guard, is_unlisted
+from omron_arcl.motion_authority import MotionState
 
 
 @pytest.fixture
@@ -84,3 +85,33 @@ def test_until_the_robot_has_listed_its_goals_any_goal_may_be_tried(guard):
 def test_a_robot_that_lists_no_goals_at_all_is_asked_itself(guard):
     guard.list_goals([])
     passes(guard, 'goto 1')
+
+
+LOCALIZE = ('localizeToPoint 1 2 3', 'localizeAtGoal 12', 'LocalizeToPoint 1 2 3')
+
+
+@pytest.mark.parametrize('text', LOCALIZE)
+@pytest.mark.parametrize('state', [MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING,
+                                   MotionState.UNDOCKING])
+def test_a_robot_that_drives_is_not_localized(guard, text, state):
+    guard.motion = state
+    assert 'the robot drives: stop it first' in reason(guard, text)
+    passes(guard, 'goto 12')
+
+
+@pytest.mark.parametrize('text', LOCALIZE)
+@pytest.mark.parametrize('state', [MotionState.STANDING, MotionState.DOCKED, MotionState.UNKNOWN,
+                                   MotionState.MANUAL])
+def test_a_robot_that_stands_or_that_a_person_drives_is_localized(guard, text, state):
+    guard.motion = state
+    passes(guard, text)
+
+
+def test_a_robot_that_was_just_told_to_drive_is_not_localized_until_the_drive_ends(guard):
+    """The robot's status shows the drive only a moment later."""
+    drive, query = (Execution(parse_command(text)) for text in ('goto 12', 'status'))
+    for execution in (drive, query):
+        guard.given(execution)
+    assert 'the robot drives' in reason(guard, LOCALIZE[0])
+    drive.end(Outcome.SUCCEEDED, 'Arrived at 12')
+    passes(guard, LOCALIZE[0])

@@ -125,7 +125,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
                 lambda command, reply: isinstance(reply, safety.Motors) and reply.enabled),
     *(CommandSpec(syntax, Category.MOTION,
                   lambda command, reply: isinstance(reply, driving.Localizing) and reply.done,
-                  related=is_one_of(driving.Localizing), timeout=30.0)
+                  related=is_one_of(driving.Localizing), timeout=30.0, needs_standing=True)
       for syntax in ('localizeToPoint <x> <y> <heading> [xySpread] [angleSpread]',
                      'localizeAtGoal <goal>')),
     _answer('doTaskInstant <task> [arguments]', tasks.CompletedInstantTask,

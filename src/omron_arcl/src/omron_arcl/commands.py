@@ -53,6 +53,7 @@ class CommandSpec:
     course -- set for commands that take over the wheels, and so replace the command before
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
+    needs_standing -- it is not sent while the robot drives
     """
 
     syntax: str
@@ -65,6 +66,7 @@ class CommandSpec:
     course: Optional[Course] = None
     goal_at: Optional[int] = None
     shortcut: str = ''
+    needs_standing: bool = False
 
     @property
     def name(self) -> str:

@@ -7,8 +7,11 @@ from omron_arcl.command_line import printable
 from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
 from omron_arcl.errors import InvalidCommand
+from omron_arcl.execution import Execution
 from omron_arcl.help_list import HelpList
+from omron_arcl.motion_authority import MotionState
 
+_DRIVES = (MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING, MotionState.UNDOCKING)
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
 
@@ -16,7 +19,8 @@ class Guard:
     """Checks a command before it is sent. `stop` is always allowed.
 
     `allowed` contains categories (`motion`, `query`, ...) and names of commands. `goals` are the
-    goals that the robot has listed; None while they are unknown.
+    goals that the robot has listed; None while they are unknown. `motion` is the last state that
+    the motion authority told.
     """
 
     def __init__(self, allowed: Iterable[str]) -> None:
@@ -25,10 +29,22 @@ class Guard:
         self.categories = frozenset(categories[word] for word in words if word in categories)
         self.names = frozenset(word for word in words if word not in categories)
         self.goals: Optional[FrozenSet[str]] = None
+        self.motion = MotionState.UNKNOWN
+        self._drive: Optional[Execution] = None
 
     def list_goals(self, names: Iterable[str]) -> None:
         """Stores the goals that the robot has listed; an empty list forbids nothing."""
         self.goals = frozenset(name.casefold() for name in names) or None
+
+    def given(self, execution: Execution) -> None:
+        """Notes a command that was let through: a drive counts before the robot reports it."""
+        if execution.command.spec.drives:
+            self._drive = execution
+
+    @property
+    def is_driving(self) -> bool:
+        """Does the robot drive, or has it been told to?"""
+        return self.motion in _DRIVES or (self._drive is not None and self._drive.result is None)
 
     def unknown_words(self) -> FrozenSet[str]:
         """Words of `allowed` that are neither a category nor a command of the table."""
@@ -38,7 +54,8 @@ class Guard:
         """Raises InvalidCommand, with a reason for a person, if a command must not be sent."""
         if command.spec.stops:
             return
-        reason = self._not_allowed(command) or self._no_such_goal(command)
+        reason = (self._not_allowed(command) or self._no_such_goal(command)
+                  or self._while_it_drives(command))
         if reason:
             raise InvalidCommand(printable(command.text), reason)
 
@@ -54,6 +71,11 @@ class Guard:
                 and not any(goal.casefold() in self.goals for goal in command.goals)):
             return (f'the robot has no goal "{printable(command.goals[0])}": load a map that has '
                     'it into the robot')
+        return ''
+
+    def _while_it_drives(self, command: Command) -> str:
+        if command.spec.needs_standing and self.is_driving:
+            return 'the robot drives: stop it first, and give the command when it stands'
         return ''
 
 

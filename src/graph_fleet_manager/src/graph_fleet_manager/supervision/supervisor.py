@@ -476,8 +476,8 @@ class Supervisor:
                      ticket: Optional[int] = None) -> Tuple[str, List[Action]]:
         """Lets each robot go on from where it is. Also returns why not; empty: done.
 
-        A robot that has not obeyed the stop yet goes on after it has. `who_goes_on` tells who
-        stays.
+        A robot that has not obeyed the stop yet goes on after it has. `who_goes_on` names
+        the robots that stay.
 
         ticket -- the gate's ticket at the person's command; a later stop has precedence
         """

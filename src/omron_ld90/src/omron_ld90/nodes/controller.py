@@ -63,7 +63,7 @@ from omron_arcl import (
     printable,
 )
 from omron_arcl.guard import Guard
-from omron_arcl.motion_authority import MotionAuthority
+from omron_arcl.motion_authority import Motion, MotionAuthority
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
@@ -104,11 +104,12 @@ class Controller:
         self._help = HelpReport()
         self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
+        self._motion = MotionTopic()
         self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
                                           tcp_nodelay=True)
         self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
                                            on_login=self._on_login,
-                                           on_motion=MotionTopic().publish)
+                                           on_motion=self._on_motion)
         refusals, old = Refusals(), OldMessages(publishers_by_master).start()
         client = self._client
         ExecuteCommandServer(self._execute, client.cancel, client.cancel_all, old)
@@ -144,6 +145,7 @@ class Controller:
     def _execute(self, text: str, giver: Giver, **options: Any) -> Execution:
         """Gives a command of `giver` if it is allowed; raises ArclError."""
         execution = self._client.execute(text, giver=giver, check=self._guard.check, **options)
+        self._guard.given(execution)
         self._help.sent(execution.command)
         return execution
 
@@ -162,6 +164,10 @@ class Controller:
             pose.header.stamp = rospy.Time.now()
             pose.header.frame_id = self._map_frame
             self._move_base.feedback(pose)
+
+    def _on_motion(self, motion: Motion) -> None:
+        self._guard.motion = motion.state
+        self._motion.publish(motion)
 
     def _on_link(self, link: Link) -> None:
         if not link.connected:

@@ -18,6 +18,7 @@ Subscribes
     /fleet_state (itrci_nav_msgs/FleetState), /mission_status (itrci_nav_msgs/MissionStatus)
     command_refused (omron_ld90_msgs/CommandRefused)
     link_state (omron_ld90_msgs/LinkState), pose (geometry_msgs/PoseStamped)
+    arcl_response (std_msgs/String): the score after the robot was localized
     interactive_goals/feedback (visualization_msgs/InteractiveMarkerFeedback)
 Client of
     execute_command (omron_ld90_msgs/ExecuteCommand)
@@ -38,12 +39,14 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
 import tf2_geometry_msgs  # noqa: F401  registers PointStamped with tf2
 import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
+from std_msgs.msg import String
 
 from node_lifecycle import number, parameter, run
 from node_lifecycle.headings import yaw_from_quaternion
@@ -64,6 +67,7 @@ from omron_ld90.operator.goal_clicks import (
     resolve_click,
     targets_of,
 )
+from omron_ld90.operator.localizing import Judged, Localizing
 from omron_ld90.operator.notices import Notice, Severity
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
@@ -74,6 +78,8 @@ CHECK_PERIOD = rospy.Duration(0.5)
 
 # The commands of those menu entries that have the same command everywhere.
 COMMANDS = {Action.DOCK: 'dock', Action.UNDOCK: 'undock', Action.STOP: 'stop'}
+
+LOCALIZE = 'localizeToPoint'
 
 # The messages for the end of a command; if the robot gave no words, {words} is the command.
 ENDINGS: Dict[int, Tuple[Severity, str]] = {
@@ -108,6 +114,7 @@ class GoalSender:
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
         self._given: Dict[int, Given] = {}  # commands under way, by number
+        self._localizing = Localizing()
         self._count = 0
         self._heading: Optional[float] = None  # degrees
 
@@ -125,10 +132,11 @@ class GoalSender:
                 ('command_refused', CommandRefused, self._on_refused),
                 ('link_state', LinkState, self._on_link),
                 ('pose', PoseStamped, self._on_pose),
+                ('arcl_response', String, self._on_response),
                 ('clicked_point', PointStamped, self._on_click)):
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
         DisplayedMap(self._on_map, without='Clicks do nothing').subscribe()
-        self._timer = rospy.Timer(CHECK_PERIOD, lambda _: self._commands.check())
+        self._timer = rospy.Timer(CHECK_PERIOD, lambda _: self._check())
         self._asking = rospy.Timer(rospy.Duration(SILENCE / 2), lambda _: self._missions.ask())
 
     def close(self) -> None:
@@ -136,6 +144,11 @@ class GoalSender:
         self._timer.shutdown()
         self._asking.shutdown()
         self._commands.close()
+
+    def _check(self) -> None:
+        self._commands.check()
+        with self._lock:
+            self._say_judged(self._localizing.check(time.monotonic()))
 
     # The state of the map, the fleet and the robot
 
@@ -155,6 +168,12 @@ class GoalSender:
         if message.link == LinkState.COMMANDS:
             with self._lock:
                 self._handles.show_robot(message.state == LinkState.CONNECTED)
+
+    def _on_response(self, message: String) -> None:
+        """Takes the robot's score, which comes with each of its statuses."""
+        reply = parse_line(message.data)
+        with self._lock:
+            self._say_judged(self._localizing.observe(reply))
 
     # What the person requests
 
@@ -211,7 +230,7 @@ class GoalSender:
                 Severity.BAD, f'Which way does the robot face at {target}? Use 2D Pose Estimate.',
                 target.place)
             return
-        self._drive(f'localizeToPoint {millimetres(target.x)} {millimetres(target.y)} '
+        self._drive(f'{LOCALIZE} {millimetres(target.x)} {millimetres(target.y)} '
                     f'{round(heading)}', target)
 
     # Commands
@@ -253,9 +272,18 @@ class GoalSender:
     def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
         with self._lock:
             given = self._given.pop(number)
+            if result.outcome == ExecuteCommandResult.SUCCEEDED and given.command.startswith(
+                    LOCALIZE):
+                self._localizing.begin(result.message or given.command, given.place,
+                                       time.monotonic())
+                return
             severity, text = ENDINGS.get(result.outcome, ENDINGS[ExecuteCommandResult.FAILED])
             self._feedback.say(severity, text.format(
                 command=given.command, words=result.message or given.command), given.place)
+
+    def _say_judged(self, judged: Optional[Judged]) -> None:
+        if judged is not None:
+            self._feedback.say(judged.notice.severity, judged.notice.text, judged.place)
 
     def _on_mission(self, notice: Notice, target: Optional[Target]) -> None:
         with self._lock:

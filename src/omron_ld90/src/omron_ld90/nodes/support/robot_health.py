@@ -18,10 +18,10 @@ from omron_arcl.replies import (
     StateOfCharge,
     StatusText,
 )
+from omron_ld90.operator.localizing import LOW_SCORE
 
 LOW_CHARGE = 25.0  # %, at which the robot's auto-dock begins by default
 EMPTY_CHARGE = 10.0  # %, at which the robot itself warns
-LOW_SCORE = 0.2
 OLD = 10.0  # s
 
 

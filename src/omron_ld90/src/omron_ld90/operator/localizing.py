@@ -1,0 +1,65 @@
+"""Judges by the robot's score whether it was localized where a person said that it is."""
+from __future__ import annotations
+
+from typing import NamedTuple, Optional, Tuple
+
+from omron_arcl import Reply
+from omron_arcl.replies import LocalizationScore, OneLineStatus
+from omron_ld90.operator.notices import Notice, Severity
+
+LOW_SCORE = 0.2   # 0 to 1; below it the scan does not fit the map, so the place is wrong
+SCORE_WITHIN = 5.0  # s within which a robot reports its score: it does so with each status
+
+Place = Tuple[float, float]
+"""x, y in m, in the map."""
+
+
+class Judged(NamedTuple):
+    """The notice about a localized robot, and the place to which it belongs."""
+
+    notice: Notice
+    place: Optional[Place]
+
+
+class _Awaited(NamedTuple):
+    """The robot's words that it is localized, the place, and when it said so."""
+
+    words: str
+    place: Optional[Place]
+    since: float
+
+
+class Localizing:
+    """Waits for the score of a robot that says that it is localized. Times are in s."""
+
+    def __init__(self) -> None:
+        self._awaited: Optional[_Awaited] = None
+
+    def begin(self, words: str, place: Optional[Place], now: float) -> None:
+        """The robot says that it is localized: its next score shows whether that is right."""
+        self._awaited = _Awaited(words, place, now)
+
+    def observe(self, reply: Reply) -> Optional[Judged]:
+        """Takes a reply of the robot. Returns the notice if it was awaited."""
+        score = reply.localization_score if isinstance(reply, OneLineStatus) else reply
+        return self._judged(score.score) if isinstance(score, LocalizationScore) else None
+
+    def check(self, now: float) -> Optional[Judged]:
+        """Returns the notice if the robot has not reported its score in time."""
+        awaited = self._awaited
+        is_late = awaited is not None and now - awaited.since > SCORE_WITHIN
+        return self._judged(None) if is_late else None
+
+    def _judged(self, score: Optional[float]) -> Optional[Judged]:
+        awaited, self._awaited = self._awaited, None
+        return None if awaited is None else Judged(_localized(awaited.words, score), awaited.place)
+
+
+def _localized(words: str, score: Optional[float]) -> Notice:
+    if score is None:
+        return Notice(Severity.INFO, f'{words}, but the robot does not report how well that fits: '
+                                     'compare its laser points with the walls.')
+    if score < LOW_SCORE:
+        return Notice(Severity.BAD, f'{words}, but the score is {score:.2f}, so the robot is '
+                                    'probably elsewhere: localize it again before it drives.')
+    return Notice(Severity.GOOD, f'{words}, score {score:.2f}')
