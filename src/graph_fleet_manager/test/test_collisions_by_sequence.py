@@ -320,3 +320,28 @@ def test_a_plan_on_which_the_planner_fails_is_not_kept():
     fleet.run_until_done(1, 2, limit=120.0)
     assert fleet.state(1) is fleet.state(2) is MissionState.SUCCEEDED
     assert not fleet.supervisor.plan_executor.trouble
+
+
+# -- routes that come back to their beginning ------------------------------------------------------
+
+
+@pytest.mark.parametrize('stall', [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+def test_a_robot_that_restarts_and_drives_a_loop_again_does_not_meet_others(stall):
+    """Its places grow then without a check, so all that are in its way must stop."""
+    graph = graph_of({1: (0, 0), 2: (8, 0), 3: (4, 6), 4: (-6, 0), 5: (4, -1.2), 6: (4, 2.5)},
+                     {1: (1, 2), 2: (2, 3), 3: (3, 1), 4: (1, 4), 5: (5, 6)}, one_way=(1, 2, 3))
+    fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 5)}, settings=NEAR, planning=0.05)
+    a, b = fleet.agvs['a'], fleet.agvs['b']
+    fleet.run(2.0)
+    fleet.request(1, 2, 3, 4, robot='a')
+    fleet.run_until(lambda: a.is_driving and a.edge == 3 and a.arc > 3.0)
+    fleet.deaf['a'] = math.inf
+    fleet.run_until(lambda: not a.is_driving)
+    fleet.request(2, 6, robot='b')
+    fleet.run(0.4)
+    b.stalled = stall
+    fleet.late['a'] = 0.4  # the order comes again before its report without a route is heard
+    fleet.run_until(lambda: any(o.robot == 'a' and o.edges for o in fleet._to_robots), 3.0)
+    a.forget()
+    fleet.deaf['a'] = 0.0
+    fleet.run(10.0)

@@ -207,10 +207,11 @@ class Promises:
                     f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
 
     def _check_excluding_ones_stand(self) -> None:
-        """Checks that all robots that exclude each other by evidence wait for a person."""
+        """Checks that all robots that exclude each other, and may come nearer, need a person."""
         supervisor = self.fleet.supervisor
         for name, robot in supervisor.robots.items():
-            if not (robot.client.is_by_evidence and robot.client.is_heard):
+            if not (robot.client.is_heard and (
+                    robot.client.is_by_evidence or robot.client.record.ahead)):
                 continue
             for other in supervisor.interlocking.excluding(name):
                 pair = [supervisor.robots[one] for one in (name, other)

@@ -349,7 +349,7 @@ class Supervisor:
                 self._out.value_changed(RUN_NUMBER, self._run.draw())
 
     def _separate(self) -> None:
-        """Stops all robots that exclude each other since an allocation changed by evidence.
+        """Stops all robots that exclude each other since an allocation changed.
 
         After a start, the place of a robot that has not reported yet is known only roughly.
         """
