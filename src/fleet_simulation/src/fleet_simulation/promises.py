@@ -207,18 +207,21 @@ class Promises:
                     f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
 
     def _check_excluding_ones_stand(self) -> None:
-        """Checks that all robots that exclude each other, and may come nearer, need a person."""
+        """Checks that each robot which others exclude needs a person.
+
+        If no evidence is the cause, a robot without a route may stand and wait.
+        """
         supervisor = self.fleet.supervisor
         for name, robot in supervisor.robots.items():
-            if not (robot.client.is_heard and (
-                    robot.client.is_by_evidence or robot.client.record.ahead)):
+            if not robot.client.is_heard or robot.needs_person:
                 continue
             for other in supervisor.interlocking.excluding(name):
-                pair = [supervisor.robots[one] for one in (name, other)
-                        if one in supervisor.robots]
-                assert all(one.needs_person for one in pair) or not all(
-                    one.client.is_heard for one in pair), (
-                    f'{name} and {other} exclude each other, but drive: {self.fleet.picture()}')
+                near = supervisor.robots.get(other)
+                assert near is not None and not near.client.is_heard or not (
+                    robot.record.ahead or robot.client.is_by_evidence
+                    or near is not None and near.client.is_by_evidence), (
+                    f'{name} and {other} exclude each other, but {name} is not stopped: '
+                    f'{self.fleet.picture()}')
 
     def stepped(self) -> None:
         """Checks each robot after one time step."""

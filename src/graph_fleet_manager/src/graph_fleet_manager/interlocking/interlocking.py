@@ -304,17 +304,12 @@ class Interlocking:
     def newly_excluding(self) -> List[Tuple[str, str]]:
         """All pairs of robots that exclude each other, if an allocation of the pair has changed.
 
-        A grant never makes such a pair: evidence does, or a robot that drives its route again. Two
-        robots that only report one place, and have nothing to drive, are no such pair.
+        A grant never makes such a pair: evidence does, or a robot that drives its route again.
         """
         self._refresh()
         changed, self._to_compare = self._to_compare, set()
         return [(name, other) for name in sorted(changed) if name in self._robots
-                for other in self.excluding(name) if any(map(self._may_come_nearer, (name, other)))]
-
-    def _may_come_nearer(self, name: str) -> bool:
-        client = self._robots[name].client
-        return client.is_by_evidence or bool(client.record.ahead)
+                for other in self.excluding(name)]
 
     def _in_area(self, name: str, kind: RobotType, area: Area) -> Iterator[str]:
         for other, allocation in self._known.items():

@@ -351,14 +351,18 @@ class Supervisor:
     def _separate(self) -> None:
         """Stops all robots that exclude each other since an allocation changed.
 
-        After a start, the place of a robot that has not reported yet is known only roughly.
+        If no evidence is the cause, a robot that has nothing to drive needs no stop: it is granted
+        nothing meanwhile. After a start, the place of a robot that has not reported yet is known
+        only roughly.
         """
         for pair in self.interlocking.newly_excluding():
             robots = [self.robots[name] for name in pair if name in self.robots]
             if self._is_starting and not all(robot.client.is_heard for robot in robots):
                 continue
+            by_evidence = any(self._everywhere[name].client.is_by_evidence for name in pair)
             for robot in robots:
-                if robot.notice(Sign.EXCLUDED, self._too_near('it', robot)):
+                if (by_evidence or robot.record.ahead) and robot.notice(
+                        Sign.EXCLUDED, self._too_near('it', robot)):
                     robot.client.halt(self._out.new_id)
                     self._out.robot_changed(robot.name)
                     self._outages.look_at(robot)
