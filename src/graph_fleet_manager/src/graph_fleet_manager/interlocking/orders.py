@@ -74,9 +74,9 @@ class Memory(NamedTuple):
     """Ids of the routes that the robot has taken up."""
 
     @property
-    def last_id(self) -> int:
-        """The highest id of a route that the robot was given."""
-        return max((self.route_id, *self.bases, *self.ended))
+    def ids(self) -> Tuple[int, ...]:
+        """The ids of the last routes that the robot was given."""
+        return (self.route_id, *self.bases, *self.ended)
 
     @property
     def held(self) -> Tuple[int, ...]:

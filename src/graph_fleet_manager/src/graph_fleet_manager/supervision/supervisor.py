@@ -109,7 +109,8 @@ class Supervisor:
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching)
         self.interlocking.stored(self._everywhere)
-        self._last_ids = {name: memory.client.last_id for name, memory in memories.items()}
+        self._last_ids = {name: max((id for id in memory.client.ids if not is_past(id)), default=0)
+                          for name, memory in memories.items()}
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
         if self._run.is_wrong:
