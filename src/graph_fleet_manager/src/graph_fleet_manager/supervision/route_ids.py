@@ -27,11 +27,12 @@ class RouteIds:
 
     The constructor raises JournalUnavailable.
 
+    before   -- number of ids that were given, or were reserved, before this start
     reserved -- number of ids that were given, or may be given without storing again
     """
 
     def __init__(self, journal: Journal) -> None:
-        self._given = journal.value(_NAME)
+        self._given = self.before = journal.value(_NAME)
         self.reserved = self._given + RESERVED
         journal.store(values=self.values)
 

@@ -307,8 +307,8 @@ class Supervisor:
 
     def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
         """Checks by a robot's first report whether the journal is an old one."""
-        if robot.client.knows(report.route_id) or not self._ids.is_later(
-                report.route_id, self._last_ids.get(robot.name, 0)):
+        last = self._last_ids.get(robot.name, self._ids.before)
+        if robot.client.knows(report.route_id) or not self._ids.is_later(report.route_id, last):
             return
         self._ids.skip(report.route_id)
         why = f'{robot.name} reports route {report.route_id}, which the journal does not know'
