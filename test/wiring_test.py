@@ -39,7 +39,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
         '/graph_editor/graph', '/graph_editor/map', '/graph_editor/update',
         '/graph_editor/update_full', '/graph_editor/words'),
     'published for people and other software': (
-        'arcl_response', 'odom', 'status/battery_voltage', 'status/extended_status',
+        'odom', 'status/battery_voltage', 'status/extended_status',
         'status/localization_score', 'status/location', 'status/state', 'status/state_of_charge',
         'status/temperature', 'user_feedback'),
     'as move_base has it, for its clients': (
