@@ -236,6 +236,9 @@ provide_vda5050_schemas() {
 # be installed.
 provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps axe-playwright-python==0.1.8 || true; }
 
+# provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
+provide_z3() { virtual_environment z3 /usr/bin/python3 z3-solver==4.15.4.0 || true; }
+
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
