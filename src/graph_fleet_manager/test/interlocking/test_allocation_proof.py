@@ -36,7 +36,7 @@ def invariants(of: Relations):
     return found
 
 
-SYSTEM = System({name: (Robot, Place) for name in ('allocation', 'journal', *IN_ALLOCATION)},
+SYSTEM = System(dict.fromkeys(('allocation', 'journal', *IN_ALLOCATION), (Robot, Place)),
                 invariants)
 before, after = SYSTEM.before, SYSTEM.after
 
