@@ -21,7 +21,11 @@ if LONG:
         'another master, and back': Bounds(orders=1, edges=1, reports=2, others=1, epochs=3),
         'three orders': Bounds(orders=3, reports=2),
         'two orders of another master': Bounds(orders=1, others=2, reports=2),
-        'an older journal, restarts and four orders': Bounds(orders=3, reports=2, restores=1),
+        'another master and an older journal': Bounds(edges=1, reports=2, others=1, restores=1),
+        'both other masters and an older journal': Bounds(edges=1, reports=1, others=1, old=1,
+                                                          restores=1),
+        'an older journal, restarts and three orders': Bounds(orders=3, edges=1, reports=2,
+                                                              restores=1),
     })
 NEEDED_IN = {
     'epoch': 'two orders',
