@@ -70,7 +70,7 @@ deb_packages=(
   "dh-python           dh-python"
   "lintian             lintian"
 )
-pure_libraries=(file_replacement omron_arcl omron_ld90_sim omron_map trajectory_graph)  # they need no ROS
+pure_libraries=(file_replacement omron_arcl omron_ld90_sim omron_map route_protocol trajectory_graph)  # they need no ROS
 wheel_packages="build==1.2.2 setuptools==75.3.2 wheel==0.45.1"  # from PyPI, for scripts/make_wheels.sh
 docs_packages="mkdocs==1.6.1 mkdocs-material==9.6.23"  # from PyPI, for scripts/docs.sh
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
@@ -235,6 +235,9 @@ provide_vda5050_schemas() {
 # provide_axe: installs axe-core, which checks the accessibility of a page, in build/axe. Its tests are skipped if it cannot
 # be installed.
 provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps axe-playwright-python==0.1.8 || true; }
+
+# provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
+provide_z3() { virtual_environment z3 /usr/bin/python3 z3-solver==4.15.4.0 || true; }
 
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }

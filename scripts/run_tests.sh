@@ -151,7 +151,7 @@ once_more_alone() {  # runs failed tests again: other tests may have taken the C
 }
 
 case "$kind" in
-  unit) provide_vda5050_schemas; unit_tests ;;
+  unit) provide_vda5050_schemas; provide_z3; unit_tests ;;
   python3.8) unit_tests_of_python38 ;;
   once-more) failed_once_more ;;
   system)

@@ -80,7 +80,7 @@ wheels() {  # the libraries without ROS install with pip beside Debian's package
   scripts/make_wheels.sh &&
     "$here/bin/pip" install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
     (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/ld90_sim --help &&
-      bin/python -c 'import omron_arcl, trajectory_graph')
+      bin/python -c 'import omron_arcl, route_protocol, trajectory_graph')
 }
 
 lint() {
@@ -101,6 +101,7 @@ if [ ${#system_tests[@]} = 0 ]; then
   if wants unit; then
     [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
     provide_vda5050_schemas  # before the tests that run beside each other
+    provide_z3
   fi
   # Lint and Python 3.8 run beside the unit tests, which often wait for sockets and robots.
   { ! wants lint || lint; ! wants unit || scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &

@@ -18,8 +18,8 @@ OF_THE_PROJECT = ('index.md', 'glossary.md', 'performance.md', 'upgrading.md')
 # These pages also mention old names.
 OF_HISTORY = ('upgrading.md', 'CHANGELOG.md')
 _LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
-_MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|trajectory_graph)'
-                     r'(?:\.[a-z]\w*)+)`')
+_MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|route_protocol|'
+                     r'trajectory_graph)(?:\.[a-z]\w*)+)`')
 
 # A sentence names its subject. These words name none, except `who` after a noun for people.
 _OPEN_SUBJECT = re.compile(r'\b(?:who(?:ever|m)?|some(?:body|one)|any(?:body|one)|nobody|'

@@ -8,7 +8,8 @@ from typing import Iterator, Set
 import pytest
 
 SOURCES = Path(__file__).resolve().parents[2]
-OURS = ('omron_arcl', 'omron_map', 'trajectory_graph', 'omron_ld90', 'omron_ld90_sim')
+OURS = ('omron_arcl', 'omron_map', 'route_protocol', 'trajectory_graph', 'omron_ld90',
+        'omron_ld90_sim')
 ROS = {'rospy', 'actionlib', 'tf2_ros', 'rosgraph', 'diagnostic_updater', 'genpy', 'roslib'}
 SOCKETS = {'socket', 'socketserver', 'selectors', 'asyncio'}
 
@@ -16,8 +17,10 @@ SOCKETS = {'socket', 'socketserver', 'selectors', 'asyncio'}
 ALLOWED = {
     'omron_arcl': set(),
     'omron_map': set(),
+    'route_protocol': set(),
     'trajectory_graph': set(),
-    'omron_ld90.bridge': {'omron_arcl', 'omron_map', 'trajectory_graph', 'omron_ld90'},
+    'omron_ld90.bridge': {'omron_arcl', 'omron_map', 'route_protocol', 'trajectory_graph',
+                          'omron_ld90'},
     'omron_ld90.converter': {'omron_arcl', 'omron_map', 'trajectory_graph', 'omron_ld90'},
     'omron_ld90.operator': {'omron_arcl', 'omron_map', 'trajectory_graph', 'omron_ld90'},
     'omron_ld90_sim.motion': {'omron_map'},

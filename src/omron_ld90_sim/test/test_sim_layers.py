@@ -11,7 +11,7 @@ from omron_ld90_sim import clock
 
 HOME = Path(clock.__file__).parent
 LAYERS = ['motion', 'devices', 'behaviour', 'interface']  # each may import those on its left
-OUTSIDE = {'omron_arcl', 'omron_ld90', 'rospy', 'trajectory_graph'}
+OUTSIDE = {'omron_arcl', 'omron_ld90', 'route_protocol', 'rospy', 'trajectory_graph'}
 
 
 def imports(file: Path) -> Iterator[str]:
