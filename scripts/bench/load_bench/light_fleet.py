@@ -18,7 +18,7 @@ from graph_fleet_manager.fleet import RobotType
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from load_bench.site import ALONE, RELEASE_AHEAD
 from trajectory_graph import Graph
-from trajectory_graph.route_messages import fill_refusal
+from route_protocol.messages import fill_refusal
 
 PERIOD = 0.1  # s between two reports of a robot
 _SLICES = 10  # parts of a period over which the reports are spread

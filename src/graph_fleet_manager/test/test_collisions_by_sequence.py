@@ -18,7 +18,7 @@ from graph_fleet_manager.supervision.actions import Action, AskPlanner
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
-from trajectory_graph.route_protocol import TAKEN_OVER
+from route_protocol.values import TAKEN_OVER
 
 FAR = RobotSettings(release_ahead=100.0)
 NEAR = RobotSettings(release_ahead=3.0)

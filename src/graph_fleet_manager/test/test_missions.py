@@ -15,7 +15,7 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, sign_of
 from graph_fleet_manager.supervision.route_ids import RESERVED, RouteIds
-from trajectory_graph.route_protocol import Reason, ReasonCode
+from route_protocol.values import Reason, ReasonCode
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 

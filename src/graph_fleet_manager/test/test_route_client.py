@@ -24,7 +24,7 @@ from graph_fleet_manager.interlocking.reports import (
 )
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from trajectory_graph.route_protocol import (
+from route_protocol.values import (
     EdgeState,
     Reason,
     ReasonCode,

@@ -18,8 +18,8 @@ from graph_fleet_manager.supervision.fleet_view import (
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
+from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER
 
 
 def with_dock(graph, dock):

@@ -11,7 +11,7 @@ from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from trajectory_graph.route_protocol import NO_REASON, EdgeState, Reason, ReasonCode, RouteRefusal
+from route_protocol.values import NO_REASON, EdgeState, Reason, ReasonCode, RouteRefusal
 
 
 @pytest.fixture

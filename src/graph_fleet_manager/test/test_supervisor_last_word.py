@@ -11,8 +11,7 @@ from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
-from trajectory_graph import Graph
-from trajectory_graph.route_protocol import (
+from route_protocol.values import (
     TAKEN_OVER,
     EdgeState,
     Phase,
@@ -20,6 +19,7 @@ from trajectory_graph.route_protocol import (
     ReasonCode,
     RouteRefusal,
 )
+from trajectory_graph import Graph
 
 FAR = RobotSettings(release_ahead=8.0)
 

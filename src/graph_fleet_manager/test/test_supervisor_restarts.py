@@ -11,8 +11,8 @@ from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage, Sign
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.settings import RobotSettings
+from route_protocol.values import NO_REASON, EdgeState
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import NO_REASON, EdgeState
 
 
 def cut_short(graph, length):

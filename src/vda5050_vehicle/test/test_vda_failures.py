@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
-from trajectory_graph.route_protocol import Reason, ReasonCode, reason_of
+from route_protocol.values import Reason, ReasonCode, reason_of
 from vda5050_vehicle.drivers.robot_view import Pose, silence
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from vda_builders import DRIVING, STANDING, Lab, RobotSide, lab, say, way
 
-from trajectory_graph.route_protocol import Reason, ReasonCode
+from route_protocol.values import Reason, ReasonCode
 from vda5050_vehicle.drivers.robot_view import Pose
 
 VERTICES = sorted(lab().vertices)

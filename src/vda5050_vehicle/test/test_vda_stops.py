@@ -9,7 +9,7 @@ import time
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, payload, say, way
 
-from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
+from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from vda5050_vehicle.conformance.track import action
 from vda5050_vehicle.drivers.route_driver import SETTLING
 from vda5050_vehicle.protocol.codec_3 import VERSION_3_0

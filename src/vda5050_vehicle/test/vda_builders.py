@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import yaml
 
+from route_protocol.values import EdgeState, reason_of
 from trajectory_graph import Graph, load_graph
-from trajectory_graph.route_protocol import EdgeState, reason_of
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.layout import track_on
 from vda5050_vehicle.conformance.track import Track, action

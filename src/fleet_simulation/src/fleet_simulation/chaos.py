@@ -10,8 +10,8 @@ from fleet_simulation.supervised_fleet import STEP, SupervisedFleet
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.supervision.missions import Command, Mission, MissionState, Request
 from graph_fleet_manager.supervision.outbox import AGAIN
+from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from trajectory_graph import Edge, Graph, Vertex
-from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
 
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)

@@ -9,8 +9,8 @@ from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.reports import Pose, Report
+from route_protocol.values import RouteOrder, RouteRefusal
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import RouteOrder, RouteRefusal
 
 _EVER = 1e9  # s
 _NANO = 1e9

@@ -9,8 +9,7 @@ from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.reports import Pose, Report
-from trajectory_graph import Graph, TrajectoryGraphError, check_route
-from trajectory_graph.route_protocol import (
+from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
     EdgeState,
@@ -20,6 +19,7 @@ from trajectory_graph.route_protocol import (
     ReasonCode,
     RouteRefusal,
 )
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
 LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
 CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')

@@ -49,8 +49,8 @@ from graph_fleet_manager.supervision.missions import Mission, MissionState, Requ
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from graph_fleet_manager.supervision.switching import OrderSwitching
+from route_protocol.values import RouteRefusal
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import RouteRefusal
 
 STEP = 0.1  # s
 

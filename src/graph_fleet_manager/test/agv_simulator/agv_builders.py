@@ -6,8 +6,8 @@ from typing import List, Optional, Sequence
 from fleet_builders import graph_of
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
+from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteReport
 
 TICK = 0.1
 #: Vertices 1 - 2 - 3 - 4 in a row, 4 m apart, and vertex 5 beside 2.

@@ -12,7 +12,7 @@ from graph_fleet_manager.agv_simulator.control_socket import LONGEST_LINE, Contr
 from graph_fleet_manager.agv_simulator.faults import FAULTS, UnknownFault, help_text, inject
 from graph_fleet_manager.agv_simulator.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
-from trajectory_graph.route_protocol import Location
+from route_protocol.values import Location
 
 
 def on_its_way() -> Conversation:

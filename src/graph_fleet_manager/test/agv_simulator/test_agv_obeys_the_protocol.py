@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
+from route_protocol.values import EdgeState, Reason, ReasonCode, RouteOrder, RouteReport
 from trajectory_graph import split_edges
-from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode, RouteOrder, RouteReport
 
 COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED
 SPEED = 1.0

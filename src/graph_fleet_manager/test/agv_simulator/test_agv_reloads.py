@@ -9,8 +9,8 @@ from agv_builders import GRAPH, Conversation
 from hypothesis import given
 from hypothesis import strategies as st
 
+from route_protocol.values import Phase, ReasonCode
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import Phase, ReasonCode
 
 
 def with_speed(edge: int, speed: float) -> Graph:

@@ -6,7 +6,7 @@ from agv_builders import GRAPH, Conversation
 from fleet_builders import graph_of
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
-from trajectory_graph.route_protocol import Reason, ReasonCode, RouteOrder, SymbolicPose
+from route_protocol.values import Reason, ReasonCode, RouteOrder, SymbolicPose
 
 
 def test_a_route_is_acknowledged_driven_and_complete() -> None:

@@ -13,7 +13,7 @@ from graph_fleet_manager.interlocking.interlocking import Gate, Interlocking
 from graph_fleet_manager.interlocking.reports import GraphPosition, Pose, Report
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from trajectory_graph.route_protocol import EdgeState
+from route_protocol.values import EdgeState
 
 # A triangle 1, 2, 3, whose edge 1 is crossed by edge 5; edge 4 leads away from vertex 1.
 GRAPH = graph_of({1: (0, 0), 2: (20, 0), 3: (10, 15), 4: (-5, 0), 5: (6, -3), 6: (6, 3)},

@@ -40,9 +40,9 @@ from graph_fleet_manager.interlocking.reports import (
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.restoring import lost_areas
+from route_protocol.values import NO_REASON, EdgeState, Phase, Reason, ReasonCode
+from route_protocol.values import RouteRefusal as Refused
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import NO_REASON, EdgeState, Phase, Reason, ReasonCode
-from trajectory_graph.route_protocol import RouteRefusal as Refused
 
 CLEARANCE = 0.1
 CHANGED = 99  # id of the edge with which a reload replaces another one

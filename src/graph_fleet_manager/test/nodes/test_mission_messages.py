@@ -28,7 +28,7 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
-from trajectory_graph.route_protocol import Location, Reason, ReasonCode
+from route_protocol.values import Location, Reason, ReasonCode
 
 NOW = genpy.Time(100)
 

@@ -9,8 +9,8 @@ from omron_arcl import Outcome
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Edge, Graph, Vertex
-from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteReport
 
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000

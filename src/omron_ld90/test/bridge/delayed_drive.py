@@ -21,8 +21,8 @@ from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from route_protocol.values import RouteOrder, RouteReport
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import RouteOrder, RouteReport
 
 BRIDGE, PERSON = '/bridge', Giver('/rviz', 'process 1')
 TICK = 0.1

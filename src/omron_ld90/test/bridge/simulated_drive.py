@@ -36,8 +36,8 @@ from omron_ld90_sim.interface.session import Session
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_map import MapDocument
+from route_protocol.values import RouteOrder, RouteReport
 from trajectory_graph import Graph, load_graph
-from trajectory_graph.route_protocol import RouteOrder, RouteReport
 
 MAPS = Path(__file__).resolve().parents[4] / 'maps'
 STEP = 0.02           # s

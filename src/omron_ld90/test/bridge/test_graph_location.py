@@ -8,8 +8,8 @@ from bridge_builders import DOCK_VERTEX, graph_of, yard
 
 from omron_ld90.bridge.events import Docking
 from omron_ld90.bridge.graph_location import GraphLocation
+from route_protocol.values import SymbolicPose
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import SymbolicPose
 
 
 def at(x: float, y: float, docking: Optional[Docking] = None, graph: Optional[Graph] = None,

@@ -13,7 +13,7 @@ from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph.route_protocol import (
+from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
     NO_REASON,

@@ -16,7 +16,7 @@ from omron_ld90.bridge.events import (
 from omron_ld90.bridge.goal_tracker import RouteFailed
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph.route_protocol import Reason, ReasonCode
+from route_protocol.values import Reason, ReasonCode
 
 
 def monitor() -> RobotMonitor:

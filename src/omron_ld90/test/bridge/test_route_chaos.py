@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_strategies import STRATEGIES
+from route_protocol.values import EdgeState, RouteReport
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState, RouteReport
 
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
                             {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})

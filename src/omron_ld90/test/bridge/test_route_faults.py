@@ -6,7 +6,7 @@ from bridge_builders import Bench, dissertation_graph, yard
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.events import Ending, Link, Motion
-from trajectory_graph.route_protocol import EdgeState, ReasonCode
+from route_protocol.values import EdgeState, ReasonCode
 
 LINKS = (Link.COMMANDS, Link.OUTGOING)
 

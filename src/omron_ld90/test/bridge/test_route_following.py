@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from omron_ld90.bridge.events import RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph.route_protocol import Location, SymbolicPose
+from route_protocol.values import Location, SymbolicPose
 
 ALL = ('vertex_by_vertex', 'direct', 'rolling')
 

@@ -14,7 +14,7 @@ from omron_ld90.bridge.events import (
 )
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph.route_protocol import EdgeState, RouteOrder, RouteRefusal, RouteReport
+from route_protocol.values import EdgeState, RouteOrder, RouteRefusal, RouteReport
 
 
 def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:

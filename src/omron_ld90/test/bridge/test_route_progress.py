@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omron_ld90.bridge.route_progress import RouteProgress
+from route_protocol.values import SymbolicPose
 from trajectory_graph import CurveType, Edge, Graph, Vertex
-from trajectory_graph.route_protocol import SymbolicPose
 
 
 def progress_on(graph, edges, place, tolerance=0.3, by_word=()):

@@ -10,7 +10,7 @@ from test_route_faults import end_of_drive
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.events import Ending, Motion
 from omron_ld90.bridge.route_follower import RouteFollower
-from trajectory_graph.route_protocol import OVERRULED, EdgeState, RouteOrder, SymbolicPose
+from route_protocol.values import OVERRULED, EdgeState, RouteOrder, SymbolicPose
 
 
 def under_way(strategy: str = 'vertex_by_vertex') -> Bench:

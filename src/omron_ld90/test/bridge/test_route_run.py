@@ -14,7 +14,7 @@ from omron_ld90.bridge.robot_state import Located, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings, direct, vertex_by_vertex
-from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
+from route_protocol.values import EdgeState, Phase, RouteOrder
 
 SETTINGS = Settings(dock_vertex=DOCK_VERTEX, strategy=vertex_by_vertex)
 NEVER = float('-inf')

@@ -12,7 +12,7 @@ from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes import bridge_memory
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
 from omron_ld90.nodes.support.boot_clock import Moment
-from trajectory_graph.route_protocol import EMERGENCY_STOP, NO_REASON, Phase
+from route_protocol.values import EMERGENCY_STOP, NO_REASON, Phase
 
 RECORD = RouteRecord(route_id=7, edges=(1, -4, 5), stamp=1_700_000_000_123_456_789,
                      phase=Phase.RUNNING, reason=NO_REASON, completed=1, target=2, goal='12',

@@ -10,7 +10,7 @@ from omron_ld90.operator.route_watch import (
     RouteView,
     RouteWatch,
 )
-from trajectory_graph.route_protocol import EdgeState
+from route_protocol.values import EdgeState
 
 DONE, DRIVING, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 

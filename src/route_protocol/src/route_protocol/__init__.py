@@ -1,1 +1,5 @@
-"""Numbered orders and reports between a master and a vehicle, without ROS: both ends."""
+"""Numbered orders and reports between a master and a vehicle: both ends, without ROS.
+
+`values` has what is sent, `messages` how it is written on the wire, `vehicle` and `master` the two
+ends, and `old_masters` the rules for masters that do not number their orders.
+"""

@@ -5,8 +5,8 @@ import math
 from typing import Callable, Dict, List, NamedTuple, Sequence
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
+from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from trajectory_graph import UnknownVertex
-from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
 
 ON_DEMAND = Reason(ReasonCode.OTHER, 'fault on demand')
 

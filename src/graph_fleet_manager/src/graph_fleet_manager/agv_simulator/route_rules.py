@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from graph_fleet_manager.agv_simulator.drive import Drive
-from trajectory_graph import order_rules
-from trajectory_graph.order_rules import RouteRefused, check_edges, edge_states
-from trajectory_graph.route_protocol import (
+from route_protocol import order_rules
+from route_protocol.order_rules import RouteRefused, check_edges, edge_states
+from route_protocol.values import (
     NO_REASON,
     EdgeState,
     Phase,

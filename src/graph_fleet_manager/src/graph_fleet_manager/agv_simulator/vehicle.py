@@ -14,9 +14,8 @@ from graph_fleet_manager.agv_simulator.route_rules import (
     find_start,
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
-from trajectory_graph import Graph, change_of, speed_of
-from trajectory_graph.order_rules import RouteRefused, is_late
-from trajectory_graph.route_protocol import (
+from route_protocol.order_rules import RouteRefused, is_late
+from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
     TAKEN_OVER,
@@ -30,6 +29,7 @@ from trajectory_graph.route_protocol import (
     RouteReport,
     SymbolicPose,
 )
+from trajectory_graph import Graph, change_of, speed_of
 
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')

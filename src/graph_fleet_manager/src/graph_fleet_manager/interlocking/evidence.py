@@ -13,8 +13,8 @@ from graph_fleet_manager.interlocking.reports import (
     TREMBLE,
     Report,
 )
+from route_protocol.values import ReasonCode
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import ReasonCode
 
 # m that a robot may have moved since its last location while a person drives it
 MANUAL_REACH = 10.0

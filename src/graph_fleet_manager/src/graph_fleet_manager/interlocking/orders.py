@@ -6,8 +6,8 @@ from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from graph_fleet_manager.interlocking.evidence import EvidenceMemory
 from graph_fleet_manager.interlocking.reports import GraphPosition
+from route_protocol.values import NO_REASON, Reason
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
-from trajectory_graph.route_protocol import NO_REASON, Reason
 
 
 class Order(NamedTuple):

@@ -7,8 +7,8 @@ from typing import Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Point
+from route_protocol.values import NO_REASON, EdgeState, Location, Reason
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
 
 LONGEST = 1000     # number of edges in a route; a longer one is a mistake or an attack
 # m from a vertex within which a robot can count as standing on it, for any play

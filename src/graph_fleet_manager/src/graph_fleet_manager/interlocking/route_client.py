@@ -25,7 +25,7 @@ from graph_fleet_manager.interlocking.reports import (
     position_of,
 )
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from trajectory_graph.route_protocol import Reason, ReasonCode, RouteRefusal
+from route_protocol.values import Reason, ReasonCode, RouteRefusal
 
 NEW_ID_AFTER = 50  # number of edges in a route after which the next order gets a new id
 _SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')

@@ -16,8 +16,8 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
-from trajectory_graph.route_messages import location_of
-from trajectory_graph.route_protocol import EdgeState, RouteRefusal, reason_of
+from route_protocol.messages import location_of
+from route_protocol.values import EdgeState, RouteRefusal, reason_of
 
 Moment = Callable[[float], genpy.Time]
 """Converts a time of the supervisor's clock (s) into ROS time."""

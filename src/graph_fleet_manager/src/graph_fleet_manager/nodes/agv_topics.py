@@ -12,8 +12,8 @@ from sensor_msgs.msg import BatteryState
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from node_lifecycle.headings import quaternion_from_yaw
-from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
-from trajectory_graph.route_protocol import RouteRefusal, RouteReport
+from route_protocol.messages import fill_refusal, fill_report, order_of
+from route_protocol.values import RouteRefusal, RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
 BATTERY_PERIOD = 1.0                   # s

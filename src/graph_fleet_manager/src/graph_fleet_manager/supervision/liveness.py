@@ -5,8 +5,8 @@ import math
 from typing import Tuple
 
 from graph_fleet_manager.interlocking.reports import TREMBLE, Pose, Report, distance
+from route_protocol.values import ANSWERED_WITHIN
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import ANSWERED_WITHIN
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
 # s after which a robot that reports, but has not answered an order, counts as deaf

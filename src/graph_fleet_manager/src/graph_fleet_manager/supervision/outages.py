@@ -4,7 +4,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import AbstractSet, FrozenSet, Mapping, NamedTuple, Optional
 
-from trajectory_graph.route_protocol import Reason, ReasonCode
+from route_protocol.values import Reason, ReasonCode
 
 
 class Outage(Enum):

@@ -23,8 +23,8 @@ from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
 from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of
 from graph_fleet_manager.supervision.settings import RobotSettings
+from route_protocol.values import RouteRefusal
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import RouteRefusal
 
 TRIAL = 2.0        # s between two attempts to go on after an emergency stop
 RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link

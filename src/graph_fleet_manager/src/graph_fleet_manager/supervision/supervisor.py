@@ -57,8 +57,8 @@ from graph_fleet_manager.supervision.run_number import RUN_NUMBER, RunNumber
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
+from route_protocol.values import RouteRefusal
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import RouteRefusal
 
 
 class Supervisor:

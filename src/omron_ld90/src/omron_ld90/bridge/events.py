@@ -1,7 +1,7 @@
 """The events and actions of the bridge, and the record that it keeps.
 
 Lengths are in m; stamps in nanoseconds of the ROS clock. Orders and reports are those of
-`trajectory_graph.route_protocol`.
+`route_protocol.values`.
 """
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Optional, Tuple, Union
 
-from trajectory_graph.route_protocol import (
+from route_protocol.values import (
     Phase,
     Reason,
     RouteOrder,

@@ -12,7 +12,7 @@ from typing import Iterable, Optional, Tuple
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 from omron_ld90.bridge.own_goals import DOCK, OwnGoals
-from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
+from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
 
 STOP = 'stop'
 REASON_DELAY = 0.5  # s after an interruption in which an emergency stop may be its reason

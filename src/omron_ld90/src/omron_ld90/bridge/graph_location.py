@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple
 
 from omron_ld90.bridge.events import Docking
+from route_protocol.values import SymbolicPose
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import SymbolicPose
 
 DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outside the corridors
 

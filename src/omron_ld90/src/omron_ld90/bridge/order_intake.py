@@ -13,8 +13,8 @@ from typing import Callable, Optional, Tuple
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import is_change
 from omron_ld90.bridge.route_run import RouteRun
-from trajectory_graph.order_rules import RouteRefused, check_order, is_late
-from trajectory_graph.route_protocol import (
+from route_protocol.order_rules import RouteRefused, check_order, is_late
+from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
     OVERRULED,

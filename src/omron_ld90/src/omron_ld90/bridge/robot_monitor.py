@@ -9,7 +9,7 @@ from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, Taken
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import Settings
 from omron_ld90.bridge.stop_duty import StopDuty
-from trajectory_graph.route_protocol import EMERGENCY_STOP, Reason, ReasonCode
+from route_protocol.values import EMERGENCY_STOP, Reason, ReasonCode
 
 _KEPT_EPOCHS = 100
 

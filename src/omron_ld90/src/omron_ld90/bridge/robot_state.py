@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Dict, Iterable, Optional, Tuple
 
 from omron_ld90.bridge.events import Link, LinkReported
-from trajectory_graph.route_protocol import NO_REASON, Reason, ReasonCode
+from route_protocol.values import NO_REASON, Reason, ReasonCode
 
 NANOSECONDS = 1e-9
 CLOCK_SET_BACK = 5_000_000_000  # ns: a stamp older by more than this is not late: the clock was set

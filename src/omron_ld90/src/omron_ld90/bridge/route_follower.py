@@ -26,9 +26,8 @@ from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph import Graph
-from trajectory_graph.order_rules import RouteRefused, check_edges
-from trajectory_graph.route_protocol import (
+from route_protocol.order_rules import RouteRefused, check_edges
+from route_protocol.values import (
     NO_REASON,
     EdgeState,
     Location,
@@ -40,6 +39,7 @@ from trajectory_graph.route_protocol import (
     RouteReport,
     SymbolicPose,
 )
+from trajectory_graph import Graph
 
 _SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot has sent no status')
 

@@ -5,9 +5,9 @@ from typing import Optional, Tuple
 
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.route_run import RouteRun
+from route_protocol.order_rules import RouteRefused
+from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from trajectory_graph import Graph, change_of
-from trajectory_graph.order_rules import RouteRefused
-from trajectory_graph.route_protocol import Phase, Reason, ReasonCode, RouteOrder
 
 
 def is_change(route: RouteRun, order: RouteOrder) -> bool:

@@ -7,8 +7,8 @@ from __future__ import annotations
 import math
 from typing import Optional, Sequence, Tuple
 
+from route_protocol.values import SymbolicPose
 from trajectory_graph import Curve, Graph, Vertex
-from trajectory_graph.route_protocol import SymbolicPose
 
 Point = Tuple[float, float]
 

@@ -10,9 +10,9 @@ from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.goal_names import goal_name
+from route_protocol.order_rules import RouteRefused, check_edges
+from route_protocol.values import Reason, ReasonCode
 from trajectory_graph import Graph
-from trajectory_graph.order_rules import RouteRefused, check_edges
-from trajectory_graph.route_protocol import Reason, ReasonCode
 
 
 def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,

@@ -12,9 +12,8 @@ from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
 from omron_ld90.goal_names import goal_name
-from trajectory_graph import Graph
-from trajectory_graph.order_rules import edge_states
-from trajectory_graph.route_protocol import (
+from route_protocol.order_rules import edge_states
+from route_protocol.values import (
     NO_REASON,
     EdgeState,
     Phase,
@@ -22,6 +21,7 @@ from trajectory_graph.route_protocol import (
     ReasonCode,
     RouteOrder,
 )
+from trajectory_graph import Graph
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command until the robot drives on a new path, with a reserve

@@ -19,7 +19,7 @@ from node_lifecycle.worker import start_worker
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
-from trajectory_graph.route_protocol import Phase, reason_of
+from route_protocol.values import Phase, reason_of
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s after which an unchanged record is written again

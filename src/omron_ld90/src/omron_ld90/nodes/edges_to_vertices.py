@@ -70,9 +70,9 @@ from omron_ld90_msgs.msg import (
     Motion,
     RobotStatus,
 )
+from route_protocol.messages import fill_refusal, fill_report, order_of
+from route_protocol.values import EdgeState, RouteRefusal, RouteReport
 from trajectory_graph import Graph
-from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
-from trajectory_graph.route_protocol import EdgeState, RouteRefusal, RouteReport
 
 TICK = 0.1          # s between two steps of the follower, and two reports while a route runs
 IDLE_PERIOD = 1.0   # s between two reports without a route

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-from trajectory_graph.route_protocol import EdgeState
+from route_protocol.values import EdgeState
 
 SILENCE = 3.0  # s
 SHOWN_AFTER_THE_END = 15.0  # s

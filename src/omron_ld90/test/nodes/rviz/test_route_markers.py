@@ -10,8 +10,8 @@ from marker_reader import drawn, of
 from omron_ld90.nodes.rviz import route_markers
 from omron_ld90.nodes.rviz.route_markers import GraphPicture
 from omron_ld90.operator.route_watch import EdgeProgress
+from route_protocol.values import EdgeState
 from trajectory_graph import CurveType, Edge, Graph, Vertex
-from trajectory_graph.route_protocol import EdgeState
 
 PROCESSING, COMPLETE, FAILED = EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED
 NAMES = {'COMPLETE': 'done', 'CURRENT': 'current', 'COMING': 'coming', 'FAILED': 'failed'}

@@ -10,8 +10,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Optional, Sequence, Tuple
 
+from route_protocol.values import EdgeState, Reason, ReasonCode
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode
 from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Tuple
 
-from trajectory_graph.route_protocol import NO_REASON, Reason
+from route_protocol.values import NO_REASON, Reason
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class RouteCommand:
 class RouteReport:
     """A report of the robot's side on a route.
 
-    states           -- the states of its edges: `trajectory_graph.route_protocol.EdgeState`
+    states           -- the states of its edges: `route_protocol.values.EdgeState`
     edge, percentage -- the robot's position on the graph; edge 0: not on the graph
     """
 

@@ -12,8 +12,8 @@ import rospy
 
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
+from route_protocol.values import reason_of
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import reason_of
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
 

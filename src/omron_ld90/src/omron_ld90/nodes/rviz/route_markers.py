@@ -15,8 +15,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.operator.route_watch import EdgeProgress
+from route_protocol.values import EdgeState
 from trajectory_graph import Curve, Graph
-from trajectory_graph.route_protocol import EdgeState
 
 STEP = 0.1  # m between the points of a drawn curve
 MAX_SAMPLES = 200  # of a curve

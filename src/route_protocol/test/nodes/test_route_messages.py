@@ -9,8 +9,8 @@ import pytest
 from itrci_nav_msgs.msg import EdgeState as EdgeStateMessage
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 from itrci_nav_msgs.msg import ReasonCode as ReasonCodeMessage
-from trajectory_graph.route_messages import fill_refusal, fill_report, location_of, order_of
-from trajectory_graph.route_protocol import (
+from route_protocol.messages import fill_refusal, fill_report, location_of, order_of
+from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
     EdgeState,

@@ -1,0 +1,104 @@
+"""Masters that do not number their orders: `rostopic pub`, and managers of the first protocol.
+
+This module alone knows their rules. It gives each of their routes a number, so that `vehicle` sees
+numbered orders only. All of them count as one master, OLD_MASTER.
+
+    | order without a number                                     | answer                          |
+    |------------------------------------------------------------|---------------------------------|
+    | stamped before the last order that passed                  | ignored: it came late           |
+    | same route_id and same edges as the last order that passed | ignored: it is a repeat         |
+    | same stamp as the last one that was refused, and same route| refused again                   |
+    | neither stamp nor epoch, and it came with a new connection | refused: it was latched         |
+    | names an epoch that is over                                | refused: OVERRULED              |
+    | no epoch, and sent before the present epoch began          | refused: TAKEN_OVER             |
+    | same route_id as the route in force                        | changes that route              |
+    | any other                                                  | a new route from where it is    |
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Optional, Tuple
+
+from route_protocol.order_rules import CLOCK_TOLERANCE
+from route_protocol.values import (
+    LARGEST_NUMBER,
+    OVERRULED,
+    TAKEN_OVER,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+)
+from route_protocol.vehicle import OLD_MASTER, Answer, Judgement, VehicleState
+
+LATE_ORDER = 2.0  # s that an order may take to arrive
+_LATCHED = Reason(ReasonCode.OTHER, 'it has no stamp, and was published before its connection '
+                                    'began: send it again')
+
+
+class OldMasters:
+    """Judges and numbers the routes of masters that do not number them."""
+
+    def __init__(self, last: Optional[RouteOrder] = None) -> None:
+        self.last = last
+        """The last order that passed."""
+        self._refused: Optional[Tuple[RouteOrder, Reason]] = None
+        self._epoch_began = -math.inf
+
+    def passed(self, order: RouteOrder) -> None:
+        """An order was taken: older ones are late from now on."""
+        self.last = order
+
+    def refused(self, order: RouteOrder, reason: Reason) -> None:
+        """A route was refused: if it comes again, it is refused again."""
+        self._refused = (order, reason)
+
+    def epoch_began(self, now: float) -> None:
+        """The vehicle began a new epoch at `now` (s), for a reason that is not this master's."""
+        self._epoch_began = now
+
+    def judge(self, order: RouteOrder, state: VehicleState, now: float) -> Judgement:
+        """Returns what the rules say about a route without a number that arrives at `now` (s)."""
+        last = self.last
+        if last is not None and (is_late(order, last) or order.is_repeat_of(last)):
+            return Judgement(Answer.IGNORED)
+        if order.stamp and self._refused is not None and order == self._refused[0]:
+            return Judgement(Answer.REFUSED, self._refused[1])
+        if order.comes_again and not order.stamp and not order.known_epoch:
+            return Judgement(Answer.REFUSED, _LATCHED)
+        if order.known_epoch and order.known_epoch != state.epoch:
+            return Judgement(Answer.REFUSED, OVERRULED)
+        if not order.known_epoch and self._is_overruled(order, now):
+            return Judgement(Answer.REFUSED, TAKEN_OVER)
+        changes = self.changes_route(order, state)
+        return Judgement(Answer.ROUTE, done=state.done, rest=order.edges, goes_on=changes)
+
+    def _is_overruled(self, order: RouteOrder, now: float) -> bool:
+        """Could the sender not yet know of the present epoch when it sent the order?"""
+        age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
+        return now - age < self._epoch_began and now < self._epoch_began + LATE_ORDER
+
+    @staticmethod
+    def changes_route(order: RouteOrder, state: VehicleState) -> bool:
+        """Does the order change the route in force, rather than begin another one?"""
+        return (order.route_id == state.route_id and bool(state.edges)
+                and state.phase is not Phase.STOPPED and state.master == OLD_MASTER)
+
+    def numbered(self, order: RouteOrder, state: VehicleState) -> RouteOrder:
+        """Returns the numbered order that stands for this route, at the place where it is taken."""
+        is_counted = state.master == OLD_MASTER
+        number = max(state.order, state.refused) + 1 if is_counted else 1
+        first = state.first if self.changes_route(order, state) else state.done
+        return replace(order, order=min(number, LARGEST_NUMBER), known_epoch=state.epoch,
+                       first=first, master=OLD_MASTER)
+
+
+def is_late(order: RouteOrder, last: RouteOrder) -> bool:
+    """Returns whether the order was sent before the last accepted order, which overtook it.
+
+    If this computer's clock is behind the stamp of the last accepted order, the clock was set back,
+    and the stamps cannot be compared.
+    """
+    is_set_back = 0 < order.received < last.stamp - CLOCK_TOLERANCE
+    return 0 < order.stamp < last.stamp and not is_set_back

@@ -1,0 +1,244 @@
+"""The values of the route protocol: a vehicle receives orders, and sends reports and refusals.
+
+`route_protocol` says what they mean together, docs/reference/route_protocol.md how they are sent.
+Stamps are in nanoseconds of the ROS clock.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from typing import Optional, Tuple
+
+LARGEST_NUMBER = 2 ** 64 - 1
+"""The largest number of an order, an epoch or a report that a message can carry."""
+LARGEST_RECORD_NUMBER = 2 ** 32 - 1
+
+
+@dataclass(frozen=True)
+class RouteOrder:
+    """An order to drive `edges` (signed ids) in the given sequence; without edges: to stop.
+
+    route_id    -- a label of the route for people; masters without numbers tell routes apart by it
+    known_epoch -- epoch of the vehicle in the report on which the order was decided; 0: none
+    order       -- its number, which grows; 0: the master does not number its orders
+    first       -- number of `edges[0]` in the vehicle's route record
+    master      -- the program that orders
+    stamp       -- time of sending; 0 if the sender did not give it
+    received    -- time of reception
+    """
+
+    route_id: int
+    edges: Tuple[int, ...]
+    stamp: int = 0
+    received: int = field(default=0, compare=False)
+    known_epoch: int = field(default=0, compare=False)
+    comes_again: bool = field(default=False, compare=False)
+    """Whether it was the first message of a new connection to an earlier, latching publisher."""
+    order: int = 0
+    first: int = field(default=0, compare=False)
+    master: str = ''
+
+    @property
+    def is_stop(self) -> bool:
+        """Does the order stop the vehicle?"""
+        return not self.edges
+
+    @property
+    def end(self) -> int:
+        """Number, in the route record, behind the last edge."""
+        return self.first + len(self.edges)
+
+    def is_repeat_of(self, other: RouteOrder) -> bool:
+        """Returns whether it orders the same route again, regardless of its stamp."""
+        return (self.route_id, self.edges) == (other.route_id, other.edges)
+
+
+ANSWERED_WITHIN = 4.0
+"""s after the first reception of an order within which a robot accepts or refuses it."""
+
+
+class EdgeState(IntEnum):
+    """The state of one edge of a route; an accepted edge that is still ahead is PROCESSING, too."""
+
+    PROCESSING = 1
+    COMPLETE = 2
+    FAILED = 3
+
+
+@dataclass(frozen=True)
+class SymbolicPose:
+    """A position on the graph: a signed edge, and a percentage (0..100) in driving direction."""
+
+    edge: int = 0  # 0: off the graph
+    percentage: float = 0.0
+
+
+class ReasonCode(IntEnum):
+    """The kind of a reason; itrci_nav_msgs/ReasonCode describes each code."""
+
+    NONE = 0
+    OTHER = 1
+    TAKEN_OVER = 2
+    EMERGENCY_STOP = 3
+    LOST_LINK = 4
+    NO_LOCATION = 5
+    NO_PROGRESS = 6
+    OFF_GRAPH = 7
+    NOT_ARRIVED = 8
+    DRIVE_FAILED = 9
+    GRAPH_CHANGED = 10
+    RESTARTED = 11
+    BATTERY_EMPTY = 12
+    STOP_OWED = 13
+    WRONG_ROUTE = 14
+    STARTS_ELSEWHERE = 15
+    WRONG_CHANGE = 16
+    CANNOT_BRAKE = 17
+    CLOCK = 18
+    NOT_READY = 19
+    OVERRULED = 20
+
+
+@dataclass(frozen=True)
+class Reason:
+    """The reason why a route failed, a stop is not obeyed, or an order was refused.
+
+    Programs decide by the code. The text is a clause for people. A reason with the code NONE is
+    false.
+    """
+
+    code: ReasonCode = ReasonCode.NONE
+    text: str = ''
+
+    def __bool__(self) -> bool:
+        return self.code is not ReasonCode.NONE
+
+    def __str__(self) -> str:
+        return self.text
+
+
+NO_REASON = Reason()
+TAKEN_OVER = Reason(ReasonCode.TAKEN_OVER, 'taken over')
+OVERRULED = Reason(ReasonCode.OVERRULED,
+                   'the order was made before another giver drove or stopped the robot')
+EMERGENCY_STOP = Reason(ReasonCode.EMERGENCY_STOP, 'emergency stop')
+
+
+def reason_of(code: int, text: str) -> Reason:
+    """Returns the reason of a message; an unknown code, or a text without a code, becomes OTHER."""
+    try:
+        known = ReasonCode(code)
+    except ValueError:
+        known = ReasonCode.OTHER
+    return Reason(ReasonCode.OTHER if text and known is ReasonCode.NONE else known, text)
+
+
+@dataclass(frozen=True)
+class Location:
+    """The robot's pose in the map frame: m, m, rad; `theta` is NaN if it is unknown."""
+
+    x: float
+    y: float
+    theta: float
+
+
+class Motion(IntEnum):
+    """What a vehicle does, as it says itself."""
+
+    UNKNOWN = 0
+    """It does not know, for example because its link is down."""
+    STANDING = 1
+    """It stands, and has nothing to drive."""
+    ON_ROUTE = 2
+    """It drives a route of the master that it names, or waits on that route."""
+    COMING_TO_REST = 3
+    """It lost a route of the master that it names, and may still roll on along that route."""
+    MOVED = 4
+    """It moves otherwise: another giver or a person moves it."""
+
+
+class EpochCause(IntEnum):
+    """Why the present epoch of a vehicle began. omron_ld90_msgs/Motion has the first numbers."""
+
+    NONE = 0
+    OTHER_GIVER = 1
+    STOP = 2
+    CANCEL = 3
+    OTHER_CLIENT = 4
+    ROBOT = 5
+    EMERGENCY_STOP = 6
+    RESTART = 7
+    OTHER_MASTER = 8
+    LOST_LINK = 9
+
+
+@dataclass(frozen=True)
+class RouteReport:
+    """The report of a vehicle to its master.
+
+    stamp    -- time of the reported position
+    location -- the reported position in the map frame; None: unknown
+    epoch    -- number of the vehicle's epoch; compare it for equality only; 0: unknown
+    cause    -- why that epoch began
+    master   -- whose orders `order` and `refused` count; empty: no numbering master's
+    order    -- number of the last order that was taken in this epoch
+    refused  -- highest number of an order that was refused in this epoch
+    refusal  -- why that order was refused
+    first    -- number of `edges[0]` in the route record
+    motion   -- what the vehicle does
+    number   -- of this report; it grows, over restarts too; 0: the vehicle does not number reports
+    """
+
+    stamp: int
+    route_id: int
+    edges: Tuple[int, ...]
+    states: Tuple[EdgeState, ...]
+    pose: SymbolicPose
+    reason: Reason = NO_REASON
+    location: Optional[Location] = None
+    epoch: int = 0
+    cause: EpochCause = EpochCause.NONE
+    master: str = ''
+    order: int = 0
+    refused: int = 0
+    refusal: Reason = NO_REASON
+    first: int = 0
+    motion: Motion = Motion.UNKNOWN
+    number: int = 0
+
+    @property
+    def completed(self) -> int:
+        """Number of edges that are COMPLETE, counted from the first on."""
+        for index, state in enumerate(self.states):
+            if state is not EdgeState.COMPLETE:
+                return index
+        return len(self.states)
+
+    @property
+    def done(self) -> int:
+        """Number, in the route record, of the edge under way, or of the next one."""
+        return self.first + self.completed
+
+    @property
+    def is_failed(self) -> bool:
+        """Is the route of `order` lost: has it failed, or was that order a stop?"""
+        return not self.edges or EdgeState.FAILED in self.states
+
+
+@dataclass(frozen=True)
+class RouteRefusal:
+    """The refusal of an order, for people. For the master, the report says it."""
+
+    route_id: int
+    edges: Tuple[int, ...]
+    reason: Reason
+    order: int = 0
+
+
+class Phase(Enum):
+    """The phase of a route."""
+
+    RUNNING = 'running'
+    COMPLETE = 'complete'
+    FAILED = 'failed'
+    STOPPED = 'stopped'

@@ -1,0 +1,271 @@
+"""The vehicle's end of the route protocol: which orders it takes, and what it reports.
+
+State
+    epoch    -- begins anew whenever orders that are on their way must not be obeyed any more
+    master   -- whose orders are counted; None: nobody's yet. OLD_MASTER stands for all masters that
+                do not number their orders
+    order    -- number of the last order that was taken in this epoch
+    refused  -- highest number of an order that was refused in this epoch
+    done     -- number of the edge under way in the route record, or of the next one
+    route    -- the edges of `order`, counted in the record from `first` on, and its phase
+
+Events and what follows
+    | event                      | condition                        | answer                       |
+    |----------------------------|----------------------------------|------------------------------|
+    | stop without a number      |                                  | taken: a new epoch begins    |
+    | stop or route of `master`  | number <= order or <= refused    | ignored                      |
+    | stop of `master`           | newer                            | taken, in the same epoch     |
+    | stop of another master     |                                  | taken: a new epoch begins    |
+    | route                      | not decided in this epoch        | refused                      |
+    | route of `master`          | `done` is not in first ... end   | refused                      |
+    | route of `master`          | RUNNING, and does not go on with | refused                      |
+    |                            | the edge under way               |                              |
+    | route of another master    | the vehicle can begin it         | taken: a new epoch begins    |
+    | route of another master    | the vehicle cannot               | refused, but not counted     |
+    | any other route            | the vehicle can drive it         | taken                        |
+    | any other route            | the vehicle cannot               | refused: `refused` grows     |
+    | route fails                | RUNNING                          | FAILED; `order` stays        |
+    | another giver, restart ... |                                  | a new epoch; RUNNING: FAILED |
+
+The first route in an epoch says which number the edge has on which the vehicle is. From then on the
+numbers go on by one with each edge, so a route may pass a place twice. A new epoch sets `order` and
+`refused` to 0 and keeps `master`; a start without memory knows no master either.
+
+Invariants
+    - `order`, `refused` and the number of reports only grow within an epoch.
+    - A route in force was decided in this epoch, or it began this epoch.
+    - A stop is taken whatever its epoch.
+
+The caller judges what only it can know (does the route begin where the vehicle is, can it brake).
+It stores `state` before the vehicle acts. A vehicle that lost its route and still rolls lets routes
+wait until it stands.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Callable, Optional, Tuple
+
+from route_protocol.order_rules import edge_states
+from route_protocol.values import (
+    LARGEST_NUMBER,
+    LARGEST_RECORD_NUMBER,
+    NO_REASON,
+    OVERRULED,
+    EpochCause,
+    Location,
+    Motion,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+    SymbolicPose,
+)
+
+OLD_MASTER = ''
+"""Stands for all masters that do not number their orders; `old_masters` numbers them."""
+
+
+@dataclass(frozen=True)
+class VehicleState:
+    """All that the vehicle's end knows; the head of the module says what it means."""
+
+    epoch: int
+    cause: EpochCause = EpochCause.RESTART
+    master: Optional[str] = None
+    order: int = 0
+    refused: int = 0
+    refusal: Reason = NO_REASON
+    done: int = 0
+    route_id: int = 0
+    first: int = 0
+    edges: Tuple[int, ...] = ()
+    phase: Phase = Phase.STOPPED
+    reason: Reason = NO_REASON
+    report: int = 0
+    """Number of the last report."""
+
+    @property
+    def is_running(self) -> bool:
+        """Is a route being driven?"""
+        return self.phase is Phase.RUNNING
+
+    @property
+    def completed(self) -> int:
+        """Number of edges of the route that are driven."""
+        return min(max(self.done - self.first, 0), len(self.edges))
+
+    @property
+    def ahead(self) -> Tuple[int, ...]:
+        """The edges of the route from the one under way on."""
+        return self.edges[self.completed:]
+
+
+class Answer(Enum):
+    """What the protocol says about an order that has arrived."""
+
+    IGNORED = 'it is not newer than the last one'
+    STOP = 'it stops the vehicle'
+    REFUSED = 'it is refused'
+    ROUTE = 'it is taken, if the vehicle can drive it'
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The answer to an order.
+
+    reason  -- why it is refused
+    done    -- record number of the first edge of `rest`
+    rest    -- the edges that the vehicle would still drive
+    goes_on -- the vehicle drives the beginning of `rest` now, or stands where its record ends
+    """
+
+    answer: Answer
+    reason: Reason = NO_REASON
+    done: int = 0
+    rest: Tuple[int, ...] = ()
+    goes_on: bool = False
+
+
+_IGNORED, _STOP = Judgement(Answer.IGNORED), Judgement(Answer.STOP)
+
+
+class Vehicle:
+    """The vehicle's end; see the head of the module.
+
+    draw  -- returns the number of a new epoch, which was never used before
+    clock -- returns ms since 1970: numbers of reports are at least this
+    state -- from before a restart; None: the vehicle starts without its memory
+    """
+
+    def __init__(self, draw: Callable[[], int], clock: Callable[[], int],
+                 state: Optional[VehicleState] = None) -> None:
+        self._draw, self._clock = draw, clock
+        self.state = state if state is not None else VehicleState(draw())
+
+    # -- orders -----------------------------------------------------------------------------------
+
+    def judge(self, order: RouteOrder) -> Judgement:
+        """Returns what the protocol says about an order with a number, or a stop without one."""
+        state = self.state
+        if not order.order:
+            assert order.is_stop, 'old_masters gives each route a number'
+            return _STOP
+        if order.master == state.master and order.order <= max(state.order, state.refused):
+            return _IGNORED
+        if order.is_stop:
+            return _STOP
+        wrong = _wrong(order)
+        if wrong:
+            return Judgement(Answer.REFUSED, wrong)
+        if order.known_epoch != state.epoch:
+            return Judgement(Answer.REFUSED, OVERRULED)
+        if self._is_fresh(order):
+            return Judgement(Answer.ROUTE, done=order.first, rest=order.edges)
+        if not order.first <= state.done <= order.end:
+            return Judgement(Answer.REFUSED, Reason(
+                ReasonCode.WRONG_CHANGE,
+                f'its edges have the numbers {order.first} to {order.end - 1} in the route record, '
+                f'but the vehicle is at number {state.done}'))
+        rest = order.edges[state.done - order.first:]
+        if state.is_running and rest[:1] != state.ahead[:1]:
+            return Judgement(Answer.REFUSED, Reason(
+                ReasonCode.WRONG_CHANGE,
+                f'it must go on with the edge under way, {state.ahead[0]}'))
+        if not rest and state.phase is not Phase.COMPLETE:
+            return Judgement(Answer.REFUSED, Reason(
+                ReasonCode.WRONG_CHANGE, 'it ends before the edge on which the vehicle stands'))
+        return Judgement(Answer.ROUTE, NO_REASON, state.done, rest,
+                         state.phase in (Phase.RUNNING, Phase.COMPLETE))
+
+    def _is_fresh(self, order: RouteOrder) -> bool:
+        """Has the route record no edge of this master yet, in this epoch?"""
+        return self._takes_over(order) or not self.state.order
+
+    def _takes_over(self, order: RouteOrder) -> bool:
+        return self.state.master not in (None, order.master)
+
+    def stop(self, order: RouteOrder) -> None:
+        """Takes a stop."""
+        if not order.order:
+            self.begin_epoch(EpochCause.STOP)
+        elif self._takes_over(order):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        if order.order:
+            self.state = replace(self.state, master=order.master, order=order.order)
+        self.state = replace(self.state, route_id=order.route_id, first=self.state.done, edges=(),
+                             phase=Phase.STOPPED, reason=NO_REASON)
+
+    def take(self, order: RouteOrder, done: int) -> None:
+        """Takes a route.
+
+        done -- number of the edge on which the vehicle is, as in the judgement
+        """
+        if self._takes_over(order):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        self.state = replace(
+            self.state, master=order.master, order=order.order, done=done, route_id=order.route_id,
+            first=order.first, edges=order.edges, reason=NO_REASON,
+            phase=Phase.RUNNING if done < order.end else Phase.COMPLETE)
+
+    def refuse(self, order: RouteOrder, reason: Reason) -> RouteRefusal:
+        """Refuses a route. Returns the message for people."""
+        if order.order and not self._takes_over(order) and order.order > self.state.refused:
+            self.state = replace(self.state, master=order.master, refused=order.order,
+                                 refusal=reason)
+        return RouteRefusal(order.route_id, order.edges, reason, order.order)
+
+    # -- the route --------------------------------------------------------------------------------
+
+    def complete(self, completed: int) -> None:
+        """Counts the edges of the running route that are driven."""
+        state = self.state
+        done = min(max(state.first + completed, state.done), state.first + len(state.edges))
+        if state.is_running and done != state.done:
+            self.state = replace(state, done=done, phase=Phase.RUNNING if (
+                done < state.first + len(state.edges)) else Phase.COMPLETE)
+
+    def fail(self, reason: Reason) -> None:
+        """Ends a running route."""
+        if self.state.is_running:
+            self.state = replace(self.state, phase=Phase.FAILED, reason=reason)
+
+    def begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
+        """Begins a new epoch: no order that is on its way is obeyed any more.
+
+        reason -- why a running route fails
+        """
+        if self.state.is_running:
+            self.fail(reason)
+        self.state = replace(self.state, epoch=self._draw(), cause=cause, order=0, refused=0,
+                             refusal=NO_REASON)
+
+    # -- reports ----------------------------------------------------------------------------------
+
+    def report(self, stamp: int, pose: SymbolicPose, location: Optional[Location], motion: Motion,
+               reason: Reason = NO_REASON) -> RouteReport:
+        """Returns the next report.
+
+        stamp, pose, location -- the vehicle's place, and when it was there
+        reason -- why a stop is not obeyed yet
+        """
+        number = min(max(self.state.report + 1, self._clock()), LARGEST_NUMBER)
+        state = self.state = replace(self.state, report=number)
+        return RouteReport(
+            stamp, state.route_id, state.edges,
+            edge_states(state.edges, state.completed, state.phase), pose, state.reason or reason,
+            location, state.epoch, state.cause, state.master or '', state.order, state.refused,
+            state.refusal, state.first, motion, number)
+
+
+def _wrong(order: RouteOrder) -> Reason:
+    """Returns why a route with a number can never be driven; no reason: it can."""
+    if not order.known_epoch:
+        return Reason(ReasonCode.OVERRULED, 'it has a number, but does not name the epoch in which '
+                                            'it was decided (known_epoch)')
+    if order.end > LARGEST_RECORD_NUMBER:
+        return Reason(ReasonCode.WRONG_ROUTE, f'its first edge has the number {order.first}: '
+                                              'record numbers end before that')
+    return NO_REASON
