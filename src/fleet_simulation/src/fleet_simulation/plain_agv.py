@@ -1,23 +1,33 @@
 """A simple AGV for tests of the supervisor. It obeys orders as the route protocol requires.
 
-It shares no code with `agv_sim`. Therefore a mistake in one cannot hide a mistake in the other.
+It shares no code with `agv_sim`, nor with `route_protocol.vehicle`. Therefore a mistake in one
+cannot hide a mistake in the other.
 """
 from __future__ import annotations
 
+import math
 from dataclasses import replace
-from typing import List, Optional, Tuple
+from itertools import count
+from typing import Iterator, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking.reports import Pose, Report
+from graph_fleet_manager.interlocking.reports import Pose
+from graph_fleet_manager.interlocking.route_client import ME
+from route_protocol.master import Order
 from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
+    OVERRULED,
     EdgeState,
+    EpochCause,
     Location,
+    Motion,
     Phase,
     Reason,
     ReasonCode,
     RouteRefusal,
+    RouteReport,
+    SymbolicPose,
 )
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
@@ -26,7 +36,7 @@ CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 
 _AT_END = 1e-6  # m
 _NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
-_JUST_LEFT = 0.5  # m past a vertex within which a route may begin with the edge before the vertex
+_EPOCHS: Iterator[int] = count(10 ** 6)
 
 
 class Agv:
@@ -39,8 +49,9 @@ class Agv:
     off_graph -- if True, it refuses orders and reports no pose
     near      -- m from a vertex within which it counts as standing there; if a test changes it, a
                  route near a vertex must begin with an edge that leads away from the vertex
-    braking   -- m that it needs to stop
-    aside     -- m in x and y by which a person pushed it off its edge; it then reports x, y, too
+    braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
+    aside     -- m by which it stands to the left of its edge
+    moved     -- s for which it still counts as moved by somebody else
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
@@ -49,13 +60,19 @@ class Agv:
         """Signed id of the edge on which the AGV is."""
         self.arc = 0.0
         """m from the start of this edge to the AGV."""
+        self.epoch, self.cause = next(_EPOCHS), EpochCause.RESTART
+        self.taken = self.refused = 0
+        """Numbers of the last order that it took, and of the highest that it refused."""
+        self.refusal = NO_REASON
         self.route_id = 0
+        self.first = 0
+        """Number of the first of `edges` in its route record."""
         self.edges: Tuple[int, ...] = ()
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = NO_REASON
-        self._refused: Optional[RouteRefusal] = None
-        self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
+        self.told = 0
+        """Number of its last report."""
         self.stalled = 0.0
         self.emergency = False
         self.off_graph = False
@@ -63,64 +80,105 @@ class Agv:
         self.refusing = 0
         self.near = _NEAR
         self.braking = 0.0
-        self.aside = 0.0, 0.0
+        self.aside = 0.0
+        self.moved = 0.0
+        self.master = ''
         self.travelled = 0.0
         self.visited: List[int] = [vertex]
         """Ids of the visited vertices, in order."""
+        self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
+        self._rolls = 0.0     # m that it still rolls on without a route
 
     @property
     def position(self) -> Tuple[float, float]:
         """The position x, y in m, in the frame of the graph."""
-        x, y = self.graph.curve(self.edge).point_at(self.arc)
-        return float(x) + self.aside[0], float(y) + self.aside[1]
+        curve = self.graph.curve(self.edge)
+        x, y = curve.point_at(self.arc)
+        if not self.aside:
+            return float(x), float(y)
+        near = min(self.arc + 0.01, curve.length), min(self.arc + 0.01, curve.length) - 0.01
+        (u, v), (p, q) = curve.point_at(near[0]), curve.point_at(near[1])
+        step = math.hypot(u - p, v - q)
+        return (float(x) - self.aside * float(v - q) / step,
+                float(y) + self.aside * float(u - p) / step)
 
     @property
     def is_driving(self) -> bool:
-        """Whether the AGV has a route that is not finished."""
-        return self.phase is Phase.RUNNING
+        """Whether the AGV has a route that is not finished, or still rolls without one."""
+        return self.phase is Phase.RUNNING or self._rolls > 0.0
+
+    @property
+    def motion(self) -> Motion:
+        """What it does."""
+        if self.moved > 0.0:
+            return Motion.MOVED
+        if self.phase is Phase.RUNNING:
+            return Motion.ON_ROUTE
+        return Motion.COMING_TO_REST if self._rolls else Motion.STANDING
+
+    @property
+    def done(self) -> int:
+        """Number of the edge under way in its route record."""
+        return self.first + self.current
 
     @property
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        return self.route_id, self.edges, self.current, self.phase, self.reason
+        return (self.epoch, self.taken, self.refused, self.current, self.phase, self.reason,
+                self.motion)
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """Returns no refusals: `order` returns each refusal at once."""
+        """Returns no refusals: `receive` returns each refusal at once."""
         return []
 
     def __str__(self) -> str:
-        return (f'edge {self.edge} at {self.arc:.2f}, route {self.route_id} {self.edges} '
-                f'{self.current} {self.phase.value}')
+        return (f'edge {self.edge} at {self.arc:.2f}, epoch {self.epoch} {self.cause.name} order '
+                f'{self.taken} {self.first} {self.edges} {self.current} {self.phase.value} '
+                f'{self.motion.name} refused {self.refused} {self.refusal}')
 
     # -- orders -----------------------------------------------------------------------------------
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Accepts a new route or a change of the route, or returns the refusal.
+    def ignores(self, order: Order) -> bool:
+        """Whether it would neither obey nor drive this order if it came now."""
+        return bool(order.number) and order.number <= max(self.taken, self.refused) or bool(
+            order.edges) and order.epoch != self.epoch
 
-        A repeated order gets the same answer again.
-        """
-        if not edges:
-            self.forget()
-            self.route_id = route_id
+    def receive(self, order: Order) -> Optional[RouteRefusal]:
+        """Takes an order, or returns its refusal. A repeated order has no effect."""
+        if order.number and order.number <= max(self.taken, self.refused):
             return None
-        if (route_id, edges) == (self.route_id, self.edges):
+        if not order.edges:
+            self._lose_route()
+            first = self.done if self.taken or not order.number else order.first
+            self.route_id, self.first, self.edges, self.current = order.route_id, first, (), 0
+            self.phase, self.reason = Phase.STOPPED, NO_REASON
+            if order.number:
+                self.taken, self.master = order.number, ME
+            else:
+                self.begin_epoch(EpochCause.STOP)
             return None
-        if not self.has_refused(route_id, edges):
-            reason = self._take_up(route_id, edges)
-            self._refused = RouteRefusal(route_id, edges, reason) if reason else None
-        return self._refused
+        if self._rolls:
+            return None  # it answers when it stands
+        reason = OVERRULED if order.epoch != self.epoch else self._take_up(order)
+        return self.refuse(order, reason) if reason else None
 
-    def refuse(self, route_id: int, edges: Tuple[int, ...], reason: Reason) -> RouteRefusal:
+    def refuse(self, order: Order, reason: Reason) -> RouteRefusal:
         """Returns the refusal of an order by the AGV's computer; a repetition is refused, too."""
-        self._refused = RouteRefusal(route_id, edges, reason)
-        return self._refused
+        self.refused, self.refusal = max(self.refused, order.number), reason
+        self.master = ME
+        return RouteRefusal(order.route_id, order.edges, reason, order.number)
 
-    def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
-        """Whether this order is the last one that was refused; it would be refused again."""
-        refused = self._refused
-        return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
+    def begin_epoch(self, cause: EpochCause) -> None:
+        """Obeys no order any more that is on its way."""
+        self.epoch, self.cause = next(_EPOCHS), cause
+        self.taken = self.refused = 0
+        self.refusal = NO_REASON
 
-    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> Reason:
+    def _lose_route(self) -> None:
+        if self.phase is Phase.RUNNING and not self.stalled:
+            self._rolls = self.braking
+
+    def _take_up(self, order: Order) -> Reason:
         if self.emergency:
             return EMERGENCY_STOP
         if self.off_graph:
@@ -129,61 +187,57 @@ class Agv:
             self.refusing -= 1
             return Reason(ReasonCode.OTHER, 'the test makes the robot refuse')
         try:
-            check_route(self.graph, edges)
+            check_route(self.graph, order.edges)
         except TrajectoryGraphError as error:
             return Reason(ReasonCode.WRONG_ROUTE, str(error))
-        if route_id == self.route_id and self.phase is not Phase.STOPPED:
-            if self.phase is Phase.FAILED:
-                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} has failed')
-            kept = self.edges[:self.current + 1]
-            if edges[:len(kept)] != kept:
-                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} must begin with its '
-                                                       'completed edges and the current one')
-            if edges == kept and self._cannot_brake():
+        skipped = self.done - order.first if self.taken else 0
+        if not 0 <= skipped <= len(order.edges):
+            return Reason(ReasonCode.WRONG_CHANGE, 'its record numbers do not fit')
+        rest = order.edges[skipped:]
+        if self.phase is Phase.RUNNING and self.taken:
+            if rest[:1] != self.edges[self.current:self.current + 1]:
+                return Reason(ReasonCode.WRONG_CHANGE, 'it must go on with the edge under way')
+            if len(rest) == 1 and self._cannot_brake():
                 return CANNOT_BRAKE
-            if self.phase is Phase.COMPLETE and self.current < len(edges):
-                self.edge, self.arc = edges[self.current], 0.0
-        else:
-            begun = self._beginning(edges)
+        elif rest:
+            begun = self._beginning(rest)
             if begun is None:
                 return Reason(ReasonCode.STARTS_ELSEWHERE,
-                              f'edge {edges[0]} does not start where the robot is')
-            if edges[begun[0]:] == (self.edge,) and self._cannot_brake():
-                return CANNOT_BRAKE
-            self.current, edge, arc = begun
+                              f'edge {rest[0]} does not start where the robot is')
+            edge, arc = begun
             self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
             if not self._to_begin:
                 self.edge, self.arc = edge, arc
-        self.route_id, self.edges = route_id, edges
-        self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
+        elif self.phase is not Phase.COMPLETE:
+            return Reason(ReasonCode.WRONG_CHANGE, 'it ends before the place where it stands')
+        self.taken, self.master, self.route_id = order.number, ME, order.route_id
+        self.first, self.edges, self.current = order.first, order.edges, skipped
+        self.phase = Phase.RUNNING if rest else Phase.COMPLETE
         self.reason = NO_REASON
         self.drive(0.0)
         return NO_REASON
 
-    def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, float]]:
-        """Returns where a new route begins: index of the edge, the edge, and m from its start.
+    def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, float]]:
+        """Returns where a new route begins: the edge, and m from its start.
 
         Returns None if the route does not begin where the AGV is.
         """
         first = edges[0]
         length = self.graph.curve(self.edge).length
         if first == self.edge and (length - self.arc > self.near or self.near == _NEAR):
-            return 0, first, self.arc
+            return first, self.arc
         if first == -self.edge and (self.arc > self.near or self.near == _NEAR):
-            return 0, first, length - self.arc
+            return first, length - self.arc
         start = self.graph.start_vertex(first).id
         if self.arc <= self.near and start == self.graph.start_vertex(self.edge).id:
-            return 0, first, 0.0
+            return first, 0.0
         if length - self.arc <= self.near and start == self.graph.end_vertex(self.edge).id:
-            return 0, first, 0.0
-        driven = self.edges[self.current - 1] if 0 < self.current < len(self.edges) else 0
-        if first == driven and edges[1:2] == (self.edge,) and self.arc <= _JUST_LEFT:
-            return 1, self.edge, self.arc
+            return first, 0.0
         return None
 
     def _cannot_brake(self) -> bool:
         """Whether the AGV would drive on to another edge and is too near this one's end to stop."""
-        return (self.is_driving and self.current + 1 < len(self.edges)
+        return (self.phase is Phase.RUNNING and self.current + 1 < len(self.edges)
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
@@ -207,19 +261,22 @@ class Agv:
             self.visited.append(vertex)
 
     def _drive(self, seconds: float) -> None:
+        self.moved = max(self.moved - seconds, 0.0)
         stalled = min(self.stalled, seconds)
         self.stalled -= stalled
         seconds -= stalled
-        if self.emergency and self.is_driving:
+        if self.emergency and self.phase is Phase.RUNNING:
             self.fail(EMERGENCY_STOP)
-        if self.is_driving and self._to_begin:
+        if self.phase is Phase.RUNNING and self._to_begin:
             back = min(seconds * self._speed(), self._to_begin)
             seconds -= back / self._speed()
             self.arc, self._to_begin = self.arc - back, self._to_begin - back
             if self._to_begin > _AT_END:
                 return
             self._to_begin, self.edge, self.arc = 0.0, self.edges[self.current], 0.0
-        while self.is_driving:
+        if self._rolls:
+            self._roll(seconds)
+        while self.phase is Phase.RUNNING:
             self.edge = self.edges[self.current]
             length, speed = self.graph.curve(self.edge).length, self._speed()
             step = min(seconds * speed, length - self.arc)
@@ -241,26 +298,46 @@ class Agv:
         speed = edge.velocity_forward if self.edge > 0 else edge.velocity_backwards
         return self.pace * (self.kind.drives_at(speed) or self.kind.speed)
 
+    def _roll(self, seconds: float) -> None:
+        """Rolls on along the edge, at most to its end, after the loss of its route."""
+        step = min(seconds * self._speed(), self._rolls,
+                   self.graph.curve(self.edge).length - self.arc)
+        self.arc, self.travelled = self.arc + step, self.travelled + step
+        self._rolls = self._rolls - step if step else 0.0
+        if self._rolls < _AT_END:
+            self._rolls = 0.0
+
     def forget(self) -> None:
-        """Switches the AGV off and on again: it stands where it is and has no route."""
+        """Switches the AGV off and on again: it stands where it is and has no memory."""
         self.route_id, self.edges, self.current, self._to_begin = 0, (), 0, 0.0
+        self.first, self._rolls, self.master = 0, 0.0, ''
         self.phase, self.reason = Phase.STOPPED, NO_REASON
+        self.begin_epoch(EpochCause.RESTART)
 
     def fail(self, reason: Reason) -> None:
         """Lets a running route fail for this reason."""
         if self.phase is Phase.RUNNING:
+            self._lose_route()
             self.phase, self.reason = Phase.FAILED, reason
+            self._to_begin = 0.0
+        cause = _CAUSES.get(reason.code)
+        if cause is not None:
+            self.begin_epoch(cause)
 
     # -- reports ----------------------------------------------------------------------------------
 
-    def report(self, stamp: float) -> Report:
-        """Returns the AGV's report, with this stamp."""
+    def report(self, stamp: float) -> RouteReport:
+        """Returns the AGV's next report, with this stamp (s)."""
         rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
         states = ((EdgeState.COMPLETE,) * self.current
                   + (rest,) * (len(self.edges) - self.current))
-        location = Location(*self.position, 0.0) if any(self.aside) else None
-        return Report(self.route_id, self.edges, states, self._pose(), self.reason, stamp,
-                      location=location)
+        self.told += 1
+        pose = self._pose()
+        return RouteReport(
+            round(1e9 * stamp), self.route_id, self.edges, states,
+            SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
+            None if self.off_graph else Location(*self.position, math.nan), self.epoch, self.cause,
+            self.master, self.taken, self.refused, self.refusal, self.first, self.motion, self.told)
 
     def _pose(self) -> Pose:
         if self.off_graph:
@@ -270,9 +347,14 @@ class Agv:
             return Pose(self.edges[self.current], 0.0)
         if self.phase is Phase.RUNNING:
             return Pose(self.edge, min(fraction, 0.999))
-        if self.phase is Phase.COMPLETE:
+        if self.phase is Phase.COMPLETE and self.edges:
             return Pose(self.edges[-1], 1.0)
         return Pose(abs(self.edge), fraction if self.edge > 0 else 1.0 - fraction)
+
+
+_CAUSES = {
+    ReasonCode.TAKEN_OVER: EpochCause.OTHER_GIVER, ReasonCode.LOST_LINK: EpochCause.LOST_LINK,
+    ReasonCode.EMERGENCY_STOP: EpochCause.EMERGENCY_STOP}
 
 
 class LostLink:
@@ -285,29 +367,51 @@ class LostLink:
         self._agv = agv
         self._commands_only = commands_only
         last = agv.report(now)
-        failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
-        self._told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
-                            reason=LOST_LINK if failed else last.reason)
-        self._stop: Optional[int] = None
+        failed = (EdgeState.FAILED,) * (len(last.edges) - last.completed)
+        had_route = agv.phase is Phase.RUNNING
+        self._told = replace(
+            last, states=last.states[:len(last.states) - len(failed)] + failed if had_route
+            else last.states, reason=LOST_LINK if had_route else last.reason,
+            motion=Motion.COMING_TO_REST if had_route else last.motion)
+        if had_route:
+            self._told = replace(self._told, epoch=next(_EPOCHS), cause=EpochCause.LOST_LINK,
+                                 order=0, refused=0, refusal=NO_REASON)
+        self._stop: Optional[Order] = None
 
-    def report(self, now: float) -> Report:
+    def report(self, now: float) -> RouteReport:
         """Returns the computer's report on the robot at the time `now`."""
-        return replace(self._told, stamp=now) if self._commands_only else self._told
+        self._agv.told += 1
+        told = replace(self._told, number=self._agv.told)
+        if not self._commands_only:
+            return told
+        seen = self._agv.report(now)
+        return replace(told, stamp=seen.stamp, pose=seen.pose, location=seen.location,
+                       number=self._agv.told)
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+    def receive(self, order: Order) -> Optional[RouteRefusal]:
         """Keeps a stop until the link is back; refuses each other order."""
-        if edges:
-            same = (route_id, edges) == (self._told.route_id, self._told.edges)
-            return None if same else self._agv.refuse(
-                route_id, edges, Reason(ReasonCode.LOST_LINK, 'the link is down'))
-        self._stop = route_id
-        self._told = replace(self._told, route_id=route_id, edges=(), states=(),
-                            reason=Reason(ReasonCode.STOP_OWED, 'the robot has not obeyed the '
-                                                                'stop yet: the link is down'))
+        told = self._told
+        if order.number and order.number <= max(told.order, told.refused):
+            return None
+        if order.edges:
+            reason = Reason(ReasonCode.LOST_LINK, 'the link is down')
+            self._told = replace(told, refused=order.number, refusal=reason, master=ME)
+            return RouteRefusal(order.route_id, order.edges, reason, order.number)
+        self._stop = order
+        first = told.done if told.order else order.first
+        self._told = replace(told, order=order.number, master=ME, first=first, edges=(),
+                             states=(), reason=Reason(ReasonCode.STOP_OWED,
+                                                      'the robot has not obeyed the stop yet: '
+                                                      'the link is down'),
+                             motion=Motion.COMING_TO_REST)
         return None
 
     def end(self) -> None:
         """Restores the link: the robot's route fails, and the robot gets the owed stop."""
-        self._agv.fail(LOST_LINK)
+        agv, told = self._agv, self._told
+        agv.fail(LOST_LINK)
+        agv.epoch, agv.cause = told.epoch, told.cause
+        agv.taken, agv.refused, agv.refusal = told.order, told.refused, told.refusal
         if self._stop is not None:
-            self._agv.order(self._stop, ())
+            agv.first, agv.edges, agv.current = told.first, (), 0
+            agv.phase, agv.reason = Phase.STOPPED, NO_REASON
