@@ -8,8 +8,9 @@ from typing import List, Optional, Tuple
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking.reports import Pose, Report
-from route_protocol.values import RouteOrder, RouteRefusal
+from graph_fleet_manager.interlocking.route_client import ME
+from route_protocol.master import Order
+from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 _EVER = 1e9  # s
@@ -78,11 +79,12 @@ class DrivenRobot:
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
                  mechanics: Mechanics, delays: Delays, random: Random, charge: float) -> None:
-        self.graph, self.kind = graph, kind
+        self.graph, self.kind, self._random = graph, kind, random
         self.vehicle = Vehicle(name, graph, vertex, mechanics.limits(kind), kind.obeys_edge_speed,
-                               kind.docks or (), 100.0 * charge)
+                               kind.docks or (), 100.0 * charge,
+                               lambda: self._random.getrandbits(62) + 1)
         self.travelled = 0.0
-        self._mechanics, self._delays, self._random = mechanics, delays, random
+        self._mechanics, self._delays = mechanics, delays
         self._refusals: List[RouteRefusal] = []
         self._edge: Tuple[Optional[int], int] = (None, -1)
         self._now = self._stands_until = 0.0
@@ -138,9 +140,11 @@ class DrivenRobot:
             self._stands_until = self._now + seconds
             self.vehicle.stall(seconds)
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+    def receive(self, order: Order) -> Optional[RouteRefusal]:
         """Gives the robot an order; returns None, `late_refusals` returns its refusal."""
-        self.vehicle.handle(RouteOrder(route_id, edges))
+        self.vehicle.handle(RouteOrder(
+            order.route_id, order.edges, known_epoch=order.epoch, order=order.number,
+            first=order.first, master=ME))
         return None
 
     def late_refusals(self) -> List[RouteRefusal]:
@@ -148,20 +152,15 @@ class DrivenRobot:
         return [message for message in self.vehicle.take_messages()
                 if isinstance(message, RouteRefusal)]
 
-    def report(self, stamp: float) -> Report:
-        """Returns the robot's report, with this stamp."""
-        told = self.vehicle.report()
-        return Report(told.route_id, told.edges, told.states,
-                      Pose(told.pose.edge, told.pose.percentage / 100.0), told.reason, stamp,
-                      location=told.location)
+    def report(self, stamp: float) -> RouteReport:
+        """Returns the robot's report, with this stamp (s)."""
+        return replace(self.vehicle.report(), stamp=round(stamp * _NANO))
 
     @property
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        route = self.vehicle.route
-        return route and (route.order.route_id, route.order.edges, route.completed, route.phase,
-                          route.reason)
+        return replace(self.vehicle.state, report=0), self.vehicle.motion
 
     def __str__(self) -> str:
         drive = self.vehicle.drive
-        return f'{drive.path} {drive.index} at {drive.arc:.2f}, {self.vehicle.route}'
+        return f'{drive.path} {drive.index} at {drive.arc:.2f}, {self.vehicle.state}'

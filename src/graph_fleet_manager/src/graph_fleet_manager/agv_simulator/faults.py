@@ -5,7 +5,7 @@ import math
 from typing import Callable, Dict, List, NamedTuple, Sequence
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
-from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
+from route_protocol.values import Reason, ReasonCode
 from trajectory_graph import UnknownVertex
 
 ON_DEMAND = Reason(ReasonCode.OTHER, 'fault on demand')
@@ -45,7 +45,7 @@ FAULTS: Dict[str, Fault] = {
     'join': Fault('is switched on, without memory of its route', [], Vehicle.join),
     'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
     'takeover': Fault('another program drives it: its route fails with "taken over"', [],
-                      lambda vehicle: vehicle.fail(TAKEN_OVER)),
+                      Vehicle.take_over),
     'estop': Fault('emergency stop: brakes hard, the route fails', [],
                    Vehicle.press_emergency_stop),
     'release': Fault('ends the emergency stop', [], Vehicle.release_emergency_stop),

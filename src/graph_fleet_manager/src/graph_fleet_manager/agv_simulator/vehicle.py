@@ -2,25 +2,31 @@
 from __future__ import annotations
 
 import math
-from typing import Collection, List, Optional, Tuple, Union
+import secrets
+from dataclasses import replace
+from typing import Callable, Collection, List, Optional, Tuple, Union
 
 from graph_fleet_manager.agv_simulator.battery import SimulatedBattery
 from graph_fleet_manager.agv_simulator.drive import ON_PLACE, Drive
 from graph_fleet_manager.agv_simulator.route_rules import (
     NotYet,
-    Route,
+    check_braking,
     check_change,
     check_order,
     find_start,
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
-from route_protocol.order_rules import RouteRefused, is_late
+from route_protocol import vehicle as protocol
+from route_protocol.old_masters import OldMasters
+from route_protocol.order_rules import RouteRefused
 from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
     TAKEN_OVER,
     EdgeState,
+    EpochCause,
     Location,
+    Motion,
     Phase,
     Reason,
     ReasonCode,
@@ -29,13 +35,20 @@ from route_protocol.values import (
     RouteReport,
     SymbolicPose,
 )
+from route_protocol.vehicle import Answer, Judgement, VehicleState
 from trajectory_graph import Graph, change_of, speed_of
 
+MOVED_FOR = 1.0  # s for which it reports that somebody moves it
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')
+
+
+def draw_epoch() -> int:
+    """Returns the number of a new epoch."""
+    return secrets.randbits(63) + 1
 
 
 class Vehicle:
@@ -47,11 +60,15 @@ class Vehicle:
 
     def __init__(self, name: str, graph: Graph, vertex: int,
                  limits: Optional[DriveLimits] = None, obeys_edge_speed: bool = True,
-                 chargers: Collection[int] = (), charge: float = 100.0) -> None:
+                 chargers: Collection[int] = (), charge: float = 100.0,
+                 draw: Callable[[], int] = draw_epoch) -> None:
+        """`draw` returns the number of a new epoch."""
         self.name = name
         self.battery = SimulatedBattery(charge)
-        self.route: Optional[Route] = None
+        self._draw = draw
         self.stamp = 0
+        self.protocol = self._without_memory()
+        self._old_masters = OldMasters()
         self.emergency = False
         self._obeys_edge_speed = obeys_edge_speed
         self._limits = limits or DriveLimits()
@@ -60,48 +77,65 @@ class Vehicle:
         self._time = 0.0
         self._stalled_until = self._slow_until = self._silent_until = 0.0
         self._waiting: Optional[Tuple[RouteOrder, float]] = None
-        self._refused: Optional[Tuple[RouteOrder, Reason]] = None
+        self._moved_until = -math.inf  # by somebody else
         self._reported: object = None
+        self._completed = 0  # number of edges of the route before the path of the drive
         self._messages: List[Union[RouteReport, RouteRefusal]] = []
         self.drive = self._placed(graph, vertex)
+        self._reported = self._news
 
     # --- the interface to the fleet manager -------------------------------------------------------
 
     @property
+    def state(self) -> VehicleState:
+        """Its end of the route protocol."""
+        return self.protocol.state
+
+    @property
     def running(self) -> bool:
         """Whether a route is being driven."""
-        return self.route is not None and self.route.running
+        return self.state.is_running
 
     @property
     def silent(self) -> bool:
         """Whether it neither receives nor reports."""
         return self._time < self._silent_until
 
+    @property
+    def motion(self) -> Motion:
+        """What it does, as it reports."""
+        if self._time < self._moved_until:
+            return Motion.MOVED
+        if self.running:
+            return Motion.ON_ROUTE
+        return Motion.STANDING if self.drive.at_rest else Motion.COMING_TO_REST
+
     def handle(self, order: RouteOrder) -> None:
         """Takes an order."""
         if self.silent:
             return
-        route = self.route
-        if not order.edges:
+        judged = self._judge(order)
+        if judged.answer is Answer.STOP:
             self._waiting = None
-            self.route = Route(order, Phase.STOPPED)
-        elif route and (is_late(order, route.order) or order.is_repeat_of(route.order)):
-            return  # late, or a repetition of the route that it drives
-        elif order.stamp and self._refused and order == self._refused[0]:
-            self._refuse(*self._refused)
-        elif not (self._waiting and order.is_repeat_of(self._waiting[0])):
+            self.protocol.stop(order)
+            self._old_masters.passed(order)
+        elif judged.answer is Answer.REFUSED:
+            self._refuse(order, judged.reason)
+        elif judged.answer is Answer.ROUTE and not (
+                self._waiting and order.is_repeat_of(self._waiting[0])):
             self._waiting = order, self._time + ANSWERED_WITHIN
             self._consider()
         self._report_change()
 
+    def _judge(self, order: RouteOrder) -> Judgement:
+        if order.order or order.is_stop:
+            return self.protocol.judge(order)
+        return self._old_masters.judge(order, self.state, self._time)
+
     def report(self) -> RouteReport:
         """The present report to the fleet manager."""
-        route = self.route
-        if route is None:
-            return RouteReport(self.stamp, 0, (), (), self._symbolic_pose(),
-                               location=Location(*self.pose))
-        return RouteReport(self.stamp, route.order.route_id, route.edges, route.states,
-                           self._symbolic_pose(), route.reason, Location(*self.pose))
+        return self.protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
+                                    self.motion)
 
     def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """Returns the refusals, and the reports of changes, since the last call."""
@@ -117,18 +151,14 @@ class Vehicle:
         """Simulates this time; `stamp` is the stamp of the pose after it."""
         self._time += seconds
         self.stamp = stamp
-        route = self.route
-        if route and route.running and self.battery.charge <= 0.0:
+        if self.running and self.battery.charge <= 0.0:
             self._fail(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
             self.drive.pace = 1.0
         hold = not self.running or self._time < self._stalled_until
         self.drive.advance(seconds, hold, self.emergency)
         self.battery.advance(seconds, not self.drive.at_rest, self.drive.vertex in self._chargers)
-        if route and route.running:
-            route.completed = self.drive.index
-            if self.drive.at_end:
-                route.phase = Phase.COMPLETE
+        self.protocol.complete(self._completed + self.drive.index)
         self._consider()
         self._report_change()
 
@@ -148,7 +178,8 @@ class Vehicle:
 
     def leave(self) -> None:
         """Is switched off: it stands still, and neither receives nor reports."""
-        self.route = self._waiting = self._refused = None
+        self._waiting = None
+        self.protocol, self._old_masters = self._without_memory(), OldMasters()
         self._silent_until = FOREVER
 
     def join(self) -> None:
@@ -161,10 +192,14 @@ class Vehicle:
         self._fail(reason)
         self._report_change()
 
+    def take_over(self) -> None:
+        """Another giver stops it: its route fails, and no order on its way is obeyed."""
+        self._begin_epoch(EpochCause.OTHER_GIVER, TAKEN_OVER)
+
     def press_emergency_stop(self) -> None:
         """Brakes hard; the route fails, and orders are refused until the release."""
         self.emergency = True
-        self.fail(EMERGENCY_STOP)
+        self._begin_epoch(EpochCause.EMERGENCY_STOP, EMERGENCY_STOP)
         self._consider()
 
     def release_emergency_stop(self) -> None:
@@ -176,13 +211,16 @@ class Vehicle:
         x, y, heading = self.pose
         self.drive.speed = 0.0
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
-        self.fail(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
+        self._begin_epoch(EpochCause.OTHER_GIVER, Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
+        self._moved_until = self._time + MOVED_FOR
+        self._report_change()
 
     def put_on(self, vertex: int) -> None:
         """A person puts it onto a vertex; a running route fails. Raises UnknownVertex."""
         drive = self._placed(self.drive.graph, vertex)
-        self._fail(TAKEN_OVER)
+        self.take_over()
         self.drive, self._off_graph = drive, None
+        self._moved_until = self._time + MOVED_FOR
         self._report_change()
 
     def use_graph(self, graph: Graph) -> None:
@@ -221,13 +259,29 @@ class Vehicle:
     def _speeds(self, graph: Graph) -> SpeedLimits:
         return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
 
+    def _without_memory(self) -> protocol.Vehicle:
+        return protocol.Vehicle(self._draw, self._milliseconds)
+
+    def _milliseconds(self) -> int:
+        return self.stamp // 1_000_000
+
+    def _begin_epoch(self, cause: EpochCause, reason: Reason) -> None:
+        self.protocol.begin_epoch(cause, reason)
+        self._old_masters.epoch_began(self._time)
+        self._consider()
+        self._report_change()
+
     def _consider(self) -> None:
         """Accepts or refuses the waiting order as soon as it can be judged or is too old."""
         if self._waiting is None:
             return
         order, give_up = self._waiting
+        judged = self._judge(order)
         try:
-            self._take_up(order)
+            if judged.answer is Answer.REFUSED:
+                raise RouteRefused(judged.reason)
+            if judged.answer is Answer.ROUTE:
+                self._take_up(order, judged)
         except NotYet:
             if self._time < give_up:
                 return
@@ -237,45 +291,60 @@ class Vehicle:
             self._refuse(order, refusal.reason)
         self._waiting = None
 
-    def _take_up(self, order: RouteOrder) -> None:
+    def _take_up(self, order: RouteOrder, judged: Judgement) -> None:
         if self.emergency:
             raise RouteRefused(EMERGENCY_STOP)
         check_order(order, self.drive)
         if self._off_graph is not None:
             raise RouteRefused(Reason(ReasonCode.OFF_GRAPH, 'the vehicle is off the graph'))
-        route = self.route
-        if route is not None and route.is_changed_by(order):
-            if route.edges and not self.drive.path:
+        state, rest, skipped = self.state, judged.rest, judged.done - order.first
+        if not order.order and OldMasters.changes_route(order, state):
+            if state.edges and not self.drive.path:
                 raise RouteRefused(_GRAPH_CHANGED)
-            check_change(route, order, self.drive)
-            self.drive.follow(order.edges, self.drive.index, self.drive.arc)
-            route.order = order
-            route.phase = Phase.COMPLETE if self.drive.at_end else Phase.RUNNING
+            check_change(order, state)
+            skipped = state.completed
+            rest = order.edges[skipped:]
+        if not order.order and not OldMasters.changes_route(order, state):
+            skipped = 0
+        if state.is_running and judged.goes_on:
+            arc = self.drive.arc
+            check_braking(rest, self.drive, 0, arc)
+            index = 0
+        elif rest:
+            index, arc = find_start(rest, state, self.drive)
         else:
-            index, arc = find_start(order, route, self.drive)
-            self.drive.follow(order.edges, index, arc)
-            self.route = Route(order, completed=index)
+            index, arc = 0, 0.0
+        numbered = order if order.order else self._old_masters.numbered(order, state)
+        if rest:
+            self.drive.follow(rest, index, arc)
+        self._completed = skipped
+        self.protocol.take(numbered, numbered.first + skipped + index)
+        self._old_masters.passed(order)
 
     def _refuse(self, order: RouteOrder, reason: Reason) -> None:
-        """Sends a refusal, and also a report if the id is not that of the route in the reports."""
-        self._refused = order, reason
-        self._messages.append(RouteRefusal(order.route_id, order.edges, reason))
-        if self.route is None or self.route.order.route_id != order.route_id:
-            self._messages.append(RouteReport(
-                self.stamp, order.route_id, order.edges, (EdgeState.FAILED,) * len(order.edges),
-                self._symbolic_pose(), reason, Location(*self.pose)))
+        """Sends a refusal. A master without numbers gets a report with the order's id, too."""
+        if not order.order:
+            self._old_masters.refused(order, reason)
+        self._messages.append(self.protocol.refuse(order, reason))
+        if not order.order and self.state.route_id != order.route_id:
+            report = self.report()
+            self._messages.append(replace(
+                report, route_id=order.route_id, edges=order.edges, reason=reason,
+                states=(EdgeState.FAILED,) * len(order.edges)))
 
     def _fail(self, reason: Reason) -> None:
-        if self.route is not None and self.route.running:
-            self.route.phase, self.route.reason = Phase.FAILED, reason
+        self.protocol.fail(reason)
 
     def _report_change(self) -> None:
         """Appends a report if the route, its states or its reason have changed."""
-        route = self.route
-        now = route and (route.order.route_id, route.edges, route.states, route.reason)
-        if now != self._reported:
-            self._reported = now
+        if self._news != self._reported:
+            self._reported = self._news
             self._messages.append(self.report())
+
+    @property
+    def _news(self) -> object:
+        """The part of the report that is sent at once when it changes."""
+        return replace(self.state, report=0), self.motion
 
     def _symbolic_pose(self) -> SymbolicPose:
         """The edge and percentage: with a route the ordered direction, else the edge forwards."""
@@ -287,6 +356,6 @@ class Vehicle:
             leaving = next(iter(graph.edges_from(drive.vertex)), 0)
             return SymbolicPose(abs(leaving), 100.0 if leaving < 0 else 0.0)
         done = 100.0 if drive.at_end else 100.0 * drive.arc / graph.curve(drive.edge).length
-        if self.route is not None and self.route.phase in (Phase.RUNNING, Phase.COMPLETE):
+        if self.state.edges and self.state.phase in (Phase.RUNNING, Phase.COMPLETE):
             return SymbolicPose(drive.edge, done if drive.at_end else min(done, MOST))
         return SymbolicPose(abs(drive.edge), done if drive.edge > 0 else 100.0 - done)
