@@ -76,7 +76,8 @@ class ObedientAgv(RuleBasedStateMachine):
     def order_the_same_again(self) -> None:
         before = self.vehicle.report()
         self.vehicle.handle(self.order)
-        if (self.order.route_id, self.order.edges) == (before.route_id, before.edges):
+        if self.order.edges and (self.order.route_id, self.order.edges) == (
+                before.route_id, before.edges):
             assert self.vehicle.take_messages() == []
         self._listen()
 

@@ -18,6 +18,7 @@ from omron_ld90.bridge.events import (
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotStatus
+from route_protocol.values import EpochCause
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
@@ -33,6 +34,7 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
+_CAUSES: Dict[int, EpochCause] = {int(cause): cause for cause in EpochCause}
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 
 
@@ -57,7 +59,8 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
-                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT))
+                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
+                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER))
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
