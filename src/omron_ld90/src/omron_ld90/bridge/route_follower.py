@@ -45,7 +45,7 @@ from route_protocol.values import (
     RouteReport,
     SymbolicPose,
 )
-from route_protocol.vehicle import Answer, Vehicle
+from route_protocol.vehicle import Answer, Vehicle, VehicleState
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
 _CAUSES = {
@@ -122,9 +122,9 @@ class RouteFollower:
         The bridge continues a route that was running, unless it did not run for too long.
         """
         order = RouteOrder(record.route_id, record.edges, record.stamp,
-                           order=record.protocol.order if record.protocol else 0)
-        if is_recent and record.protocol is not None:
-            self.vehicle = Vehicle(self._draw, self._clock, record.protocol)
+                           order=record.protocol.order if (
+                               record.protocol and record.protocol.master) else 0)
+        self.vehicle = Vehicle(self._draw, self._clock, self._remembered(record, is_recent))
         self._base = record.base
         self.route = RouteRun(order, self.settings, self.robot.tracker, self.robot.location, None,
                               now, record.phase, record.completed)
@@ -136,6 +136,7 @@ class RouteFollower:
         if record.phase is Phase.RUNNING and not is_recent:
             self.route.phase = Phase.FAILED
             self.route.reason = Reason(ReasonCode.RESTARTED, 'the bridge was away for too long')
+            self.vehicle.fail(self.route.reason)
             owes_stop = True
         if self.route.phase is not Phase.COMPLETE:
             self._judge.route_lost()
@@ -143,6 +144,16 @@ class RouteFollower:
             self.robot.stop_duty.require(record.epoch)
         if self.route.phase in (Phase.RUNNING, Phase.COMPLETE):
             self._restored = (record, now + self.settings.restart_timeout)
+
+    def _remembered(self, record: p.RouteRecord, is_recent: bool) -> VehicleState:
+        """The protocol's state before a restart. Numbers of long ago do not count any more."""
+        if is_recent and record.protocol is not None:
+            return record.protocol
+        shown = record.protocol or VehicleState(
+            0, done=record.base + record.completed, route_id=record.route_id, first=record.base,
+            edges=record.edges, phase=record.phase, reason=record.reason)
+        return replace(shown, epoch=self._draw(), cause=EpochCause.RESTART, master=None, order=0,
+                       refused=0, refusal=NO_REASON)
 
     @property
     def running(self) -> bool:
