@@ -34,7 +34,12 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
-_CAUSES: Dict[int, EpochCause] = {int(cause): cause for cause in EpochCause}
+# For the fleet manager, STOP is a stop on its own way that came past it.
+_CAUSES: Dict[int, EpochCause] = {
+    Motion.OTHER_GIVER: EpochCause.OTHER_GIVER, Motion.STOP: EpochCause.OTHER_GIVER,
+    Motion.CANCEL: EpochCause.CANCEL, Motion.OTHER_CLIENT: EpochCause.OTHER_CLIENT,
+    Motion.ROBOT: EpochCause.ROBOT, Motion.EMERGENCY_STOP: EpochCause.EMERGENCY_STOP,
+    Motion.RESTART: EpochCause.RESTART}
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 
 
