@@ -35,6 +35,7 @@ LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
 CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 
 _AT_END = 1e-6  # m
+_TREMBLE = 0.05  # m by which the location of a standing AGV may change
 _NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
 _EPOCHS: Iterator[int] = count(10 ** 6)
 
@@ -88,6 +89,8 @@ class Agv:
         """Ids of the visited vertices, in order."""
         self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
         self._rolls = 0.0     # m that it still rolls on without a route
+        self._stayed: Optional[Tuple[float, float]] = None  # where it was at its last report
+        self._drove = False
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -125,7 +128,7 @@ class Agv:
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
         return (self.epoch, self.taken, self.refused, self.current, self.phase, self.reason,
-                self.motion)
+                self.motion, self.unready)
 
     def late_refusals(self) -> List[RouteRefusal]:
         """Returns no refusals: `receive` returns each refusal at once."""
@@ -261,6 +264,7 @@ class Agv:
             self.visited.append(vertex)
 
     def _drive(self, seconds: float) -> None:
+        self._drove |= self.is_driving
         self.moved = max(self.moved - seconds, 0.0)
         stalled = min(self.stalled, seconds)
         self.stalled -= stalled
@@ -332,12 +336,31 @@ class Agv:
         states = ((EdgeState.COMPLETE,) * self.current
                   + (rest,) * (len(self.edges) - self.current))
         self.told += 1
+        self._notice_motion()
         pose = self._pose()
         return RouteReport(
             round(1e9 * stamp), self.route_id, self.edges, states,
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
             None if self.off_graph else Location(*self.position, math.nan), self.epoch, self.cause,
-            self.master, self.taken, self.refused, self.refusal, self.first, self.motion, self.told)
+            self.master, self.taken, self.refused, self.refusal, self.first, self.motion, self.told,
+            self.unready)
+
+    @property
+    def unready(self) -> ReasonCode:
+        """Why it would refuse each route now."""
+        if self.emergency:
+            return ReasonCode.EMERGENCY_STOP
+        return ReasonCode.OFF_GRAPH if self.off_graph else ReasonCode.NONE
+
+    def _notice_motion(self) -> None:
+        """If it moves without its own drive, somebody moves it, until it stays for a second."""
+        here = self.position
+        if self._stayed is not None and not self._drove and (
+                math.dist(here, self._stayed) > _TREMBLE):
+            self.moved = 1.0
+        elif not self._drove and self._stayed is not None:
+            return
+        self._stayed, self._drove = here, self.is_driving
 
     def _pose(self) -> Pose:
         if self.off_graph:
@@ -372,7 +395,8 @@ class LostLink:
         self._told = replace(
             last, states=last.states[:len(last.states) - len(failed)] + failed if had_route
             else last.states, reason=LOST_LINK if had_route else last.reason,
-            motion=Motion.COMING_TO_REST if had_route else last.motion)
+            motion=Motion.COMING_TO_REST if had_route else Motion.UNKNOWN,
+            unready=ReasonCode.LOST_LINK)
         if had_route:
             self._told = replace(self._told, epoch=next(_EPOCHS), cause=EpochCause.LOST_LINK,
                                  order=0, refused=0, refusal=NO_REASON)

@@ -135,7 +135,13 @@ class Vehicle:
     def report(self) -> RouteReport:
         """The present report to the fleet manager."""
         return self.protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
-                                    self.motion)
+                                    self.motion, unready=self._unready)
+
+    @property
+    def _unready(self) -> ReasonCode:
+        if self.emergency:
+            return ReasonCode.EMERGENCY_STOP
+        return ReasonCode.NONE if self._off_graph is None else ReasonCode.OFF_GRAPH
 
     def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """Returns the refusals, and the reports of changes, since the last call."""
@@ -205,6 +211,7 @@ class Vehicle:
     def release_emergency_stop(self) -> None:
         """Ends the emergency stop: orders are accepted again."""
         self.emergency = False
+        self._report_change()
 
     def push_off_graph(self, metres: float) -> None:
         """A person pushes it to its left, off the graph: its route fails."""
@@ -344,7 +351,7 @@ class Vehicle:
     @property
     def _news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        return replace(self.state, report=0), self.motion
+        return replace(self.state, report=0), self.motion, self._unready
 
     def _symbolic_pose(self) -> SymbolicPose:
         """The edge and percentage: with a route the ordered direction, else the edge forwards."""

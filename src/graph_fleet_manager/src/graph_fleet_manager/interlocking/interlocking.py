@@ -163,7 +163,7 @@ class Interlocking:
 
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
         record, before = robot.client.record, 0
-        start = None if record.ahead else robot.client.start
+        start = None if record.ahead else robot.client.record.position
         for edge in edges:
             begun, is_inside = 0.0, False
             if not before and start is not None:
@@ -374,7 +374,7 @@ def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
     """The edge must join the edge before it, the end of all grants, or the robot's position."""
     record = asked.robot.client.record
-    graph, start = record.graph, asked.robot.client.start
+    graph, start = record.graph, asked.robot.client.record.position
     if asked.before:
         follows = graph.end_vertex(asked.before).id == graph.start_vertex(asked.edge).id
     elif asked.is_inside and start is not None:

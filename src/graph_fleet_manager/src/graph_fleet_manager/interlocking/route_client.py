@@ -83,7 +83,6 @@ class Memory(NamedTuple):
     """The state of a route client that must survive a restart.
 
     position   -- where the robot stands
-    begins_at  -- where its next route begins, if not there
     locations  -- the last two, the newest first, as far as they matter after a restart
     lost       -- areas of edges that the graph in force does not have
     lost_until -- number of the stop after which the robot is seen not to be there
@@ -116,6 +115,7 @@ class Heard:
     cause   -- why a new epoch of the robot began; None: none did
     had_route -- it had a route, or an order for one was on its way
     left    -- it stands, but not where it may be by its orders
+    is_near -- it left that place only along the edge on which it was
     is_located -- the report has a later location than all before
     stands  -- the robot stands, and tells where
     """
@@ -127,6 +127,7 @@ class Heard:
     cause: Optional[EpochCause] = None
     had_route: bool = False
     left: bool = False
+    is_near: bool = False
     is_located: bool = False
     stands: bool = False
     is_older: bool = False
@@ -159,8 +160,8 @@ class RouteClient:
         """The stored place may be an old one, and the robot has not reported its place since."""
         self.is_heard = False
         """Has the robot reported since the start?"""
-        self.begins_at: Optional[GraphPosition] = None
-        """Where the next route begins, if not at the robot's position; both are held."""
+        self._beside: Optional[Point] = None
+        """Where the robot stood when another beginning of its next route was chosen."""
         self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
         self._allocation: Optional[Allocation] = None
 
@@ -209,11 +210,6 @@ class RouteClient:
             not protocol.commands or bool(protocol.unknown))
 
     @property
-    def start(self) -> Optional[GraphPosition]:
-        """Where the next route of a standing robot begins; None: not known."""
-        return self.begins_at or self.record.position
-
-    @property
     def location(self) -> Optional[Point]:
         """The last location, x, y in m."""
         return self.locations[0].point if self.locations else None
@@ -242,7 +238,7 @@ class RouteClient:
         holds = record.holds()
         standing = record.position if record.is_standing else None
         areas = list(self.lost)
-        places = [place for place in (standing, self.begins_at) if place is not None]
+        places = [] if standing is None else [standing]
         vertex = next((place.vertex for place in places if place.vertex is not None), None)
         areas += [Area((place.point(record.graph),)) for place in places if place.vertex is None]
         areas += [one.area(kind) for one in self.locations
@@ -295,8 +291,6 @@ class RouteClient:
         if renew or not self.record.ahead or not self._label:
             self._label = number % _LARGEST_LABEL + 1
         if not self.record.ahead:
-            if self.begins_at is not None:
-                self.record.position = self.begins_at
             self.record.begins_with(edges[0])
         self._set(give_route(self.protocol, number, (*self.record.ahead, *edges), self._label))
 
@@ -336,7 +330,8 @@ class RouteClient:
 
     def begin_at(self, position: GraphPosition) -> None:
         """The next route begins at this position; the robot may stand a little beside it."""
-        self.begins_at = position
+        self._beside = self.location
+        self.record.stand(position)
         self.record.begin_anew()
         self._changed()
 
@@ -365,10 +360,11 @@ class RouteClient:
         heard.is_located = self._locate(report, point, is_covered)
         self.clock_is_off = report.is_ahead
         if protocol.ahead:
-            self.begins_at = None
+            self._beside = None
             record.leave(report.age)
         elif news.stands and (is_covered or is_first or self.is_confirmed):
             heard.left = not (is_covered or is_first)
+            heard.is_near = self._is_near(report)
             self._stand(report)
         self._changed()
         return heard
@@ -386,6 +382,16 @@ class RouteClient:
                 math.dist(point, place.point(record.graph)) <= NEAR + TREMBLE for place in places):
             return True
         return self._covers(point, record.holds(), () if record.ahead else places)
+
+    def _is_near(self, report: Report) -> bool:
+        """Is the robot still on the edge on which it stood, or on one that leads to its vertex?"""
+        position, graph = self.record.position, self.record.graph
+        if position is None or not report.pose.edge:
+            return False
+        if position.vertex is None:
+            return abs(position.edge) == abs(report.pose.edge)
+        edge = graph.edge(report.pose.edge)
+        return position.vertex in (edge.origin, edge.destination)
 
     def _locate(self, report: Report, point: Optional[Point], is_covered: bool) -> bool:
         """Keeps the location of a report. Returns whether it is a new one."""
@@ -405,13 +411,16 @@ class RouteClient:
         record = self.record
         if self.lost and self.protocol.order >= self._lost_until:
             self.lost = ()
+        if self._beside is not None and self.location is not None and (
+                math.dist(self._beside, self.location) <= TREMBLE):
+            record.stand(record.position)
+            return
+        self._beside = None
         here = position_of(report.pose, record.graph, record.near)
         before = record.position
         if before is not None and here is not None and math.dist(
                 before.point(record.graph), here.point(record.graph)) <= TREMBLE:
             here = before
-        elif here != before:
-            self.begins_at = None
         record.stand(here)
         self._strays = 0
 
@@ -496,7 +505,7 @@ class RouteClient:
         self.record.stand(position)
         self.record.begin_anew()
         self.locations, self.lost, self.reach, self._strays = self.locations[:1], (), 0.0, 0
-        self.is_doubted, self.begins_at = False, None
+        self.is_doubted, self._beside = False, None
         self._changed()
 
     def declare_absent(self, now: float) -> None:

@@ -29,10 +29,9 @@ from graph_fleet_manager.supervision.outages import (
     words_of,
 )
 from graph_fleet_manager.supervision.settings import RobotSettings
-from route_protocol.values import Motion
+from route_protocol.values import Motion, ReasonCode
 from trajectory_graph import Graph
 
-TRIAL = 2.0        # s between two attempts to go on after an emergency stop
 RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
 REFUSALS = 3       # number of refusals in a row after which a person must look
 
@@ -69,7 +68,8 @@ class ManagedRobot:
     """It refused its last order, and its starting place was not judged again yet."""
     _located: float = -math.inf
     """Time of the last location that was accepted."""
-    _tried: float = -math.inf
+    _unready: ReasonCode = ReasonCode.NONE
+    """Why the robot would refuse each route, by its last report."""
     _retried: float = -math.inf
 
     def __post_init__(self) -> None:
@@ -135,6 +135,7 @@ class ManagedRobot:
         self.notice(Sign.LOCATED)
         was_nowhere = self._was_nowhere
         heard = self.client.hear(report)
+        self._unready = report.said.unready
         self.liveness.hear(report, self.record.graph, now)
         if self.outage is Outage.SILENT:
             self.liveness.nothing_to_answer(now)
@@ -170,10 +171,10 @@ class ManagedRobot:
             self._follow_refusal(heard)
         elif heard.took and report.motion is Motion.ON_ROUTE:
             self.notice(Sign.DRIVES)
+        if report.said.unready is ReasonCode.EMERGENCY_STOP:
+            self.notice(Sign.EMERGENCY, 'emergency stop')
         if not self.is_halted:
             self._judge_motion(heard, report)
-        if self.outage is Outage.STOPPED and heard.cause is not None:
-            self._tried = now
         if self.client.clock_is_off:
             self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: correct the '
                                         'time of both (NTP)')
@@ -190,14 +191,14 @@ class ManagedRobot:
             self.notice(sign_of(heard.failed), heard.failed.text)
         elif not report.pose.edge and self.record.is_standing and self.client.is_confirmed:
             self.notice(Sign.LEFT_GRAPH, 'it reports that it is off the graph')
-        elif heard.left:
+        elif heard.left and not (self.outage is Outage.STOPPED and heard.is_near):
             self.notice(Sign.TAKEN, 'it was moved without a route')
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
         sign = sign_of(heard.refused)
         if sign in (Sign.CLOCK_OFF, Sign.LINK_LOST, Sign.EMERGENCY):
-            self._retried = self._tried = self.liveness.seen
+            self._retried = self.liveness.seen
             self.notice(sign, heard.refused.text)
             return
         self._refusals += not heard.was_shorter
@@ -233,21 +234,14 @@ class ManagedRobot:
 
         Returns whether it did.
         """
-        if not self.is_at_rest or not self.is_halted and not self._may_try_again(now):
+        if not self.is_at_rest or self.outage not in (None, Outage.STOPPED, Outage.LOST_LINK):
             return False
-        if self.outage not in (None, Outage.STOPPED, Outage.LOST_LINK):
-            return False
-        self._tried = now
-        was_halted, self.is_halted = self.is_halted, False
-        self.notice(Sign.STANDS)
-        self.notice(Sign.LINK_BACK)
-        return was_halted or self.outage is None
-
-    def _may_try_again(self, now: float) -> bool:
-        """Is it time to try again whether a robot takes orders after an outage?"""
-        if self.outage is Outage.STOPPED:
-            return now - self._tried >= TRIAL
-        return self.outage is Outage.LOST_LINK and now - self._retried > RETRY
+        before = self.is_halted, self.outage
+        self.is_halted = False
+        if self._unready not in (ReasonCode.EMERGENCY_STOP, ReasonCode.LOST_LINK):
+            self.notice(Sign.STANDS)
+            self.notice(Sign.LINK_BACK)
+        return before != (self.is_halted, self.outage)
 
     def other_beginning(self) -> Optional[GraphPosition]:
         """Another starting place to be tried after a refusal; None: there is none.
@@ -259,13 +253,13 @@ class ManagedRobot:
         if not self._has_refused or not client.is_ready:
             return None
         self._has_refused = False
-        if not self.works or not record.is_standing or client.start is None:
+        if not self.works or not record.is_standing or record.position is None:
             return None
         vertex = position_of(record.pose, record.graph, NEAR)
         if vertex is None or vertex.vertex is None or record.pose.fraction in (0.0, 1.0) or (
                 _is_dock(vertex, record.graph)):
             return None
-        return vertex if client.start.vertex is None else GraphPosition(
+        return vertex if record.position.vertex is None else GraphPosition(
             edge=record.pose.edge, fraction=record.pose.fraction)
 
     # -- commands of people -----------------------------------------------------------------------

@@ -177,7 +177,14 @@ class RouteFollower:
         """The next report for the fleet manager."""
         self._count_progress()
         return self.vehicle.report(self._stamp, self._pose(), self._location, self.motion,
-                                   self._owed)
+                                   self._owed, self._unready)
+
+    @property
+    def _unready(self) -> ReasonCode:
+        """Why the robot would refuse each route now."""
+        if self.robot.emergency:
+            return ReasonCode.EMERGENCY_STOP
+        return self._why_unknown(self._now).code
 
     @property
     def motion(self) -> Motion:
@@ -206,7 +213,7 @@ class RouteFollower:
         actions: List[p.Action] = [*self.robot.due_commands(now), *self._out]
         self._out = []
         self._count_progress()
-        reported = (replace(self.vehicle.state, report=0), self._owed, self.motion)
+        reported = (replace(self.vehicle.state, report=0), self._owed, self.motion, self._unready)
         if reported != self._last_reported:
             self._last_reported = reported
             if self.route is not None or self.vehicle.state.refused:
