@@ -51,7 +51,7 @@ class Agv:
     near      -- m from a vertex within which it counts as standing there; if a test changes it, a
                  route near a vertex must begin with an edge that leads away from the vertex
     braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
-    aside     -- m by which it stands to the left of its edge
+    aside     -- x, y in m by which it stands beside its edge
     moved     -- s for which it still counts as moved by somebody else
     """
 
@@ -81,7 +81,7 @@ class Agv:
         self.refusing = 0
         self.near = _NEAR
         self.braking = 0.0
-        self.aside = 0.0
+        self.aside = (0.0, 0.0)
         self.moved = 0.0
         self.master = ''
         self.travelled = 0.0
@@ -97,13 +97,7 @@ class Agv:
         """The position x, y in m, in the frame of the graph."""
         curve = self.graph.curve(self.edge)
         x, y = curve.point_at(self.arc)
-        if not self.aside:
-            return float(x), float(y)
-        near = min(self.arc + 0.01, curve.length), min(self.arc + 0.01, curve.length) - 0.01
-        (u, v), (p, q) = curve.point_at(near[0]), curve.point_at(near[1])
-        step = math.hypot(u - p, v - q)
-        return (float(x) - self.aside * float(v - q) / step,
-                float(y) + self.aside * float(u - p) / step)
+        return float(x) + self.aside[0], float(y) + self.aside[1]
 
     @property
     def is_driving(self) -> bool:
@@ -148,8 +142,11 @@ class Agv:
 
     def receive(self, order: Order) -> Optional[RouteRefusal]:
         """Takes an order, or returns its refusal. A repeated order has no effect."""
-        if order.number and order.number <= max(self.taken, self.refused):
+        is_mine = self.master in ('', ME)
+        if order.number and is_mine and order.number <= max(self.taken, self.refused):
             return None
+        if not order.edges and not is_mine:
+            self.begin_epoch(EpochCause.OTHER_MASTER)
         if not order.edges:
             self._lose_route()
             first = self.done if self.taken or not order.number else order.first
@@ -162,6 +159,8 @@ class Agv:
             return None
         if self._rolls:
             return None  # it answers when it stands
+        if not is_mine:
+            return RouteRefusal(order.route_id, order.edges, OVERRULED, order.number)
         reason = OVERRULED if order.epoch != self.epoch else self._take_up(order)
         return self.refuse(order, reason) if reason else None
 
@@ -170,6 +169,14 @@ class Agv:
         self.refused, self.refusal = max(self.refused, order.number), reason
         self.master = ME
         return RouteRefusal(order.route_id, order.edges, reason, order.number)
+
+    def obey_another(self, edges: Tuple[int, ...]) -> None:
+        """Takes a route of another master, from where it is."""
+        self.begin_epoch(EpochCause.OTHER_MASTER)
+        self.taken, self.master = 1, 'another'
+        self.first, self.edges, self.current = 0, edges, 0
+        self.edge, self.arc = edges[0], self.arc if edges[0] == self.edge else 0.0
+        self.phase, self.reason = Phase.RUNNING, NO_REASON
 
     def begin_epoch(self, cause: EpochCause) -> None:
         """Obeys no order any more that is on its way."""
