@@ -369,6 +369,10 @@ class Agv:
             return
         self._stayed, self._drove = here, self.is_driving
 
+    def come_to_rest_at(self, arc: float) -> None:
+        """It has come to rest on its edge by its own drive, `arc` m from the start of the edge."""
+        self.arc, self._stayed = arc, None
+
     def _pose(self) -> Pose:
         if self.off_graph:
             return Pose()
