@@ -78,7 +78,6 @@ class Chaos:
         self._cancelled: List[float] = []
         self._ends: List[Tuple[float, Callable[[], None]]] = []
         self._robot = ROBOTS[0]
-        self._foreign = 10 ** 8
 
     def hide(self, robot: str, number: int) -> None:
         """Switches a robot off before its first report, and puts it onto an unexpected vertex."""
@@ -256,8 +255,7 @@ class Chaos:
         agv = self.fleet.agvs[robot]
         if agv.is_driving and robot not in self.fleet.lost:
             self.promises.driven_by_hand(robot, agv.edges[agv.current])
-            self._foreign += 1
-            agv.order(self._foreign, (agv.edges[agv.current],))
+            agv.obey_another((agv.edges[agv.current],))
 
     def carry(self, robot: str, number: int) -> None:
         """Lets a person carry a robot that is out of service to a place far from all others.

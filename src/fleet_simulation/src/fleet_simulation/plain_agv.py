@@ -373,6 +373,18 @@ class Agv:
         """It has come to rest on its edge by its own drive, `arc` m from the start of the edge."""
         self.arc, self._stayed = arc, None
 
+    @property
+    def ahead(self) -> Tuple[int, ...]:
+        """The edges that it drives, or on which it rolls on without a route."""
+        if self.phase is Phase.RUNNING:
+            return self.edges[self.current:]
+        return (self.edge,) if self._rolls else ()
+
+    @property
+    def pose(self) -> Pose:
+        """The place on the graph that it reports."""
+        return self._pose()
+
     def _pose(self) -> Pose:
         if self.off_graph:
             return Pose()

@@ -16,12 +16,13 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked
-from graph_fleet_manager.interlocking.reports import CLOCK_ERROR, NEAR
+from graph_fleet_manager.interlocking.reports import CLOCK_ERROR
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
 from trajectory_graph import Graph
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
+_EXACT = 0.06  # m: the length of an arc that a standing robot may be beside its place
 _STANDS = 1.5       # s after which a robot that a person has put down is known to stand
 
 
@@ -72,7 +73,6 @@ class Promises:
         self._moved_at: Dict[str, float] = {}
         """By robot: when a person or another program last moved it."""
         self._given: Dict[str, Set[int]] = {}
-        self._sent: Dict[str, Tuple[int, Tuple[int, ...]]] = {}
         self._lines = {id: LineString([_at(graph, id, 0.0), _at(graph, id, 1.0)])
                        for id in graph.edges}
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
@@ -120,8 +120,7 @@ class Promises:
         if not order.edges:
             return
         fleet, name = self.fleet, order.robot
-        is_repeated = order.repeated or (order.route_id, order.edges) == self._sent.get(name)
-        self._sent[name] = order.route_id, order.edges
+        is_repeated = order.repeated
         assert self.stopped is None, f'{order} though the fleet is stopped: {fleet.picture()}'
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
         outage = fleet.supervisor.robots[name].outage
@@ -246,7 +245,7 @@ class Promises:
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
         if name in self.carried or agv.is_driving and agv.edges == (self._by_hand.get(name),):
             self._moved_at[name] = fleet.now
-        if not agv.off_graph and robot.record.pose == agv.report(0.0).pose:
+        if not agv.off_graph and robot.record.pose == agv.pose:
             self.carried.discard(name)
         if fleet.now - self._moved_at.get(name, -math.inf) <= _STANDS and (
                 fleet.hangs or name in fleet.lost or fleet.silent.get(name, 0.0) > fleet.now):
@@ -256,7 +255,7 @@ class Promises:
                       and not is_unknown and robot.liveness.is_seen):
             held = unary_union([*(self._lines[edge] for edge in believed),
                                 *(self._vertices[vertex] for vertex in vertices)])
-            assert held.buffer(2 * NEAR).covers(self._possible(name, drives)), (
+            assert held.buffer(_EXACT).covers(self._possible(name, drives)), (
                 f'{name} may drive {drives}, but holds {believed} {vertices} only: '
                 f'{fleet.picture()}')
         if robot.outage is not None and robot.outage.needs_person:
@@ -273,32 +272,18 @@ class Promises:
 
     def _left_of(self, order: SendRoute) -> Sequence[int]:
         """Returns the edges of an order that the robot has not completed and may still drive."""
-        agv, edges = self.fleet.agvs[order.robot], order.edges
-        if order.route_id == agv.route_id:
-            return edges[agv.current:]
-        if agv.edge not in edges:
-            return edges if edges and self._comes_by(order.robot, edges[0]) else ()
-        is_over = agv.arc > agv.graph.curve(agv.edge).length - NEAR
-        return edges[edges.index(agv.edge) + is_over:]
-
-    def _comes_by(self, name: str, first: int) -> bool:
-        """Whether a robot is, or will come, to the start of edge `first`, or is on that edge."""
-        agv, start = self.fleet.agvs[name], self._lines[abs(first)].coords[0 if first > 0 else -1]
-        ahead = [*(agv.edges[agv.current:] if agv.is_driving else ()),
-                 *(edge for order in self.fleet.under_way(name) for edge in order.edges[
-                     agv.current if order.route_id == agv.route_id else 0:])]
-        return math.dist(agv.position, start) <= NEAR or any(
-            start == self._lines[abs(edge)].coords[-1 if edge > 0 else 0] for edge in ahead) or (
-                abs(first) == abs(agv.edge))
+        agv, sent = self.fleet.agvs[order.robot], order.order
+        if agv.ignores(sent):
+            return ()
+        return sent.edges[max(agv.done - sent.first, 0) if agv.taken else 0:]
 
     def _may_drive(self, name: str) -> Set[int]:
         """Returns the signed ids of the edges that a robot drives, or may drive by an order that
         is under way to it."""
         agv = self.fleet.agvs[name]
-        edges = set(agv.edges[agv.current:]) if agv.is_driving else set()
+        edges = set(agv.ahead)
         for order in self.fleet.under_way(name):
-            if not agv.has_refused(order.route_id, order.edges):
-                edges.update(self._left_of(order))
+            edges.update(self._left_of(order))
         return edges
 
     def _possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:

@@ -270,7 +270,7 @@ def _check(state: MasterState, said: RouteReport, order: int, is_new: bool, is_o
         raise WrongReport(f'it shows order {order}, but the last one was {state.number}')
     if order < state.order:
         raise WrongReport(f'it shows order {order} after order {state.order}')
-    if order and said.done < state.done:
+    if state.order and said.done < state.done:
         raise WrongReport(f'it shows edge number {said.done} after number {state.done}')
     if shown is not None and (said.first, said.edges) != (
             (shown.first, shown.edges) if shown.edges else (said.first, ())):
