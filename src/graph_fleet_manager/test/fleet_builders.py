@@ -2,10 +2,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from random import Random
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.interlocking.reports import Pose, point_of
+from graph_fleet_manager.interlocking.route_record import RouteRecord
+from route_protocol.master import give_route
+from route_protocol.values import Location, RouteReport, SymbolicPose
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 AGV = RobotType('agv', 0.4, 1.0)
@@ -65,6 +70,26 @@ def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> G
                           random.uniform(0.0, 1.5), forward, backwards))
     return Graph([Vertex(k + 1, *place, random.uniform(-math.pi, math.pi))
                   for k, place in enumerate(places)], edges)
+
+
+def grant(record: RouteRecord, edges: Sequence[int]) -> None:
+    """The robot of this record is ordered to drive these edges after those ahead of it."""
+    protocol = record.protocol
+    record.protocol = give_route(protocol, protocol.number + 1, (*record.ahead, *edges), 1)
+
+
+def complete(record: RouteRecord, number: int) -> None:
+    """The robot of this record has driven, and left, all edges before this number."""
+    driven = record.part(record.done, number)
+    record.protocol = replace(record.protocol, done=number)
+    record.passed(driven)
+
+
+def at_place(said: RouteReport, graph: Graph, edge: int, fraction: float) -> RouteReport:
+    """The same report from another place: at this fraction of this edge."""
+    x, y = point_of(graph, Pose(edge, fraction))
+    return replace(said, pose=SymbolicPose(edge, 100.0 * fraction),
+                   location=Location(x, y, math.nan))
 
 
 def as_files(graph: Graph, types: Sequence[RobotType], robots: Mapping[str, Tuple[str, int]],

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import pytest
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, complete, corridor, grant
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.interlocking.reports import GraphPosition
@@ -38,37 +38,37 @@ def learned(*seconds, table=None):
 def test_an_edge_is_timed_from_its_order_to_its_completion(record):
     timer = EdgeTimer()
     assert timer.follow(record, 0.0) is None
-    record.append([1, 2])
+    grant(record, [1, 2])
     assert timer.follow(record, 10.0) is None
-    record.complete(1)
+    complete(record, 1)
     assert timer.follow(record, 13.0) == Driven(1, 3.0)
-    record.complete(2)
+    complete(record, 2)
     assert timer.follow(record, 15.5) == Driven(2, 2.5)
 
 
 def test_waiting_at_a_vertex_is_not_driving(record):
     timer = EdgeTimer()
-    record.append([1])
+    grant(record, [1])
     timer.follow(record, 0.0)
-    record.complete(1)
+    complete(record, 1)
     timer.follow(record, 2.0)
     timer.follow(record, 100.0)
-    record.append([2])
+    grant(record, [2])
     timer.follow(record, 101.0)
-    record.complete(2)
+    complete(record, 2)
     assert timer.follow(record, 103.0) == Driven(2, 2.0)
 
 
 def test_what_was_not_seen_from_end_to_end_does_not_count(record):
     timer = EdgeTimer()
-    record.append([1, 2, 3, 4])
+    grant(record, [1, 2, 3, 4])
     timer.follow(record, 0.0)  # driving when first seen, as after a restart
-    record.complete(1)
+    complete(record, 1)
     assert timer.follow(record, 1.0) is None
-    record.complete(3)
+    complete(record, 3)
     assert timer.follow(record, 5.0) is None, 'both edges ended in one report'
     timer.stop()
-    record.complete(4)
+    complete(record, 4)
     assert timer.follow(record, 6.0) is None, 'the robot was stopped on the way'
 
 
@@ -76,9 +76,9 @@ def test_a_drive_from_the_middle_of_an_edge_does_not_count(record):
     timer = EdgeTimer()
     record.position = GraphPosition(edge=1, fraction=0.5)
     timer.follow(record, 0.0)
-    record.append([1])
+    grant(record, [1])
     timer.follow(record, 1.0)
-    record.complete(1)
+    complete(record, 1)
     assert timer.follow(record, 2.0) is None
 
 

@@ -1,11 +1,10 @@
-"""Results of requests (accepted, refused, repeated), ids of routes, and reasons about robots."""
+"""Results of requests (accepted, refused, repeated), and reasons about robots."""
 from __future__ import annotations
 
 import pytest
 from fleet_builders import AGV, corridor
 
 from graph_fleet_manager.supervision import mission_book
-from graph_fleet_manager.supervision.journal import Journal
 from graph_fleet_manager.supervision.mission_book import REMEMBERED, MissionBook
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
@@ -14,7 +13,6 @@ from graph_fleet_manager.supervision.missions import (
     RequestRefused,
 )
 from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, sign_of
-from graph_fleet_manager.supervision.route_ids import RESERVED, RouteIds
 from route_protocol.values import Reason, ReasonCode
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
@@ -88,27 +86,6 @@ def test_driving_through_counts_as_a_visit_but_not_where_it_is_to_stay():
     assert through.visits((2, 3, 4)) == 3
     staying = book.add(Request(2, (2, 3, 5), dwells=(0.0, 4.0, 0.0)), ACCEPTANCE)
     assert staying.visits((2, 3, 4, 5)) == 1
-
-
-def test_route_ids_never_repeat_though_the_disk_was_full_as_they_were_given(tmp_path):
-    path = str(tmp_path / 'fleet.sqlite')
-    journal = Journal(path)
-    ids = RouteIds(journal)
-    first = [ids() for _ in range(100)]
-    assert first == list(range(1, 101))
-    journal.close()
-    again = RouteIds(Journal(path))
-    assert again() > first[-1]
-
-
-def test_route_ids_are_those_of_a_message_for_ever(tmp_path):
-    journal = Journal(str(tmp_path / 'fleet.sqlite'))
-    journal.store(values={'route_id': 2 ** 30 - 3})
-    ids = RouteIds(journal)
-    assert [ids() for _ in range(4)] == [2 ** 30 - 2, 2 ** 30 - 1, 1, 2]
-    for _ in range(RESERVED):
-        ids()
-    assert ids.reserved > 2 ** 30 - 3 + RESERVED, 'further ids must be reserved before use'
 
 
 @pytest.mark.parametrize('code, outage', [
