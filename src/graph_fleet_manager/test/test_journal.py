@@ -14,8 +14,10 @@ from dataclasses import replace
 import pytest
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.interlocking.orders import Base, Memory
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.reports import GraphPosition
+from graph_fleet_manager.interlocking.route_client import Located, Memory
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
 from graph_fleet_manager.supervision.journal_database import (
     JournalError,
@@ -25,6 +27,7 @@ from graph_fleet_manager.supervision.journal_database import (
 from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.missions import Acceptance, Mission, MissionState, Request
 from graph_fleet_manager.supervision.outages import Outage
+from route_protocol.master import MasterState, Order, Step
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 DAY = 86400.0
@@ -46,6 +49,16 @@ OLD_MEMORY = {'route_id': 5, 'track': [1, -2], 'done': 1, 'bases': [[5, 0]], 'ov
               'ended': [4], 'stopping': False, 'shortened': None, 'place': [None, 1, 0.25],
               'outage': None, 'why': '', 'halted': False, 'resting': False, 'dock': None,
               'charge': 0.5}
+# as version 1.0.0 wrote it: the robot drives on edge 3, has just left edge 2, may have lost 5, and
+# was once seen beside its path
+MEMORY_1_0 = {
+    'route_id': 40, 'track': [1, 2, 3, 4], 'done': 2, 'bases': [[40, 0, 3]], 'over': False,
+    'ended': [39], 'stopping': False, 'shortened': None, 'place': [2, 0, 0.0],
+    'cleared': [1, 0.5], 'tail': [5],
+    'evidence': [[[[1.0, 3.0], 0.5]], [[[[20.0, 3.0], [20.0, 4.0]], 0.0]], [], 0.0, None, False,
+                 False],
+    'stamp': 12.5, 'withdrawn': None, 'acknowledged': [40], 'outage': None, 'why': '',
+    'halted': False, 'resting': False, 'dock': 6, 'charge': 0.5, 'type': ['agv', 0.4, 1.0, 0.0]}
 
 
 class Clock:
@@ -68,9 +81,14 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
     book = MissionBook()
     mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
     book.set(mission, MissionState.ACTIVE, robot='a')
-    position = GraphPosition(edge=1, fraction=0.25)
-    memory = RobotMemory(Memory(5, (1, -2), 1, {5: Base(0, 1)}, position, False, (4,)),
-                         Outage.TAKEN_OVER, 'why', True)
+    protocol = MasterState(
+        epoch=2 ** 60, report=12, number=9, order=7, refused=8, done=1,
+        open=(Order(7, 2 ** 60, 0, (1, -2), 3), Order(9, 0, 1, ())), behind=(Step(0, 1),),
+        held=(Step(1, 4),), is_anywhere=True, commands=True, unknown=9, gap=(5, 6))
+    client = Memory(protocol, (1, 0.5), GraphPosition(edge=1, fraction=0.25),
+                    (Located((1.0, 2.0), 0.5),), (Area(((0.0, 0.0), (1.0, 0.0)), 0.3),), 9, True,
+                    True)
+    memory = RobotMemory(client, Outage.TAKEN_OVER, 'why', True, True, 6, 0.5, AGV)
     journal.store([mission], {'a': memory}, {'number': 7})
     journal.close()
 
@@ -164,12 +182,62 @@ def test_a_file_of_version_0_2_is_migrated_and_loses_nothing(path):
     mission, = journal.missions()
     assert (mission.serial, mission.request, mission.state) == (3, REQUEST, MissionState.ACTIVE)
     assert journal.find(REQUEST).serial == 3
-    assert journal.robots()['a'].client.edges == (1, -2)
+    assert journal.robots()['a'].client.held == (1, -2)
     assert (journal.value('route_id'), journal.last_serial()) == (40, 3)
     line, = history(path)
     assert (line.request_id, line.accepted) == (7, 500.0)
     journal.close()
     Journal(path).close()  # the second time there is nothing to migrate
+
+
+def write_1_0(path: str, memory: dict) -> None:
+    """Writes the entry of a robot as version 1.0.0 did, into a journal without its own one."""
+    db = sqlite3.connect(path)
+    db.execute('INSERT OR REPLACE INTO robot VALUES (?, ?)', ('a', json.dumps(memory)))
+    db.commit()
+    db.close()
+
+
+def test_a_robot_of_version_1_0_keeps_all_that_it_may_be_on(path):
+    Journal(path).close()
+    write_1_0(path, MEMORY_1_0)
+    robot = Journal(path).robots()['a']
+    client = robot.client
+    assert client.held == (2, 3, 4, 5) and client.cleared == (0, 0.5)
+    assert client.position == GraphPosition(vertex=2)
+    assert client.locations == (Located((1.0, 3.0), 0.5),)
+    assert client.lost == (Area(((20.0, 3.0), (20.0, 4.0))),)
+    assert not (client.is_absent or client.protocol.open or client.protocol.is_ready)
+    assert (robot.dock, robot.charge, robot.kind) == (6, 0.5, AGV)
+
+
+def test_a_robot_of_version_1_0_that_another_one_moved_may_still_be_moved(path):
+    Journal(path).close()
+    evidence = [[], [], [4], 3.0, [1.0, 2.0], False, True]
+    write_1_0(path, {**MEMORY_1_0, 'track': [], 'tail': [], 'evidence': evidence})
+    client = Journal(path).robots()['a'].client
+    assert client.protocol.is_anywhere and client.locations == (Located((1.0, 2.0)),)
+    assert client.held == (4,), 'a route of another giver is held as well'
+
+
+def test_edges_of_version_1_0_are_held_until_the_robot_was_stopped_and_stands():
+    """Its programs were replaced as well: it has no route any more, and may still roll."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 2)})
+    fleet.run(1.0)
+    write_1_0(fleet.journal._path, {**MEMORY_1_0, 'evidence': None})
+    fleet.agvs['a'].obey_another((2, 3))
+    fleet.silent['a'] = fleet.now + 2.0
+    fleet.restart()
+    assert blocked(fleet, 'a')[1] == (2, 3, 4, 5)
+    fleet.run(2.5)
+    assert fleet.agvs['a'].is_driving and {2, 3, 4, 5} <= set(blocked(fleet, 'a')[1])
+    before = len(fleet.sent)
+    fleet.request(1, 6)
+    fleet.run_until(lambda: not fleet.agvs['a'].is_driving)
+    assert not [order for order in fleet.sent[before:] if order.edges]
+    fleet.run(1.0)
+    assert fleet.sent[before].edges == () and not {2, 5} & set(blocked(fleet, 'a')[1])
+    assert fleet.supervisor.robots['a'].client.is_ready
 
 
 def test_each_change_keeps_who_requested_it(path):
