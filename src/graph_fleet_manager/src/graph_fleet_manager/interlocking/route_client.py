@@ -25,10 +25,12 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area, Point
 from graph_fleet_manager.interlocking.allocation import Allocation, Hold, Knowledge
 from graph_fleet_manager.interlocking.reports import (
+    AT_VERTEX,
     CLOCK_ERROR,
     NEAR,
     TREMBLE,
     GraphPosition,
+    Pose,
     Report,
     position_of,
 )
@@ -68,11 +70,13 @@ class Sending(NamedTuple):
 class Located(NamedTuple):
     """A location of the robot.
 
-    age -- s for which the robot may have moved on from there when the report arrived
+    age      -- s for which the robot may have moved on from there when the report arrived
+    is_stray -- it was not on a place that the robot had then; two later ones must disprove it
     """
 
     point: Point
     age: float = 0.0
+    is_stray: bool = True
 
     def area(self, kind: RobotType) -> Area:
         """The area in which the robot may have been when the report arrived."""
@@ -114,7 +118,9 @@ class Heard:
     was_shorter -- the refused order was one that stops the robot or shortens its route
     cause   -- why a new epoch of the robot began; None: none did
     had_route -- it had a route, or an order for one was on its way
+    is_off_graph -- this report and the one before say that it is off the graph
     left    -- it stands, but not where it may be by its orders
+    expected -- a clause that says where it was expected, and where it is; only if it has left
     is_near -- it left that place only along the edge on which it was
     is_located -- the report has a later location than all before
     stands  -- the robot stands, and tells where
@@ -126,7 +132,9 @@ class Heard:
     was_shorter: bool = False
     cause: Optional[EpochCause] = None
     had_route: bool = False
+    is_off_graph: bool = False
     left: bool = False
+    expected: str = ''
     is_near: bool = False
     is_located: bool = False
     stands: bool = False
@@ -153,6 +161,7 @@ class RouteClient:
         self._lost_until = 0
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
         self._strays = 0         # number of consecutive locations that were elsewhere
+        self._off_graph = 0      # number of consecutive reports that were off the graph
         self.is_absent = False
         self._absent_since = -math.inf
         self.clock_is_off = False
@@ -241,8 +250,9 @@ class RouteClient:
         places = [] if standing is None else [standing]
         vertex = next((place.vertex for place in places if place.vertex is not None), None)
         areas += [Area((place.point(record.graph),)) for place in places if place.vertex is None]
-        areas += [one.area(kind) for one in self.locations
-                  if not self._covers(one.point, holds, places)]
+        areas += [one.area(kind) for one in (*self.locations[:1], *(
+            before for before in self.locations[1:] if before.is_stray))
+            if not self._covers(one.point, holds, places)]
         if self.reach and self.location is not None:
             areas.append(Area((self.location,), self.reach))
         is_known = bool(holds or areas or vertex is not None) and not (
@@ -348,21 +358,26 @@ class RouteClient:
         point = report.located(record.graph)
         before, had_route = self.protocol, self.protocol.may_drive
         is_covered = self._is_covered(report, point)
+        is_stray = point is not None and not self._covers(
+            point, record.holds(), [] if record.ahead or record.position is None
+            else [record.position])
         protocol, news = hear(before, said, ME, self._next_number(), point is not None)
         if not news.is_new:
             return Heard()
         self._set(protocol)
         is_first, self.is_heard = not self.is_heard, True
         record.pose = report.pose
+        self._off_graph = 0 if report.pose.edge else self._off_graph + 1
         heard = Heard(record.passed(news.passed), news.failed, news.refused, news.was_shorter,
                       news.cause if before.epoch else None, had_route, stands=news.stands,
                       is_older=news.is_older, took=news.took)
         if news.refused and news.was_shorter:
             self._cut_refused = max((one.end for one in before.open
-                                     if one.number <= said.refused), default=0)
+                                     if protocol.order < one.number <= said.refused), default=0)
         if news.cause is not None or news.failed or news.took and not said.edges:
             record.begin_anew()
-        heard.is_located = self._locate(report, point, is_covered)
+        heard.is_off_graph = self._off_graph >= 2
+        heard.is_located = self._locate(report, point, is_covered, is_stray)
         self.clock_is_off = report.is_ahead
         if protocol.ahead:
             self._beside = None
@@ -370,7 +385,10 @@ class RouteClient:
         elif news.stands and (is_covered or is_first or self.is_confirmed):
             heard.left = not (is_covered or is_first)
             heard.is_near = self._is_near(report)
+            expected = self._expected(before)
             self._stand(report)
+            if heard.left:
+                heard.expected = f'{expected}, but is {_place(record.position)}'
         self._changed()
         return heard
 
@@ -388,6 +406,13 @@ class RouteClient:
             return True
         return self._covers(point, record.holds(), () if record.ahead else places)
 
+    def _expected(self, before: MasterState) -> str:
+        """A clause that says where the robot may have been by its orders."""
+        edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
+                              if step.number >= self.record.cleared[0])
+        return (f'it was expected on the edges {", ".join(map(str, edges))}' if edges
+                else f'it was expected {_place(self.record.position)}')
+
     def _is_near(self, report: Report) -> bool:
         """Is the robot still on the edge on which it stood, or on one that leads to its vertex?"""
         position, graph = self.record.position, self.record.graph
@@ -398,7 +423,8 @@ class RouteClient:
         edge = graph.edge(report.pose.edge)
         return position.vertex in (edge.origin, edge.destination)
 
-    def _locate(self, report: Report, point: Optional[Point], is_covered: bool) -> bool:
+    def _locate(self, report: Report, point: Optional[Point], is_covered: bool,
+                is_stray: bool) -> bool:
         """Keeps the location of a report. Returns whether it is a new one."""
         told = report.stamp, point
         if point is None or told == self._told and report.stamp:
@@ -406,7 +432,7 @@ class RouteClient:
         self._told = told
         self.reach = 0.0
         age = 0.0 if report.motion is Motion.STANDING else report.age
-        self.locations = (Located(point, age), *self.locations[:1])
+        self.locations = (Located(point, age, is_stray), *self.locations[:1])
         self._strays = 0 if is_covered else self._strays + 1
         self.is_doubted = False
         return True
@@ -421,13 +447,24 @@ class RouteClient:
             record.stand(record.position)
             return
         self._beside = None
-        here = position_of(report.pose, record.graph, record.near)
-        before = record.position
+        before, here = record.position, position_of(report.pose, record.graph, record.near)
+        if here != before:
+            here = self.position_at(report.pose)
         if before is not None and here is not None and math.dist(
                 before.point(record.graph), here.point(record.graph)) <= TREMBLE:
             here = before
         record.stand(here)
         self._strays = 0
+
+    def position_at(self, pose: Pose) -> Optional[GraphPosition]:
+        """Where the robot can begin a route if it is at this pose.
+
+        It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
+        still drive into it.
+        """
+        graph = self.record.graph
+        position = position_of(pose, graph, self.record.near)
+        return position_of(pose, graph, AT_VERTEX) if is_dock(position, graph) else position
 
     # -- storing and restoring --------------------------------------------------------------------
 
@@ -528,6 +565,16 @@ class RouteClient:
         self.is_absent = False
         self._changed()
         return True
+
+
+def _place(position: Optional[GraphPosition]) -> str:
+    return 'off the graph' if position is None else f'at {position}'
+
+
+def is_dock(position: Optional[GraphPosition], graph: Graph) -> bool:
+    """Is this position a dock?"""
+    return (position is not None and position.vertex is not None
+            and graph.vertices[position.vertex].dock)
 
 
 def is_on(graph: Graph, edges: Sequence[int]) -> bool:

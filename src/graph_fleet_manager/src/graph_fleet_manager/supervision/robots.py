@@ -8,14 +8,12 @@ from typing import Collection, List, Optional
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.allocation import Knowledge
 from graph_fleet_manager.interlocking.reports import (
-    AT_VERTEX,
     NEAR,
     GraphPosition,
-    Pose,
     Report,
     position_of,
 )
-from graph_fleet_manager.interlocking.route_client import Heard, RouteClient
+from graph_fleet_manager.interlocking.route_client import Heard, RouteClient, is_dock
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
@@ -30,7 +28,6 @@ from graph_fleet_manager.supervision.outages import (
 )
 from graph_fleet_manager.supervision.settings import RobotSettings
 from route_protocol.values import Motion, ReasonCode
-from trajectory_graph import Graph
 
 RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
 REFUSALS = 3       # number of refusals in a row after which a person must look
@@ -98,16 +95,6 @@ class ManagedRobot:
     def stands_at(self, vertices: Collection[int]) -> bool:
         """Does the robot stand on one of these vertices?"""
         return self.position is not None and self.position.vertex in vertices
-
-    def position_at(self, pose: Pose) -> Optional[GraphPosition]:
-        """Where the robot can begin a route if it is at this pose.
-
-        It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
-        still drive into it.
-        """
-        graph = self.record.graph
-        position = position_of(pose, graph, self.record.near)
-        return position_of(pose, graph, AT_VERTEX) if _is_dock(position, graph) else position
 
     @property
     def record(self) -> RouteRecord:
@@ -189,11 +176,11 @@ class ManagedRobot:
                 self.notice(sign, reason.text if reason else words_of(heard.cause))
         elif heard.failed and self.outage is None:
             self.notice(sign_of(heard.failed), heard.failed.text)
-        elif not report.pose.edge and self.record.is_standing and self.client.is_confirmed:
+        elif heard.is_off_graph and self.record.is_standing:
             self.notice(Sign.LEFT_GRAPH, 'it reports that it is off the graph')
         elif heard.left and (self.outage is None or self.outage is Outage.STOPPED
                              and not heard.is_near):
-            self.notice(Sign.TAKEN, 'it was moved without a route')
+            self.notice(Sign.TAKEN, f'it was moved without a route: {heard.expected}')
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
@@ -258,7 +245,7 @@ class ManagedRobot:
             return None
         vertex = position_of(record.pose, record.graph, NEAR)
         if vertex is None or vertex.vertex is None or record.pose.fraction in (0.0, 1.0) or (
-                _is_dock(vertex, record.graph)):
+                is_dock(vertex, record.graph)):
             return None
         return vertex if record.position.vertex is None else GraphPosition(
             edge=record.pose.edge, fraction=record.pose.fraction)
@@ -280,7 +267,7 @@ class ManagedRobot:
 
     def come_back(self) -> str:
         """A person says that it works again, from where it is. Returns why not; empty: done."""
-        position = self.position_at(self.record.pose)
+        position = self.client.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
         self.client.settle(position)
@@ -304,8 +291,3 @@ class ManagedRobot:
     def knowledge(self) -> Knowledge:
         """What is known of the robot's place."""
         return self.client.allocation.knowledge
-
-
-def _is_dock(position: Optional[GraphPosition], graph: Graph) -> bool:
-    return (position is not None and position.vertex is not None
-            and graph.vertices[position.vertex].dock)
