@@ -477,7 +477,7 @@ class RouteClient:
         if self.protocol.is_anywhere:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
                                   math.floor(y / _SQUARE) * _SQUARE + _SQUARE / 2), _SQUARE)
-                         for (x, y), _ in self.locations[:1])
+                         for (x, y), *_ in self.locations[:1])
         holds, position = self.record.holds(), self.record.position
         places = [] if position is None else [position]
         return tuple(one for one in self.locations

@@ -368,7 +368,7 @@ def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
     client = _of_version_1(stored) if 'track' in stored else Memory(
         _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
-        tuple(Located((x, y), age) for (x, y), age in stored['locations']),
+        tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
         _areas(stored['lost']), stored['lost_until'], stored['absent'], stored['doubted'])
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
