@@ -12,7 +12,10 @@ State
 Events and what follows
     | event                      | condition                        | answer                       |
     |----------------------------|----------------------------------|------------------------------|
-    | stop without a number      |                                  | taken: a new epoch begins    |
+    | stop without a number, or  |                                  | taken: a new epoch begins    |
+    | that cannot be counted     |                                  |                              |
+    | route that cannot be       |                                  | refused, but not counted     |
+    | counted                    |                                  |                              |
     | stop or route of `master`  | number <= order or <= refused    | ignored                      |
     | stop of `master`           | newer                            | taken, in the same epoch     |
     | stop of another master     |                                  | taken: a new epoch begins    |
@@ -26,6 +29,9 @@ Events and what follows
     | any other route            | the vehicle cannot               | refused: `refused` grows     |
     | route fails                | RUNNING                          | FAILED; `order` stays        |
     | another giver, restart ... |                                  | a new epoch; RUNNING: FAILED |
+
+An order cannot be counted if it does not name its master, or if its number is the largest that a
+message can carry.
 
 The first route in an epoch says which number the edge has on which the vehicle is. From then on the
 numbers go on by one with each edge, so a route may pass a place twice. A new epoch sets `order` and
@@ -42,7 +48,7 @@ wait until it stands.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Callable, Optional, Tuple
 
@@ -67,6 +73,9 @@ from route_protocol.values import (
 OLD_MASTER = ''
 """Stands for all masters that do not number their orders; `old_masters` numbers them."""
 
+SKIPPED_REPORTS = 60_000
+"""The clock counts reports in ms: those of the last minute before a restart may not be stored."""
+
 
 @dataclass(frozen=True)
 class VehicleState:
@@ -84,7 +93,7 @@ class VehicleState:
     edges: Tuple[int, ...] = ()
     phase: Phase = Phase.STOPPED
     reason: Reason = NO_REASON
-    report: int = 0
+    report: int = field(default=0, compare=False)
     """Number of the last report."""
 
     @property
@@ -145,12 +154,25 @@ class Vehicle:
         self._draw, self._clock = draw, clock
         self.state = state if state is not None else VehicleState(draw())
 
+    def resume(self, state: VehicleState) -> None:
+        """Goes on from before a restart. Numbers of reports that were not stored are left out."""
+        self.state = replace(state, report=_behind(state.report))
+
+    def forget(self, state: VehicleState, reason: Reason) -> None:
+        """Starts without memory, except that reports still show the old route.
+
+        state -- from before a restart, but perhaps not the last one
+        reason -- why a running route fails
+        """
+        self.resume(replace(state, master=None))
+        self.begin_epoch(EpochCause.RESTART, reason)
+
     # -- orders -----------------------------------------------------------------------------------
 
     def judge(self, order: RouteOrder) -> Judgement:
         """Returns what the protocol says about an order with a number, or a stop without one."""
         state = self.state
-        if not order.order:
+        if _is_past_master(order):
             assert order.is_stop, 'old_masters gives each route a number'
             return _STOP
         if order.master == state.master and order.order <= max(state.order, state.refused):
@@ -189,13 +211,15 @@ class Vehicle:
 
     def stop(self, order: RouteOrder) -> None:
         """Takes a stop."""
-        if not order.order:
+        if _is_past_master(order):
             self.begin_epoch(EpochCause.STOP)
         elif self._takes_over(order):
             self.begin_epoch(EpochCause.OTHER_MASTER)
-        if order.order:
-            self.state = replace(self.state, master=order.master, order=order.order)
-        self.state = replace(self.state, route_id=order.route_id, first=self.state.done, edges=(),
+        state = self.state
+        done = state.done if state.order else 0  # the record of a new epoch begins with 0
+        if not _is_past_master(order):
+            state = replace(state, master=order.master, order=order.order)
+        self.state = replace(state, route_id=order.route_id, done=done, first=done, edges=(),
                              phase=Phase.STOPPED, reason=NO_REASON)
 
     def take(self, order: RouteOrder, done: int) -> None:
@@ -212,7 +236,8 @@ class Vehicle:
 
     def refuse(self, order: RouteOrder, reason: Reason) -> RouteRefusal:
         """Refuses a route. Returns the message for people."""
-        if order.order and not self._takes_over(order) and order.order > self.state.refused:
+        if (_can_be_counted(order) and not self._takes_over(order)
+                and order.order > self.state.refused):
             self.state = replace(self.state, master=order.master, refused=order.order,
                                  refusal=reason)
         return RouteRefusal(order.route_id, order.edges, reason, order.order)
@@ -260,11 +285,30 @@ class Vehicle:
             state.refusal, state.first, motion, number)
 
 
+def _is_past_master(order: RouteOrder) -> bool:
+    """Returns whether it is a stop that is not, or cannot be, counted."""
+    return not order.order or order.is_stop and not _can_be_counted(order)
+
+
+def _can_be_counted(order: RouteOrder) -> bool:
+    return 0 < order.order < LARGEST_NUMBER and order.master != OLD_MASTER
+
+
+def _behind(report: int) -> int:
+    """Returns a number above all that were drawn since this one was stored."""
+    return min(report + SKIPPED_REPORTS, LARGEST_NUMBER)
+
+
 def _wrong(order: RouteOrder) -> Reason:
     """Returns why a route with a number can never be driven; no reason: it can."""
     if not order.known_epoch:
         return Reason(ReasonCode.OVERRULED, 'it has a number, but does not name the epoch in which '
                                             'it was decided (known_epoch)')
+    if order.master == OLD_MASTER:
+        return Reason(ReasonCode.OTHER, 'it has a number, but does not name its master')
+    if order.order >= LARGEST_NUMBER:
+        return Reason(ReasonCode.OTHER, f'its number is {order.order}: no later order could have a '
+                                        'larger one')
     if order.end > LARGEST_RECORD_NUMBER:
         return Reason(ReasonCode.WRONG_ROUTE, f'its first edge has the number {order.first}: '
                                               'record numbers end before that')
