@@ -233,8 +233,10 @@ class Bench:
         self.tell(RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
 
     def run(self, until: Optional[Callable[[Bench], bool]] = None, seconds: float = 300.0) -> None:
-        """Runs until the condition is true (by default: until no route runs)."""
-        until = until or (lambda bench: not bench.follower.running)
+        """Runs until the condition is true (by default: until no route runs, and no order waits).
+        """
+        until = until or (lambda bench: not bench.follower.running
+                          and not bench.follower.orders.waits)
         end = self.now + seconds
         while not until(self):
             assert self.now < end, f'not within {seconds} s; last report: {self.last}'

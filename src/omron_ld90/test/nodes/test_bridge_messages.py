@@ -24,6 +24,7 @@ from omron_ld90.nodes.bridge_messages import (
 )
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
 from omron_ld90_msgs.msg import Motion as MotionMessage
+from route_protocol.values import EpochCause
 
 
 def test_a_status_tells_where_the_robot_is_and_what_it_does():
@@ -75,14 +76,29 @@ def test_an_outcome_is_an_ending(outcome, message, ending):
 
 
 @pytest.mark.parametrize('giver, cause, is_ours, goes_on', [
-    ('/r/bridge', MotionMessage.OTHER_GIVER, True, False),
-    ('/rviz', MotionMessage.STOP, False, False), ('', MotionMessage.OTHER_CLIENT, False, False),
-    ('', MotionMessage.EMERGENCY_STOP, True, False), ('', MotionMessage.RESTART, False, True)])
+    ('/r/bridge', EpochCause.OTHER_GIVER, True, False),
+    ('/rviz', EpochCause.STOP, False, False), ('', EpochCause.OTHER_CLIENT, False, False),
+    ('', EpochCause.EMERGENCY_STOP, True, False), ('', EpochCause.RESTART, False, True)])
 def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on):
-    told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=cause, stop_owed=True,
+    told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=int(cause), stop_owed=True,
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
-        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT)
+        9, 8, is_ours, goes_on, True, 'why', cause is EpochCause.OTHER_CLIENT, cause)
+
+
+@pytest.mark.parametrize('state, drives', [
+    ('UNKNOWN', False), ('STANDING', False), ('DRIVING', True), ('STOPPING', False),
+    ('DOCKING', True), ('DOCKED', False), ('UNDOCKING', True), ('MANUAL', True)])
+def test_a_motion_tells_whether_the_robot_drives(state, drives):
+    assert motion_told(MotionMessage(state=getattr(MotionMessage, state)), '/r').drives is drives
+
+
+def test_each_cause_of_the_controller_is_one_of_the_protocol():
+    names = [cause.name for cause in EpochCause if hasattr(MotionMessage, cause.name)]
+    assert names == ['OTHER_GIVER', 'STOP', 'CANCEL', 'OTHER_CLIENT', 'ROBOT', 'EMERGENCY_STOP',
+                     'RESTART']
+    for name in names:
+        assert motion_told(MotionMessage(cause=getattr(MotionMessage, name)), '').cause.name == name
 
 
 def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():

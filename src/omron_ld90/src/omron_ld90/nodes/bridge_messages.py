@@ -18,6 +18,7 @@ from omron_ld90.bridge.events import (
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotStatus
+from route_protocol.values import EpochCause
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
@@ -33,6 +34,8 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
+_CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
+                                  if hasattr(Motion, cause.name)}
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 
 
@@ -54,10 +57,12 @@ def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
     """The event for a Motion message; `own_name` is the name of this node."""
+    drives = message.state in (Motion.DRIVING, Motion.DOCKING, Motion.UNDOCKING, Motion.MANUAL)
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
-                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT))
+                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
+                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

@@ -1,0 +1,97 @@
+"""Judges what the robot does, as the reports of the route protocol tell it (`Motion`).
+
+    | the first condition that holds                                         | motion            |
+    |------------------------------------------------------------------------|-------------------|
+    | a route runs                                                           | ON_ROUTE          |
+    | a link is down, or the location is unknown or old                      | UNKNOWN           |
+    | the controller names another giver that drives, or the status shows a  | MOVED             |
+    | robot that is driven by hand                                           |                   |
+    | it rests, and owes no stop                                             | STANDING          |
+    | a route was complete, and nothing else happened since                  | ON_ROUTE          |
+    | a route was lost or stopped, and nothing else happened since           | COMING_TO_REST    |
+    | it moved without a drive of ours                                       | MOVED             |
+    | nothing is known from before the start of this program                 | UNKNOWN           |
+
+It rests if its status shows no motion and its locations stay within STILL for RESTING. Only
+locations count that come after the end of the route, and after the last time that it moved. The
+first of them is the centre, so a slow movement is seen as well.
+"""
+from __future__ import annotations
+
+import math
+from typing import Optional
+
+from omron_ld90.bridge import events as p
+from omron_ld90.bridge.robot_state import NANOSECONDS, Located
+from route_protocol.values import Motion, Phase
+
+STILL = 0.05   # m
+RESTING = 1.0  # s
+
+_MOVING = (p.Motion.GOING, p.Motion.STOPPING, p.Motion.DOCKING, p.Motion.UNDOCKING,
+           p.Motion.BY_HAND)
+
+
+class MotionJudge:
+    """Knows whether the robot rests, and if not, why it moves."""
+
+    def __init__(self) -> None:
+        self._rests = False
+        self._otherwise = Motion.UNKNOWN  # the motion of a robot that does not rest
+        self._centre: Optional[Located] = None
+        self._is_driven = False  # by another giver, as the controller tells
+        self._by_hand = False
+
+    def route_ended(self, phase: Phase) -> None:
+        """A route is complete, or was lost or stopped: the robot may roll on for a while."""
+        self._move(Motion.ON_ROUTE if phase is Phase.COMPLETE else Motion.COMING_TO_REST)
+
+    def taken_over(self) -> None:
+        """Something else than a route of ours moves the robot now, or may do so."""
+        self._move(Motion.MOVED)
+
+    def told(self, motion: p.MotionTold) -> None:
+        """The controller tells who drives the robot."""
+        self._is_driven = motion.drives and not motion.is_ours
+        if self._is_driven:
+            self.taken_over()
+
+    def seen(self, status: p.RobotSeen, location: Optional[Located], runs: bool) -> None:
+        """The robot tells what it does; `location` is None if it tells no new one.
+
+        runs -- a route of ours runs
+        """
+        self._by_hand = status.motion is p.Motion.BY_HAND
+        if location is None or runs:
+            return
+        centre = self._centre
+        if centre is None or location.stamp < centre.stamp:
+            self._centre = location
+            return
+        has_moved = math.dist(centre.position, location.position) > STILL
+        if has_moved or status.motion in _MOVING:
+            if has_moved and self._rests:
+                self._move(Motion.MOVED)
+            self._rests, self._centre = False, location
+        elif (location.stamp - centre.stamp) * NANOSECONDS >= RESTING:
+            self._rests = True
+
+    def motion(self, runs: bool, is_known: bool, owes_stop: bool) -> Motion:
+        """Returns what the robot does.
+
+        runs      -- a route runs
+        is_known  -- the links are up, and the location is a recent one
+        owes_stop -- a stop is not obeyed yet
+        """
+        if runs:
+            return Motion.ON_ROUTE
+        if not is_known:
+            return Motion.UNKNOWN
+        if self._is_driven or self._by_hand:
+            return Motion.MOVED
+        if self._rests and not owes_stop:
+            return Motion.STANDING
+        return Motion.COMING_TO_REST if self._rests else self._otherwise
+
+    def _move(self, why: Motion) -> None:
+        self._rests, self._centre, self._otherwise = False, None, why
