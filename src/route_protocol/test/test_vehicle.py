@@ -331,7 +331,8 @@ class Pair:
         known = (its.edge, *its.route[1:]) if its.edge is not None else its.route
         if its.rolling:
             known = its.rolling
-        edges = list(known[:random.randint(0, len(known))]) if random.random() < 0.3 else list(known)
+        kept = random.randint(0, len(known)) if random.random() < 0.3 else len(known)
+        edges = list(known[:kept])
         for _ in range(random.randint(0, 2)):
             edges.append(self.edge(edges[-1].destination if edges else its.place))
         first = its.done
