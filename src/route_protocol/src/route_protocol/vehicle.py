@@ -2,7 +2,7 @@
 
 State
     epoch    -- begins anew whenever orders that are on their way must not be obeyed any more
-    master   -- whose orders are counted; None: nobody's yet. OLD_MASTER stands for all masters that
+    master   -- the program that orders; None: none yet. OLD_MASTER stands for all masters that
                 do not number their orders
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
@@ -40,7 +40,7 @@ numbers go on by one with each edge, so a route may pass a place twice. A new ep
 Invariants
     - `order`, `refused` and the number of reports only grow within an epoch.
     - A route in force was decided in this epoch, or it began this epoch.
-    - A stop is taken whatever its epoch.
+    - A stop of any epoch is taken.
 
 The caller judges what only it can know (does the route begin where the vehicle is, can it brake).
 It stores `state` before the vehicle acts. A vehicle that lost its route and still rolls lets routes
