@@ -53,7 +53,8 @@ class Fleet(Bench):
         """The bridge restarts, with its memory or with one that is not sure."""
         record, dead = self.follower.record, self.follower
         self.robot.number = None
-        self.follower = RouteFollower(dead.settings, dead.graph, tuple(self.link_is_up))
+        self.follower = RouteFollower(dead.settings, dead.graph, tuple(self.link_is_up), self.draw,
+                                      self.clock)
         self.follower.restore(record, True, self.now, is_sure)
         self.hear_motion('')
         self.look()
@@ -341,8 +342,8 @@ def test_bad_input_is_one_sentence_and_nothing_moves_and_nothing_is_lost(bad):
 
 TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=3)
 HAPPENINGS = st.one_of(
-    st.tuples(st.just('drive'), st.integers(1, 60)),
-    st.tuples(st.just('drive'), st.integers(1, 60)),
+    st.tuples(st.just('drive'), st.integers(1, 150)),
+    st.tuples(st.just('drive'), st.integers(1, 150)),
     st.tuples(st.just('grant'), st.integers(0, 3), TURNS),
     st.tuples(st.just('grant'), st.integers(0, 3), TURNS),
     st.tuples(st.just('shorten')), st.tuples(st.just('stop')), st.tuples(st.just('stop 0')),

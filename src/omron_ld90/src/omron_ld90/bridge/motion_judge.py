@@ -51,7 +51,7 @@ class MotionJudge:
         self._move(Motion.MOVED)
 
     def told(self, motion: p.MotionTold) -> None:
-        """The controller tells who drives the robot."""
+        """The controller tells which giver drives the robot."""
         self._is_driven = motion.drives and not motion.is_ours
         if self._is_driven:
             self.taken_over()
