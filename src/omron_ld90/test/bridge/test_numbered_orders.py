@@ -288,6 +288,19 @@ def test_after_a_restart_with_memory_the_route_goes_on_and_without_it_fails(is_s
     assert fleet.report.number > before.number
 
 
+def test_a_robot_that_still_rolls_after_a_restart_without_memory_takes_no_route():
+    fleet = Fleet()
+    fleet.send(1, 5)
+    fleet.drive(2.0)
+    fleet.give = lambda give: None  # the stop does not reach the robot
+    fleet.started_anew(False)
+    assert fleet.report.motion is Motion.UNKNOWN
+    fleet.send(1)
+    fleet.drive(5.0)
+    assert fleet.report.refusal.text == 'the robot is still coming to rest'
+    assert fleet.commands == ['goto 2']
+
+
 def test_numbers_that_were_refused_are_remembered_over_a_restart():
     fleet = Fleet()
     fleet.send(1)

@@ -138,7 +138,7 @@ class RouteFollower:
             self.robot.stop_duty.require(record.epoch)
         if self.vehicle.state.phase in (Phase.RUNNING, Phase.COMPLETE):
             self._restored = (record, now + self.settings.restart_timeout)
-        else:
+        elif is_sure:
             self._motion.route_ended(self.vehicle.state.phase)
         self._last_reported = self._reported
 
@@ -260,8 +260,10 @@ class RouteFollower:
             self.orders.refuse(due.given, refusal.reason)
 
     def _why_order_waits(self, now: float) -> Reason:
-        unknown = self._why_unknown(now)
-        return unknown or (_ROLLS if self.motion is Motion.COMING_TO_REST else NO_REASON)
+        motion = self.motion
+        rolls = motion is Motion.COMING_TO_REST or (
+            motion is Motion.UNKNOWN and self.robot.owes_stop)
+        return self._why_unknown(now) or (_ROLLS if rolls else NO_REASON)
 
     def _why_unknown(self, now: float) -> Reason:
         if self.graph is None:
