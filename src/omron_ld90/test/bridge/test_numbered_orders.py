@@ -419,8 +419,8 @@ class WatchedFleet(Fleet):
         return tuple(found)
 
 
-@given(st.lists(HAPPENINGS, min_size=5, max_size=25), st.sampled_from(['vertex_by_vertex', 'rolling',
-                                                          'direct']))
+@given(st.lists(HAPPENINGS, min_size=5, max_size=25),
+       st.sampled_from(['vertex_by_vertex', 'rolling', 'direct']))
 def test_the_robot_is_never_sent_outside_of_the_last_order_that_was_taken(happenings, strategy):
     fleet = WatchedFleet(strategy)
     sent = [fleet.send(1, 5, 6)]

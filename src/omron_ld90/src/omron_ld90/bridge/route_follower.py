@@ -60,7 +60,8 @@ _SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot has sent no status')
 _ROLLS = Reason(ReasonCode.NOT_READY, 'the robot is still coming to rest')
 _FORGOTTEN = Reason(ReasonCode.RESTARTED, 'the bridge was started without a sure memory')
 _WAS_AWAY = Reason(ReasonCode.RESTARTED, 'the bridge was away for too long')
-_BY_HOW = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
+_STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
+"""After a new epoch for one of these reasons the robot only rolls on along our route."""
 
 
 def draw_epoch() -> int:
@@ -403,7 +404,7 @@ class RouteFollower:
             self.robot.stop(self.robot.epoch)
             if failure.reason.code is ReasonCode.LOST_LINK:
                 cause = cause or EpochCause.LOST_LINK
-        if isinstance(failure, TakenOver) and cause not in _BY_HOW:
+        if isinstance(failure, TakenOver) and cause not in _STOPS:
             self._motion.taken_over()
         else:
             self._motion.route_ended(Phase.FAILED)
