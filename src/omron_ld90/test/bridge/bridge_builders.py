@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from itertools import count
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_arcl import Outcome
@@ -190,10 +191,11 @@ class Bench:
                  period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.Link] = (),
                  **settings) -> None:
         self.robot = GraphRobot(graph, vertex, period)
+        self.now = 100.0
+        self.draw = count(1000).__next__  # epochs of the vehicle; the controller's are smaller
         self.follower = RouteFollower(
             Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), graph,
-            links)
-        self.now = 100.0
+            links, self.draw, self.clock)
         self.link_is_up = dict.fromkeys(links, True)  # None while the link's node is away
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []
@@ -202,6 +204,10 @@ class Bench:
         self.hear_links()
         self.hear_motion('')
         self.look()
+
+    def clock(self) -> int:
+        """The wall clock, in ms."""
+        return int(1000.0 * self.now)
 
     def hear_motion(self, reason: str) -> None:
         """The controller reports the present epoch."""
@@ -233,8 +239,10 @@ class Bench:
         self.tell(RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
 
     def run(self, until: Optional[Callable[[Bench], bool]] = None, seconds: float = 300.0) -> None:
-        """Runs until the condition is true (by default: until no route runs)."""
-        until = until or (lambda bench: not bench.follower.running)
+        """Runs until the condition is true (by default: until no route runs, and no order waits).
+        """
+        until = until or (lambda bench: not bench.follower.running
+                          and not bench.follower.orders.waits)
         end = self.now + seconds
         while not until(self):
             assert self.now < end, f'not within {seconds} s; last report: {self.last}'
@@ -271,7 +279,8 @@ class Bench:
             self.now += GraphRobot.STEP
             self.robot.step(self.now)
         self.robot.number = None  # the new process does not receive the end of the old command
-        self.follower = RouteFollower(follower.settings, follower.graph, tuple(self.link_is_up))
+        self.follower = RouteFollower(follower.settings, follower.graph, tuple(self.link_is_up),
+                                      self.draw, self.clock)
         if record:
             self.follower.restore(record, away < 20.0, self.now)
         self.hear_links()

@@ -97,7 +97,7 @@ class SimulatedDrive:
         """Drives a route to its end; returns the seconds that it took."""
         start = self.now
         self.order(route_id, *edges)
-        self.run(lambda: not self.follower.running, seconds)
+        self.run(lambda: not self.follower.running and not self.follower.orders.waits, seconds)
         return self.now - start
 
     def wait(self, seconds: float) -> None:

@@ -2,17 +2,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import List, Tuple
+from typing import List, Optional, Tuple
 
 import pytest
 
 from omron_ld90.bridge.events import RobotSeen
-from omron_ld90.bridge.goal_tracker import GoalTracker
-from omron_ld90.bridge.order_intake import LATE_ORDER, OrderIntake
+from omron_ld90.bridge.order_intake import OrderIntake
 from omron_ld90.bridge.robot_monitor import RobotMonitor
-from omron_ld90.bridge.robot_state import RobotLocation
-from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
+from route_protocol.old_masters import LATE_ORDER
 from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
@@ -23,6 +21,7 @@ from route_protocol.values import (
     ReasonCode,
     RouteOrder,
 )
+from route_protocol.vehicle import Vehicle
 
 NANOSECONDS = 1_000_000_000
 PATIENCE = 3.5
@@ -36,11 +35,6 @@ def order(route_id: int = 7, sent: float = 100.0, received: float = 100.0,
     return RouteOrder(route_id, edges, int(sent * NANOSECONDS), int(received * NANOSECONDS))
 
 
-def driven(given: RouteOrder, phase: Phase = Phase.RUNNING) -> RouteRun:
-    """The route that was made from an order."""
-    return RouteRun(given, Settings(), GoalTracker(), RobotLocation(), None, 100.0, phase)
-
-
 class Bench:
     """An intake, and its notes and refusals."""
 
@@ -49,16 +43,26 @@ class Bench:
         self.refusals: List[Tuple[int, Reason]] = []
         self.notes: List[str] = []
         self.robot = RobotMonitor(Settings())
+        self.vehicle = Vehicle(lambda: 5, lambda: 0)
         self.intake = OrderIntake(
-            self.robot, patience,
-            lambda order, reason: self.refusals.append((order.route_id, reason)),
+            self.vehicle, self.robot, patience,
+            lambda refusal: self.refusals.append((refusal.route_id, refusal.reason)),
             self.notes.append)
 
     def take(self, order: RouteOrder, now: float) -> bool:
-        return self.intake.take(order, None, now)
+        return self.intake.arrived(order, now)
 
-    def due(self, now: float):
-        return self.intake.due(lambda now: self.unknown, now)
+    def due(self, now: float) -> Optional[RouteOrder]:
+        due = self.intake.due(lambda now: self.unknown, now)
+        return due and due.given
+
+    def drive(self, given: RouteOrder, phase: Phase = Phase.RUNNING) -> None:
+        """The order was taken before, and its route is in this phase now."""
+        numbered = self.intake.old_masters.numbered(given, self.vehicle.state)
+        self.vehicle.take(numbered, self.vehicle.state.done)
+        self.intake.taken(given, 100.0)
+        if phase is Phase.COMPLETE:
+            self.vehicle.complete(len(given.edges))
 
     def press_emergency_stop(self, pressed: bool, now: float) -> None:
         self.robot.update(RobotSeen(int(now * NANOSECONDS), emergency_stop=pressed), now)
@@ -108,16 +112,16 @@ def test_nor_longer_than_the_route_protocol_allows():
     assert bench.refusals == [(7, NO_LOCATION)]
 
 
-def test_what_was_dropped_is_never_due(bench):
+def test_an_order_that_waits_does_not_pass_a_stop(bench):
     bench.take(order(), 100.0)
-    bench.intake.drop()
+    assert bench.take(order(8, edges=()), 100.0)
     assert bench.due(100.0) is None
     assert not bench.refusals
 
 
 def test_who_takes_the_robot_over_is_passed_by_no_order_that_waits(bench):
     bench.take(order(), 100.0)
-    bench.intake.overrule(100.5)
+    bench.intake.epoch_began(100.5)
     assert bench.due(100.5) is None
     assert bench.refusals == [(7, TAKEN_OVER)]
 
@@ -125,7 +129,7 @@ def test_who_takes_the_robot_over_is_passed_by_no_order_that_waits(bench):
 @pytest.mark.parametrize('sent, taken, is_taken', [
     (99.0, 100.6, False), (100.55, 100.6, True), (99.0, 100.5 + LATE_ORDER, True)])
 def test_nor_by_one_that_was_on_its_way(bench, sent, taken, is_taken):
-    bench.intake.overrule(100.5)
+    bench.intake.epoch_began(100.5)
     assert bench.take(order(sent=sent, received=taken), taken) is is_taken
 
 
@@ -153,25 +157,26 @@ def test_but_not_when_its_latching_publisher_only_connects_again(bench):
 @pytest.mark.parametrize('latched', [
     order(), replace(order(sent=0.0), known_epoch=5)], ids=['stamp', 'epoch'])
 def test_a_latched_order_that_says_when_it_was_given_may_come_with_a_connection(bench, latched):
-    bench.robot.resume(5)
     assert bench.take(replace(latched, comes_again=True), 100.0)
 
 
 def test_a_latched_order_that_is_driven_already_is_no_refusal(bench):
     again = replace(order(sent=0.0), comes_again=True)
-    assert not bench.intake.take(again, driven(order(sent=0.0)), 100.0)
+    bench.drive(order(sent=0.0))
+    assert not bench.take(again, 100.0)
     assert not bench.refusals
 
 
 def test_an_order_without_a_stamp_that_comes_after_a_take_over_is_not_passed_by_it(bench):
-    bench.intake.overrule(100.5)
+    bench.intake.epoch_began(100.5)
     assert bench.take(order(sent=0.0), 100.5)
 
 
 @pytest.mark.parametrize('sent, is_taken', [(99.9, False), (100.0, True), (100.1, True)])
 def test_an_order_is_late_that_was_sent_before_that_of_the_route(bench, sent, is_taken):
     longer = order(sent=sent, edges=(1, 2, 3))
-    assert bench.intake.take(longer, driven(order()), 100.2) is is_taken
+    bench.drive(order())
+    assert bench.take(longer, 100.2) is is_taken
     assert len(bench.notes) == (not is_taken)
 
 
@@ -180,17 +185,18 @@ def test_no_order_is_late_where_the_clock_was_set_back(bench):
     order.
     """
     after = order(sent=100.0 - 60.0, edges=(1, 2, 3))
-    assert bench.intake.take(replace(after, received=int((100.1 - 60.0) * 1e9)),
-                             driven(order()), 101.0)
-    assert not bench.intake.take(replace(after, received=int(100.1 * 1e9)), driven(order()), 101.0)
+    bench.drive(order())
+    assert bench.take(replace(after, received=int((100.1 - 60.0) * 1e9)), 101.0)
+    assert not bench.take(replace(after, received=int(100.1 * 1e9)), 101.0)
 
 
 @pytest.mark.parametrize('phase, notes', [
-    (Phase.RUNNING, []), (Phase.COMPLETE, ['Route 7 was ordered again and is ignored: it is '
-                                           'complete. Another drive needs another id.'])])
+    (Phase.RUNNING, []), (Phase.COMPLETE, ['Route 7 is ignored: it is complete. Another drive '
+                                           'needs another id.'])])
 def test_an_order_that_comes_again_is_told_once_where_its_route_is_over(bench, phase, notes):
+    bench.drive(order(), phase)
     for _ in range(3):
-        assert not bench.intake.take(order(), driven(order(), phase), 101.0)
+        assert not bench.take(order(), 101.0)
     assert (bench.notes, bench.refusals) == (notes, [])
 
 
@@ -222,5 +228,5 @@ def test_in_an_emergency_stop_only_the_first_refusal_is_noted_and_the_end_of_it(
     bench.press_emergency_stop(False, 104.0)
     for route_id in (10, 11):
         bench.take(order(route_id), 104.0)
-        bench.intake.accepted(bench.due(104.0))
+        bench.intake.taken(bench.due(104.0), 104.0)
     assert bench.notes[1:] == ['Route 10 is driven: the emergency stop is over.']

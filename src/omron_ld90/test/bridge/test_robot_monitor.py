@@ -16,7 +16,7 @@ from omron_ld90.bridge.events import (
 from omron_ld90.bridge.goal_tracker import RouteFailed
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
-from route_protocol.values import Reason, ReasonCode
+from route_protocol.values import EpochCause, Reason, ReasonCode
 
 
 def monitor() -> RobotMonitor:
@@ -80,16 +80,24 @@ def test_a_command_carries_the_epoch_that_is_known():
     (MotionTold(1, stop_owed=True), False), (MotionTold(2, 1, is_ours=True), False),
     (MotionTold(2, 1, goes_on=True), False), (MotionTold(3, 2, goes_on=True), True),
     (MotionTold(2, 1, reason='"stop" of /rviz'), True)])
-def test_only_what_others_do_ends_a_route(told, fails):
+def test_only_what_others_do_ends_a_route_and_the_epoch(told, fails):
     robot = monitor()
     robot.update(MotionTold(1), 0.0)
     robot.update(told, 0.0)
     assert robot.epoch == told.epoch
-    assert robot.knows(1) is not fails
+    assert robot.overruled is (EpochCause.OTHER_GIVER if fails else None)
     if fails:
         assert why_failed(robot, 0.0) == 'taken over'
     else:
         robot.check(0.0)
+
+
+def test_an_emergency_stop_ends_the_route_and_the_epoch_though_no_giver_took_over():
+    robot = monitor()
+    robot.update(MotionTold(1), 0.0)
+    robot.update(MotionTold(2, 1, is_ours=True, cause=EpochCause.EMERGENCY_STOP), 0.0)
+    assert robot.overruled is EpochCause.EMERGENCY_STOP
+    assert why_failed(robot, 0.0) == 'emergency stop'
 
 
 def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():

@@ -57,10 +57,10 @@ class TestWhatSomebodyElseDoes:
     @pytest.mark.parametrize('command', ['stop', 'goto 3'])
     def test_ends_the_route_and_nothing_more_is_given(self, command):
         bench = under_way()
-        before = bench.follower.report().epoch
+        epoch = bench.follower.report().epoch
         bench.overrule('"stop" of /rviz', command)
         assert bench.follower.report().reason.text == 'taken over'
-        assert bench.follower.report().epoch != before
+        assert bench.follower.report().epoch != epoch
         assert '"stop" of /rviz' in bench.notes[-1]
         bench.drive(6.0)
         assert bench.commands[-1] == command

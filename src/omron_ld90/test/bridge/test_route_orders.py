@@ -14,7 +14,14 @@ from omron_ld90.bridge.events import (
 )
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import Settings
-from route_protocol.values import EdgeState, RouteOrder, RouteRefusal, RouteReport
+from route_protocol.values import (
+    EdgeState,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+)
 
 
 def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:
@@ -89,13 +96,32 @@ def test_a_complete_route_cannot_be_extended_from_elsewhere():
 
 
 def test_a_shorter_list_ends_the_route_earlier():
-    bench = under_way(strategy='direct')
+    bench = Bench(dissertation_graph(), 1, 'direct')
+    bench.order(7, 1, 4, 5)
     assert bench.commands == ['goto 6']
+    bench.drive(1.0)
     bench.order(7, 1, 4)
     assert bench.commands[-1] == 'goto 7'
     bench.run()
     assert bench.states() == [2, 2]
     assert bench.robot.position == pytest.approx((8.0, 0.0))
+
+
+def test_a_list_that_is_shorter_than_the_robot_needs_to_brake_is_refused_and_the_route_goes_on():
+    bench = under_way(strategy='direct')
+    bench.order(7, 1, 4)
+    assert [refusal.reason for refusal in bench.refusals] == [Reason(
+        ReasonCode.CANNOT_BRAKE, 'the robot cannot stop before edge 5, which it takes away')]
+    bench.run()
+    assert bench.commands == ['goto 6']
+    assert bench.states() == [2, 2, 2]
+
+
+def test_a_robot_that_was_not_sent_beyond_the_shorter_list_needs_no_room_to_brake():
+    bench = under_way()
+    bench.order(7, 1, 4)
+    bench.run()
+    assert (bench.refusals, bench.states()) == ([], [2, 2])
 
 
 def test_a_list_that_drops_the_current_edge_is_refused_and_the_route_goes_on():
@@ -213,6 +239,7 @@ def test_a_failed_route_needs_another_id():
     bench.robot.emergency = False
     bench.look()
     bench.order(7, 1, 4)
+    bench.drive(2.0)  # orders wait until the robot stands
     assert 'has failed' in refusals(bench, 7)[-1].reason.text
     bench.order(8, 4, 5)
     bench.run()

@@ -222,7 +222,7 @@ def test_a_robot_that_docked_meanwhile_is_not_sent_to_its_dock_again():
 def test_a_robot_that_still_goes_to_the_vertex_that_it_passes_is_not_sent_on_before_it_is_there():
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1, 4)
-    bench.run(lambda bench: bench.follower.route.completed == 1)
+    bench.run(lambda bench: bench.follower.vehicle.state.completed == 1)
     assert bench.robot.motion is Motion.GOING
     bench.restart()
     assert bench.commands == ['goto 2']
@@ -282,7 +282,10 @@ def test_a_bridge_that_was_away_for_long_fails_the_route_and_stops_a_robot_on_ou
 
 
 def test_routes_of_long_ago_are_not_driven_again_after_a_restart():
-    """B8: a latching publisher sends its route again, after another route was driven."""
+    """B8: a latching publisher sends its route again, after another route was driven.
+
+    Such a publisher is a new one to the node, or its message has a stamp.
+    """
     bench = under_way()
     bench.run()
     bench.order(8, -5)
@@ -291,10 +294,10 @@ def test_routes_of_long_ago_are_not_driven_again_after_a_restart():
     given = list(bench.commands)
     bench.restart(3.0)
     for route_id, edges in ((7, (1, 4, 5)), (8, (-5,))):
-        bench.order(route_id, *edges)
+        bench.tell(RouteOrder(route_id, edges, comes_again=True))
         bench.drive(1.0)
     assert bench.commands == given
-    assert 'another drive needs another id' in bench.notes[-1]
+    assert 'published before its connection began' in bench.notes[-1]
 
 
 def test_what_somebody_did_while_the_bridge_was_away_ends_the_route():
@@ -304,25 +307,26 @@ def test_what_somebody_did_while_the_bridge_was_away_ends_the_route():
     assert bench.follower.report().reason.text == 'taken over'
 
 
-@pytest.mark.parametrize('knows, reasons', [(None, []), (False, [OVERRULED]), (True, [])])
-def test_an_order_of_another_epoch_is_refused(knows, reasons):
+@pytest.mark.parametrize('known, reasons', [
+    ('none', []), ('old', [OVERRULED]), ('new', [])])
+def test_an_order_of_another_epoch_is_refused(known, reasons):
     bench = Bench(dissertation_graph(), 1)
-    before = bench.follower.report().epoch
+    epochs = {'none': 0, 'old': bench.follower.report().epoch}
     bench.overrule()
     bench.drive(10.0)
-    known = 0 if knows is None else bench.follower.report().epoch if knows else before
-    bench.tell(RouteOrder(7, (1, 4, 5), known_epoch=known))
+    epochs['new'] = bench.follower.report().epoch
+    bench.tell(RouteOrder(7, (1, 4, 5), known_epoch=epochs[known]))
     assert [refusal.reason for refusal in bench.refusals] == reasons
     assert bench.commands == ['goto 2'] * (not reasons)
 
 
-def test_a_change_made_before_the_epoch_that_the_route_itself_began_is_taken():
+def test_a_route_of_ours_begins_no_epoch_though_the_controller_counts_one():
     bench = Bench(dissertation_graph(), 1)
     known = bench.follower.report().epoch
     bench.tell(RouteOrder(7, (1, 4), known_epoch=known))
     bench.tell(p.MotionTold(2, 1, is_ours=True))
     bench.tell(RouteOrder(7, (1, 4, 5), known_epoch=known))
-    assert bench.follower.route.edges == (1, 4, 5)
+    assert bench.follower.report().edges == (1, 4, 5)
 
 
 def test_a_stop_that_is_owed_survives_the_restart():

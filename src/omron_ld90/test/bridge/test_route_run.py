@@ -14,25 +14,47 @@ from omron_ld90.bridge.robot_state import Located, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings, direct, vertex_by_vertex
-from route_protocol.values import EdgeState, Phase, RouteOrder
+from route_protocol.order_rules import edge_states
+from route_protocol.values import EdgeState, Phase, Reason, ReasonCode, RouteOrder
+from route_protocol.vehicle import Vehicle
 
 SETTINGS = Settings(dock_vertex=DOCK_VERTEX, strategy=vertex_by_vertex)
 NEVER = float('-inf')
 
 
+def vehicle_with(*edges: int, first: int = 0) -> Vehicle:
+    """The end of the protocol that has taken a route."""
+    vehicle = Vehicle(lambda: 1, lambda: 0)
+    vehicle.take(RouteOrder(7, edges, order=1, first=first, master='fleet'), first)
+    return vehicle
+
+
 class Drive:
     """A route over the yard from its first vertex on, vertex by vertex."""
 
-    def __init__(self, *edges: int, settings: Settings = SETTINGS) -> None:
+    def __init__(self, *edges: int, settings: Settings = SETTINGS, first: int = 0) -> None:
         self.now, self.stamp = 0.0, 0
         self.tracker, self.location = GoalTracker(), RobotLocation()
         graph = yard()
         start = graph.start_vertex(edges[0]).position
         progress = RouteProgress(graph, edges, SETTINGS.vertex_tolerance, (DOCK_VERTEX,), start, 0)
-        self.run = RouteRun(RouteOrder(7, edges, 0), settings, self.tracker, self.location,
-                            progress, self.now)
+        self.vehicle = vehicle_with(*edges, first=first)
+        self.run = RouteRun(self.vehicle, settings, self.tracker, self.location, progress,
+                            self.now)
         self.see(*start)
         self.run.drive()
+
+    @property
+    def states(self) -> Tuple[EdgeState, ...]:
+        state = self.vehicle.state
+        return edge_states(state.edges, state.completed, state.phase)
+
+    def replace(self, *edges: int, first: int = 0) -> None:
+        """The vehicle takes another order, which has the same current edge."""
+        state = self.vehicle.state
+        self.vehicle.take(RouteOrder(7, edges, order=state.order + 1, first=first,
+                                     master='fleet'), state.done)
+        self.run.replace(self.now)
 
     def see(self, x: float, y: float) -> GraphLocation:
         self.stamp += 500_000_000
@@ -59,14 +81,14 @@ class Drive:
 def test_it_sends_the_robot_to_the_end_of_its_first_edge():
     drive = Drive(1, 5)
     assert drive.tracker.command == 'goto 2'
-    assert drive.run.states == (EdgeState.PROCESSING, EdgeState.PROCESSING)
+    assert drive.states == (EdgeState.PROCESSING, EdgeState.PROCESSING)
 
 
 def test_an_edge_is_complete_and_the_next_goal_sent_when_the_robot_is_there():
     drive = Drive(1, 5)
     drive.go((2.0, 0.0), (4.0, 0.0))
     drive.arrive()
-    assert drive.run.states == (EdgeState.COMPLETE, EdgeState.PROCESSING)
+    assert drive.states == (EdgeState.COMPLETE, EdgeState.PROCESSING)
     assert drive.tracker.command == 'goto 5'
 
 
@@ -75,8 +97,8 @@ def test_the_route_is_complete_with_its_last_edge():
     drive.go((4.0, 0.0))
     assert drive.run.running
     drive.arrive()
-    assert drive.run.phase is Phase.COMPLETE
-    assert drive.run.states == (EdgeState.COMPLETE,)
+    assert drive.vehicle.state.phase is Phase.COMPLETE
+    assert drive.states == (EdgeState.COMPLETE,)
 
 
 def test_the_dock_is_gone_to_by_its_own_command():
@@ -112,18 +134,29 @@ def test_a_longer_route_goes_on_from_what_is_done():
     drive = Drive(1)
     drive.go((4.0, 0.0))
     drive.arrive()
-    drive.run.replace(RouteOrder(7, (1, 5), 0), drive.now)
+    drive.replace(1, 5)
     assert drive.run.running
-    assert drive.run.states == (EdgeState.COMPLETE, EdgeState.PROCESSING)
+    assert drive.states == (EdgeState.COMPLETE, EdgeState.PROCESSING)
     assert drive.tracker.command == 'goto 5'
 
 
-def test_of_a_route_whose_graph_is_gone_the_edges_driven_are_remembered():
-    run = RouteRun(RouteOrder(7, (1, 5, 6), 0), SETTINGS, GoalTracker(), RobotLocation(), None, 0.0,
-                   Phase.FAILED, completed=1)
-    assert not run.is_on_graph
-    assert run.states == (EdgeState.COMPLETE, EdgeState.FAILED, EdgeState.FAILED)
-    assert run.record().completed == 1
+@pytest.mark.parametrize('edges, first', [((1, 5, 6), 0), ((5, 6), 1), ((9, 1, 5, 6), -1)])
+def test_an_order_may_leave_out_or_add_edges_that_are_driven(edges, first):
+    """The progress does not jump, and the robot is not sent again where it drives already."""
+    drive = Drive(1, 5, first=8)
+    drive.go((4.0, 0.0))
+    drive.arrive()
+    drive.go((6.0, 0.0))
+    before = drive.run.progress.pose
+    drive.tracker.given(2)
+    drive.replace(*edges, first=8 + first)
+    assert drive.run.progress.pose == before
+    assert drive.vehicle.state.done == 9
+    assert not drive.tracker.give_again
+    drive.go((8.0, 0.0))
+    drive.arrive()
+    assert drive.tracker.command == 'goto 6'
+    assert drive.vehicle.state.done == 10
 
 
 def completed(*edges: int) -> Drive:
@@ -132,7 +165,7 @@ def completed(*edges: int) -> Drive:
     for edge in edges:
         drive.go(drive.run.progress.graph.end_vertex(edge).position)
         drive.arrive()
-    assert drive.run.phase is Phase.COMPLETE
+    assert drive.vehicle.state.phase is Phase.COMPLETE
     return drive
 
 
@@ -142,15 +175,15 @@ def test_who_has_driven_a_route_has_no_more_business_with_the_robot():
 
 def test_a_complete_route_that_is_ordered_shorter_stays_complete():
     drive = completed(1, 5)
-    drive.run.replace(RouteOrder(7, (1,), 0), drive.now)
-    assert drive.run.phase is Phase.COMPLETE
+    drive.replace(1)
+    assert drive.vehicle.state.phase is Phase.COMPLETE
     assert drive.tracker.goal is None
 
 
 def test_a_complete_route_that_gets_longer_much_later_has_not_stalled():
     drive = completed(1)
     drive.now += 100.0
-    drive.run.replace(RouteOrder(7, (1, 5), 0), drive.now)
+    drive.replace(1, 5)
     assert drive.go((4.0, 0.0)) == ''
 
 
@@ -158,7 +191,7 @@ def test_a_docked_robot_has_docked_though_it_stands_in_front_of_the_vertex():
     drive = Drive(9)
     drive.go((0.0, -3.0), (0.0, -3.5))
     drive.arrive()
-    assert drive.run.phase is Phase.COMPLETE
+    assert drive.vehicle.state.phase is Phase.COMPLETE
 
 
 def test_the_robot_may_brake_from_the_edge_before_to_the_one_behind_its_target():
@@ -174,9 +207,9 @@ def test_a_robot_is_on_the_edge_that_it_drives_or_has_just_driven_or_failed_on()
     drive.go((4.0, 0.0))
     drive.arrive()
     assert [edge for edge in (1, 5, 6) if drive.run.is_on(edge)] == [1, 5]
-    drive.run.phase = Phase.FAILED
+    drive.vehicle.fail(Reason(ReasonCode.OTHER, 'why'))
     assert [edge for edge in (1, 5, 6) if drive.run.is_on(edge)] == [5]
-    drive.run.phase = Phase.STOPPED
+    drive.vehicle.stop(RouteOrder(8, ()))
     assert not any(drive.run.is_on(edge) for edge in (1, 5, 6))
 
 
@@ -215,7 +248,7 @@ def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
     location.update(Located(1, *place), 0.0)
     progress = RouteProgress(graph, (9, 1), SETTINGS.vertex_tolerance, (DOCK_VERTEX,),
                              (0.0, 0.0), 0)
-    run = RouteRun(RouteOrder(7, (9, 1), 0), SETTINGS, tracker, location, progress, 0.0)
+    run = RouteRun(vehicle_with(9, 1), SETTINGS, tracker, location, progress, 0.0)
     run.target = 1
     here = GraphLocation(graph, place, docking, DOCK_VERTEX, SETTINGS.vertex_tolerance,
                          SETTINGS.corridor_width)

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
 from typing import Any, Dict, Iterator, List
 
 import pytest
@@ -12,12 +13,25 @@ from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes import bridge_memory
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
 from omron_ld90.nodes.support.boot_clock import Moment
-from route_protocol.values import EMERGENCY_STOP, NO_REASON, Phase
+from route_protocol.values import (
+    EMERGENCY_STOP,
+    LARGEST_NUMBER,
+    LARGEST_RECORD_NUMBER,
+    OVERRULED,
+    EpochCause,
+    Phase,
+    RouteOrder,
+)
+from route_protocol.vehicle import VehicleState
 
-RECORD = RouteRecord(route_id=7, edges=(1, -4, 5), stamp=1_700_000_000_123_456_789,
-                     phase=Phase.RUNNING, reason=NO_REASON, completed=1, target=2, goal='12',
-                     owes_stop=False, epoch=2 ** 64 - 1, past=((6, 2 ** 32 - 1), (7, 5)))
-ENDED = RouteRecord(8, (3,), 0, Phase.FAILED, EMERGENCY_STOP, 0, None, '', True)
+RECORD = RouteRecord(
+    VehicleState(LARGEST_NUMBER, EpochCause.OTHER_MASTER, '/fleet', LARGEST_NUMBER - 1,
+                 LARGEST_NUMBER - 2, OVERRULED, LARGEST_RECORD_NUMBER - 1, 7,
+                 LARGEST_RECORD_NUMBER - 2, (1, -4, 5), Phase.RUNNING, report=LARGEST_NUMBER - 3),
+    target=2, goal='12', owes_stop=False, epoch=LARGEST_NUMBER,
+    last=RouteOrder(7, (1, -4, 5), 1_700_000_000_123_456_789))
+ENDED = RouteRecord(VehicleState(5, route_id=8, edges=(3,), phase=Phase.FAILED,
+                                 reason=EMERGENCY_STOP), owes_stop=True)
 
 
 class Parameters:
@@ -63,9 +77,11 @@ def test_a_record_comes_back_with_its_age(parameters, record):
     memory = parameters.memory()
     memory.keep(record)
     memory.close()
-    recalled, age = parameters.memory().recall()
+    recalled, age, is_sure = parameters.memory().recall()
     assert recalled == record
+    assert recalled.vehicle.report == record.vehicle.report
     assert 0.0 <= age < 10.0
+    assert is_sure
 
 
 def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
@@ -82,18 +98,20 @@ def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
             (Moment('another boot', 30.0, now.wall + 5.0), 30.0),
             (Moment('another boot', 30.0, now.wall + 50.0), 50.0)):
         monkeypatch.setattr(bridge_memory.Moment, 'now', lambda later=later: later)
-        assert parameters.memory().recall()[1] == pytest.approx(age, abs=10.0)
+        recalled = parameters.memory().recall()
+        assert recalled.age == pytest.approx(age, abs=10.0)
+        assert recalled.is_sure is (later.boot == now.boot)
 
 
 def test_a_record_of_another_launch_is_too_old_to_be_gone_on_with(parameters):
     memory = parameters.memory('launch_1')
     memory.keep(RECORD)
     memory.close()
-    assert parameters.memory('launch_2').recall() == (RECORD, math.inf)
+    assert parameters.memory('launch_2').recall() == (RECORD, math.inf, True)
 
 
 def test_without_a_record_there_is_none(parameters):
-    assert parameters.memory().recall() == (None, 0.0)
+    assert parameters.memory().recall() is None
 
 
 @pytest.mark.parametrize('content', [
@@ -101,7 +119,7 @@ def test_without_a_record_there_is_none(parameters):
 ], ids=str)
 def test_what_is_no_record_is_none(parameters, content):
     parameters.content = content
-    assert parameters.memory().recall() == (None, 0.0)
+    assert parameters.memory().recall() is None
 
 
 def test_a_master_that_does_not_answer_is_told_again_with_the_next_record(parameters):
@@ -110,9 +128,28 @@ def test_a_master_that_does_not_answer_is_told_again_with_the_next_record(parame
     memory.keep(RECORD)
     memory.keep(ENDED)
     assert parameters.written.acquire(timeout=10.0)
-    while parameters.content['route_id'] != ENDED.route_id:
+    while parameters.content['vehicle']['route_id'] != ENDED.vehicle.route_id:
         assert parameters.written.acquire(timeout=10.0)
-    assert memory.recall()[0] == ENDED
+    assert memory.recall().record == ENDED
+
+
+def test_the_file_is_written_before_the_robot_acts(parameters, tmp_path, monkeypatch):
+    """A bridge that dies at once must not obey an older order after its restart."""
+    file = tmp_path / 'route.json'
+    memory = parameters.memory(file=file)
+    monkeypatch.setattr(rospy, 'set_param', lambda *_: None)
+    for record in (RECORD, ENDED):
+        memory.keep(record)
+        assert parameters.memory(file=file).recall().record == record
+
+
+def test_the_number_of_the_last_report_is_kept_though_it_alone_makes_no_new_record(parameters):
+    memory = parameters.memory()
+    memory.keep(RECORD)
+    later = replace(RECORD, vehicle=replace(RECORD.vehicle, report=LARGEST_NUMBER))
+    memory.keep(later)
+    memory.close()
+    assert parameters.memory().recall().record.vehicle.report == LARGEST_NUMBER
 
 
 def test_a_file_outlives_the_master(parameters, tmp_path):
@@ -121,7 +158,7 @@ def test_a_file_outlives_the_master(parameters, tmp_path):
     before.keep(RECORD)
     before.close()
     parameters.content = None
-    recalled, age = parameters.memory(file=file).recall()
+    recalled, age, _ = parameters.memory(file=file).recall()
     assert recalled == RECORD
     assert 0.0 <= age < 10.0
 
@@ -135,16 +172,16 @@ def test_of_parameter_and_file_the_later_counts(parameters, tmp_path):
         if record is RECORD:
             before = file.read_text()
     file.write_text(before)
-    assert parameters.memory(file=file).recall()[0] == ENDED
+    assert parameters.memory(file=file).recall().record == ENDED
     parameters.content = {**parameters.content, 'since_boot': 0.5}
-    assert parameters.memory(file=file).recall()[0] == RECORD
+    assert parameters.memory(file=file).recall().record == RECORD
 
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"time": 1}'])
 def test_a_file_that_holds_no_record_is_none(parameters, tmp_path, text):
     file = tmp_path / 'route.json'
     file.write_text(text)
-    assert parameters.memory(file=file).recall() == (None, 0.0)
+    assert parameters.memory(file=file).recall() is None
 
 
 def test_a_relative_path_begins_in_ros_home(parameters, tmp_path, monkeypatch):
@@ -160,7 +197,7 @@ def test_a_file_that_cannot_be_written_leaves_the_parameter(parameters, tmp_path
     memory = parameters.memory(file=tmp_path / 'file' / 'route.json')
     memory.keep(RECORD)
     memory.close()
-    assert memory.recall()[0] == RECORD
+    assert memory.recall().record == RECORD
 
 
 @pytest.mark.parametrize('ended', [False, True], ids=['died', 'ended by a person'])
@@ -175,5 +212,5 @@ def test_a_launch_is_gone_on_with_by_another_only_where_it_died(parameters, tmp_
     memory.close()
     file.write_text(left[0])
     parameters.content = left[1]
-    record, age = parameters.memory('launch_2', file).recall()
+    record, age, _ = parameters.memory('launch_2', file).recall()
     assert (record, math.isinf(age)) == (RECORD, ended)

@@ -75,18 +75,32 @@ def test_an_outcome_is_an_ending(outcome, message, ending):
     assert command_ended(3, result) == CommandEnded(3, ending, message)
 
 
-@pytest.mark.parametrize('giver, cause, is_ours, goes_on, told_as', [
-    ('/r/bridge', MotionMessage.OTHER_GIVER, True, False, EpochCause.OTHER_GIVER),
-    ('/rviz', MotionMessage.STOP, False, False, EpochCause.OTHER_GIVER),
-    ('', MotionMessage.OTHER_CLIENT, False, False, EpochCause.OTHER_CLIENT),
-    ('', MotionMessage.EMERGENCY_STOP, True, False, EpochCause.EMERGENCY_STOP),
-    ('', MotionMessage.RESTART, False, True, EpochCause.RESTART)])
-def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on,
-                                                            told_as):
-    told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=cause, stop_owed=True,
+@pytest.mark.parametrize('giver, cause, is_ours, goes_on', [
+    ('/r/bridge', EpochCause.OTHER_GIVER, True, False),
+    ('/rviz', EpochCause.STOP, False, False), ('', EpochCause.OTHER_CLIENT, False, False),
+    ('', EpochCause.EMERGENCY_STOP, True, False), ('', EpochCause.RESTART, False, True)])
+def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on):
+    told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=int(cause), stop_owed=True,
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
-        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT, told_as)
+        9, 8, is_ours, goes_on, True, 'why', cause is EpochCause.OTHER_CLIENT,
+        EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause)
+
+
+@pytest.mark.parametrize('state, drives', [
+    ('UNKNOWN', False), ('STANDING', False), ('DRIVING', True), ('STOPPING', False),
+    ('DOCKING', True), ('DOCKED', False), ('UNDOCKING', True), ('MANUAL', True)])
+def test_a_motion_tells_whether_the_robot_drives(state, drives):
+    assert motion_told(MotionMessage(state=getattr(MotionMessage, state)), '/r').drives is drives
+
+
+def test_each_cause_of_the_controller_is_one_of_the_protocol():
+    names = [cause.name for cause in EpochCause if hasattr(MotionMessage, cause.name)]
+    assert names == ['OTHER_GIVER', 'STOP', 'CANCEL', 'OTHER_CLIENT', 'ROBOT', 'EMERGENCY_STOP',
+                     'RESTART']
+    for name in names:
+        told = motion_told(MotionMessage(cause=getattr(MotionMessage, name)), '').cause.name
+        assert told == ('OTHER_GIVER' if name == 'STOP' else name)
 
 
 def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():

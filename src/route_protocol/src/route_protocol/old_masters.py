@@ -5,7 +5,7 @@ numbered orders only. All of them count as one master, OLD_MASTER.
 
     | order without a number                                     | answer                          |
     |------------------------------------------------------------|---------------------------------|
-    | stamped before the last order that passed                  | ignored: it came late           |
+    | stamped before an order that passed                        | ignored: it came late           |
     | same route_id and same edges as the last order that passed | ignored: it is a repeat         |
     | same stamp as the last one that was refused, and same route| refused again                   |
     | neither stamp nor epoch, and it came with a new connection | refused: it was latched         |
@@ -47,8 +47,10 @@ class OldMasters:
         self._epoch_began = -math.inf
 
     def passed(self, order: RouteOrder) -> None:
-        """An order was taken: older ones are late from now on."""
-        self.last = order
+        """An order was taken: older ones are late from now on, also if it was late itself."""
+        last = self.last
+        self.last = (replace(order, stamp=last.stamp) if last is not None and is_late(order, last)
+                     else order)
 
     def refused(self, order: RouteOrder, reason: Reason) -> None:
         """A route was refused: if it comes again, it is refused again."""
@@ -61,8 +63,11 @@ class OldMasters:
     def judge(self, order: RouteOrder, state: VehicleState, now: float) -> Judgement:
         """Returns what the rules say about a route without a number that arrives at `now` (s)."""
         last = self.last
-        if last is not None and (is_late(order, last) or order.is_repeat_of(last)):
-            return Judgement(Answer.IGNORED)
+        if last is not None and is_late(order, last):
+            return _ignored(f'it came late, route {last.route_id} was sent after it')
+        if last is not None and order.is_repeat_of(last):
+            return Judgement(Answer.IGNORED) if state.is_running else _ignored(
+                f'it is {state.phase.value}. Another drive needs another id')
         if order.stamp and self._refused is not None and order == self._refused[0]:
             return Judgement(Answer.REFUSED, self._refused[1])
         if order.comes_again and not order.stamp and not order.known_epoch:
@@ -92,6 +97,10 @@ class OldMasters:
         first = state.first if self.changes_route(order, state) else state.done
         return replace(order, order=min(number, LARGEST_NUMBER), known_epoch=state.epoch,
                        first=first, master=OLD_MASTER)
+
+
+def _ignored(why: str) -> Judgement:
+    return Judgement(Answer.IGNORED, Reason(ReasonCode.OTHER, why))
 
 
 def is_late(order: RouteOrder, last: RouteOrder) -> bool:

@@ -2,7 +2,7 @@
 
 State
     epoch    -- begins anew whenever orders that are on their way must not be obeyed any more
-    master   -- whose orders are counted; None: nobody's yet. OLD_MASTER stands for all masters that
+    master   -- the program that orders; None: none yet. OLD_MASTER stands for all masters that
                 do not number their orders
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
@@ -12,7 +12,10 @@ State
 Events and what follows
     | event                      | condition                        | answer                       |
     |----------------------------|----------------------------------|------------------------------|
-    | stop without a number      |                                  | taken: a new epoch begins    |
+    | stop without a number, or  |                                  | taken: a new epoch begins    |
+    | that cannot be counted     |                                  |                              |
+    | route that cannot be       |                                  | refused, but not counted     |
+    | counted                    |                                  |                              |
     | stop or route of `master`  | number <= order or <= refused    | ignored                      |
     | stop of `master`           | newer                            | taken, in the same epoch     |
     | stop of another master     |                                  | taken: a new epoch begins    |
@@ -27,6 +30,9 @@ Events and what follows
     | route fails                | RUNNING                          | FAILED; `order` stays        |
     | another giver, restart ... |                                  | a new epoch; RUNNING: FAILED |
 
+An order cannot be counted if it does not name its master, or if its number is the largest that a
+message can carry.
+
 The first order in an epoch says which number the edge has on which the vehicle is. From then on the
 numbers go on by one with each edge, so a route may pass a place twice. A new epoch sets `order` and
 `refused` to 0 and keeps `master`; a start without memory knows no master either.
@@ -34,7 +40,7 @@ numbers go on by one with each edge, so a route may pass a place twice. A new ep
 Invariants
     - `order`, `refused` and the number of reports only grow within an epoch.
     - A route in force was decided in this epoch, or it began this epoch.
-    - A stop is taken whatever its epoch.
+    - A stop of any epoch is taken.
 
 The caller judges what only it can know (does the route begin where the vehicle is, can it brake).
 It stores `state` before the vehicle acts. A vehicle that lost its route and still rolls lets routes
@@ -42,7 +48,7 @@ wait until it stands.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Callable, Optional, Tuple
 
@@ -67,6 +73,9 @@ from route_protocol.values import (
 OLD_MASTER = ''
 """Stands for all masters that do not number their orders; `old_masters` numbers them."""
 
+SKIPPED_REPORTS = 60_000
+"""The clock counts reports in ms: those of the last minute before a restart may not be stored."""
+
 
 @dataclass(frozen=True)
 class VehicleState:
@@ -84,7 +93,7 @@ class VehicleState:
     edges: Tuple[int, ...] = ()
     phase: Phase = Phase.STOPPED
     reason: Reason = NO_REASON
-    report: int = 0
+    report: int = field(default=0, compare=False)
     """Number of the last report."""
 
     @property
@@ -145,12 +154,25 @@ class Vehicle:
         self._draw, self._clock = draw, clock
         self.state = state if state is not None else VehicleState(draw())
 
+    def resume(self, state: VehicleState) -> None:
+        """Goes on from before a restart. Numbers of reports that were not stored are left out."""
+        self.state = replace(state, report=_behind(state.report))
+
+    def forget(self, state: VehicleState, reason: Reason) -> None:
+        """Starts without memory, except that reports still show the old route.
+
+        state -- from before a restart, but perhaps not the last one
+        reason -- why a running route fails
+        """
+        self.resume(replace(state, master=None))
+        self.begin_epoch(EpochCause.RESTART, reason)
+
     # -- orders -----------------------------------------------------------------------------------
 
     def judge(self, order: RouteOrder) -> Judgement:
         """Returns what the protocol says about an order with a number, or a stop without one."""
         state = self.state
-        if not order.order:
+        if _is_past_master(order):
             assert order.is_stop, 'old_masters gives each route a number'
             return _STOP
         if order.master == state.master and order.order <= max(state.order, state.refused):
@@ -189,15 +211,15 @@ class Vehicle:
 
     def stop(self, order: RouteOrder) -> None:
         """Takes a stop."""
-        if not order.order:
+        if _is_past_master(order):
             self.begin_epoch(EpochCause.STOP)
-        else:
-            is_fresh = self._is_fresh(order)
-            if self._takes_over(order):
-                self.begin_epoch(EpochCause.OTHER_MASTER)
-            self.state = replace(self.state, master=order.master, order=order.order,
-                                 done=order.first if is_fresh else self.state.done)
-        self.state = replace(self.state, route_id=order.route_id, first=self.state.done, edges=(),
+        elif self._takes_over(order):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        state, done = self.state, self.state.done
+        if not _is_past_master(order):
+            done = state.done if state.order else order.first
+            state = replace(state, master=order.master, order=order.order)
+        self.state = replace(state, route_id=order.route_id, done=done, first=done, edges=(),
                              phase=Phase.STOPPED, reason=NO_REASON)
 
     def take(self, order: RouteOrder, done: int) -> None:
@@ -214,7 +236,8 @@ class Vehicle:
 
     def refuse(self, order: RouteOrder, reason: Reason) -> RouteRefusal:
         """Refuses a route. Returns the message for people."""
-        if order.order and not self._takes_over(order) and order.order > self.state.refused:
+        if (_can_be_counted(order) and not self._takes_over(order)
+                and order.order > self.state.refused):
             self.state = replace(self.state, master=order.master, refused=order.order,
                                  refusal=reason)
         return RouteRefusal(order.route_id, order.edges, reason, order.order)
@@ -263,11 +286,30 @@ class Vehicle:
             state.refusal, state.first, motion, number, unready)
 
 
+def _is_past_master(order: RouteOrder) -> bool:
+    """Returns whether it is a stop that is not, or cannot be, counted."""
+    return not order.order or order.is_stop and not _can_be_counted(order)
+
+
+def _can_be_counted(order: RouteOrder) -> bool:
+    return 0 < order.order < LARGEST_NUMBER and order.master != OLD_MASTER
+
+
+def _behind(report: int) -> int:
+    """Returns a number above all that were drawn since this one was stored."""
+    return min(report + SKIPPED_REPORTS, LARGEST_NUMBER)
+
+
 def _wrong(order: RouteOrder) -> Reason:
     """Returns why a route with a number can never be driven; no reason: it can."""
     if not order.known_epoch:
         return Reason(ReasonCode.OVERRULED, 'it has a number, but does not name the epoch in which '
                                             'it was decided (known_epoch)')
+    if order.master == OLD_MASTER:
+        return Reason(ReasonCode.OTHER, 'it has a number, but does not name its master')
+    if order.order >= LARGEST_NUMBER:
+        return Reason(ReasonCode.OTHER, f'its number is {order.order}: no later order could have a '
+                                        'larger one')
     if order.end > LARGEST_RECORD_NUMBER:
         return Reason(ReasonCode.WRONG_ROUTE, f'its first edge has the number {order.first}: '
                                               'record numbers end before that')

@@ -10,34 +10,20 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Optional, Tuple, Union
 
-from route_protocol.values import (
-    EpochCause,
-    Phase,
-    Reason,
-    RouteOrder,
-    RouteRefusal,
-    RouteReport,
-)
+from route_protocol.values import EpochCause, RouteOrder, RouteRefusal, RouteReport
 from route_protocol.vehicle import VehicleState
 
 
 @dataclass(frozen=True)
 class RouteRecord:
-    """The state of the last route, running or ended, that a restarted bridge needs."""
+    """All that a restarted bridge needs: what `Vehicle` knows, and where the robot was sent."""
 
-    route_id: int
-    edges: Tuple[int, ...]
-    stamp: int
-    phase: Phase
-    reason: Reason
-    completed: int           # number of edges driven
-    target: Optional[int]    # index of the edge to whose end the robot was sent
-    goal: str                # name of the goal that the robot was sent to last; empty: none
+    vehicle: VehicleState
+    target: Optional[int] = None  # index of the edge to whose end the robot was sent
+    goal: str = ''           # name of the goal that the robot was sent to last; empty: none
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
-    epoch: int = 0           # the last epoch that the bridge knew
-    past: Tuple[Tuple[int, int], ...] = ()  # orders that were driven: id, and a hash of the edges
-    base: int = 0            # number of edges[0] in the route record
-    protocol: Optional[VehicleState] = None  # which orders were taken and refused
+    epoch: int = 0           # the controller's last epoch that the bridge knew
+    last: Optional[RouteOrder] = None  # the last order that was taken; see `OldMasters`
 
 
 # --- the robot ------------------------------------------------------------------------------------
@@ -109,11 +95,12 @@ class CommandEnded:
 class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
-    is_ours -- the bridge itself began the epoch, or an emergency stop, which ends routes anyway
+    is_ours -- the bridge itself began the epoch, or an emergency stop
     by_robot -- the robot did something that no command of ours asked for
     goes_on -- the controller was restarted, and knows of no giver that did anything meanwhile
     reason -- why the epoch is a new one, for a person
-    cause  -- the same for programs
+    cause -- the same for programs
+    drives -- the robot drives now
     """
 
     epoch: int
@@ -124,6 +111,7 @@ class MotionTold:
     reason: str = ''
     by_robot: bool = False
     cause: EpochCause = EpochCause.OTHER_GIVER
+    drives: bool = False
 
 
 class Link(Enum):

@@ -1,77 +1,97 @@
-"""What the robot does, as the reports to the fleet manager say it.
+"""Judges what the robot does, as the reports of the route protocol tell it (`Motion`).
 
-    | a route runs | its link | another giver drives it | it rests    | what it does               |
-    |--------------|----------|-------------------------|-------------|----------------------------|
-    | yes          |          |                         |             | ON_ROUTE                   |
-    | no           |          | yes                     |             | MOVED                      |
-    | no           | down     | no                      |             | COMING_TO_REST after a     |
-    |              |          |                         |             | lost route, else UNKNOWN   |
-    | no           | up       | no                      | yes         | STANDING                   |
-    | no           | up       | no                      | not yet     | COMING_TO_REST after a     |
-    |              |          |                         |             | lost route, else MOVED     |
+    | the first condition that holds                                         | motion            |
+    |------------------------------------------------------------------------|-------------------|
+    | a route runs                                                           | ON_ROUTE          |
+    | a link is down, or the location is unknown or old                      | UNKNOWN           |
+    | the controller names another giver that drives, or the status shows a  | MOVED             |
+    | robot that is driven by hand                                           |                   |
+    | it rests, and owes no stop                                             | STANDING          |
+    | a route was complete, and nothing else happened since                  | ON_ROUTE          |
+    | a route was lost or stopped, and nothing else happened since           | COMING_TO_REST    |
+    | it moved without a drive of ours                                       | MOVED             |
+    | nothing is known from before the start of this program                 | UNKNOWN           |
 
-It rests when its locations have stayed within 5 cm for a second. A robot that has driven its route
-to the end rests at once, because it said that it arrived.
+It rests if its status shows no motion and its locations stay within STILL for RESTING. Only
+locations count that come after the end of the route, and after the last time that it moved. The
+first of them is the centre, so a slow movement is seen as well.
 """
 from __future__ import annotations
 
 import math
-from typing import Optional, Tuple
+from typing import Optional
 
-from omron_ld90.bridge.events import Motion as Seen
-from route_protocol.values import Motion
+from omron_ld90.bridge import events as p
+from omron_ld90.bridge.robot_state import NANOSECONDS, Located
+from route_protocol.values import Motion, Phase
 
-NEAR = 0.05  # m by which the location of a standing robot may change
-RESTS = 1.0  # s near one place after which the robot rests
+STILL = 0.05   # m
+RESTING = 1.0  # s
 
-_DRIVING = (Seen.GOING, Seen.DOCKING, Seen.UNDOCKING, Seen.BY_HAND, Seen.STOPPING)
+_MOVING = (p.Motion.GOING, p.Motion.STOPPING, p.Motion.DOCKING, p.Motion.UNDOCKING,
+           p.Motion.BY_HAND)
 
 
 class MotionJudge:
-    """Knows whether the robot rests, and whether it may still roll on from a lost route."""
+    """Knows whether the robot rests, and if not, why it moves."""
 
     def __init__(self) -> None:
-        self.is_foreign = False
-        """Does another giver drive the robot, by its last motion?"""
-        self._has_lost_route = False
-        self._place: Optional[Tuple[float, float]] = None
-        self._since = math.inf  # when it came near that place
+        self._rests = False
+        self._otherwise = Motion.UNKNOWN  # the motion of a robot that does not rest
+        self._centre: Optional[Located] = None
+        self._is_driven = False  # by another giver, as the controller tells
+        self._by_hand = False
 
-    def route_lost(self) -> None:
-        """The route failed or was stopped: the robot may roll on until it rests."""
-        self._has_lost_route = True
-        self._place = None
+    def route_ended(self, phase: Phase) -> None:
+        """A route is complete, or was lost or stopped: the robot may roll on for a while."""
+        self._move(Motion.ON_ROUTE if phase is Phase.COMPLETE else Motion.COMING_TO_REST)
 
-    def route_begins(self) -> None:
-        """The robot drives a route of the fleet manager again."""
-        self._has_lost_route = self.is_foreign = False
+    def taken_over(self) -> None:
+        """Something else than a route of ours moves the robot now, or may do so."""
+        self._move(Motion.MOVED)
 
-    def arrived(self) -> None:
-        """The robot has said that it arrived at the end of its route."""
-        self._has_lost_route = False
-        self._place, self._since = None, -math.inf
+    def told(self, motion: p.MotionTold) -> None:
+        """The controller tells which giver drives the robot."""
+        self._is_driven = motion.drives and not motion.is_ours
+        if self._is_driven:
+            self.taken_over()
 
-    def located(self, place: Tuple[float, float], now: float) -> None:
-        """The robot was located at x, y (m)."""
-        if self._place is None or math.dist(place, self._place) > NEAR:
-            rests_at_once = self._place is None and self._since == -math.inf
-            self._place, self._since = place, -math.inf if rests_at_once else now
-        if self.rests(now):
-            self._has_lost_route = False
+    def seen(self, status: p.RobotSeen, location: Optional[Located], runs: bool) -> None:
+        """The robot tells what it does; `location` is None if it tells no new one.
 
-    def rests(self, now: float) -> bool:
-        """Has the robot stayed near one place?"""
-        return self._place is not None and now - self._since >= RESTS
+        runs -- a route of ours runs
+        """
+        self._by_hand = status.motion is p.Motion.BY_HAND
+        if location is None or runs:
+            return
+        centre = self._centre
+        if centre is None or location.stamp < centre.stamp:
+            self._centre = location
+            return
+        has_moved = math.dist(centre.position, location.position) > STILL
+        if has_moved or status.motion in _MOVING:
+            if has_moved and self._rests:
+                self._move(Motion.MOVED)
+            self._rests, self._centre = False, location
+        elif (location.stamp - centre.stamp) * NANOSECONDS >= RESTING:
+            self._rests = True
 
-    def motion(self, is_running: bool, is_linked: bool, seen: Optional[Seen],
-               now: float) -> Motion:
-        """What the robot does at `now` (s)."""
-        if is_running:
+    def motion(self, runs: bool, is_known: bool, owes_stop: bool) -> Motion:
+        """Returns what the robot does.
+
+        runs      -- a route runs
+        is_known  -- the links are up, and the location is a recent one
+        owes_stop -- a stop is not obeyed yet
+        """
+        if runs:
             return Motion.ON_ROUTE
-        if self.is_foreign and (seen in _DRIVING or not self.rests(now)):
+        if not is_known:
+            return Motion.UNKNOWN
+        if self._is_driven or self._by_hand:
             return Motion.MOVED
-        if is_linked and self._place is not None and self.rests(now):
+        if self._rests and not owes_stop:
             return Motion.STANDING
-        if self._has_lost_route:
-            return Motion.COMING_TO_REST
-        return Motion.MOVED if is_linked and self._place is not None else Motion.UNKNOWN
+        return Motion.COMING_TO_REST if self._rests else self._otherwise
+
+    def _move(self, why: Motion) -> None:
+        self._rests, self._centre, self._otherwise = False, None, why

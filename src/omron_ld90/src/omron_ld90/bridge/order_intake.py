@@ -1,129 +1,112 @@
-"""Decides which orders of the fleet manager are accepted, and when.
+"""Decides when an order of the fleet manager is judged, and remembers the one that waits.
 
-These orders are not accepted: one that came late, one that was under way when another giver took
-the robot over, and one that was refused before. An order waits until the robot's state is known.
-`route_orders` checks an order against the graph and the running route.
+`Vehicle` judges orders with a number, `OldMasters` those without one. An order that the robot might
+drive waits until the robot's state is known, and until it stands after a route that it lost.
+`route_orders` then checks it against the graph and the robot's place.
 """
 from __future__ import annotations
 
-import math
-import zlib
+from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
 from omron_ld90.bridge.robot_monitor import RobotMonitor
-from omron_ld90.bridge.route_orders import is_change
-from omron_ld90.bridge.route_run import RouteRun
-from route_protocol.old_masters import is_late
+from route_protocol.old_masters import OldMasters, is_late
 from route_protocol.order_rules import RouteRefused, check_order
 from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
     OVERRULED,
     TAKEN_OVER,
+    EpochCause,
     Reason,
-    ReasonCode,
     RouteOrder,
+    RouteRefusal,
 )
-
-LATE_ORDER = 2.0  # s that an order may take to arrive
-_LATCHED = Reason(ReasonCode.OTHER, 'it has no stamp, and was published before its connection '
-                                    'began: send it again')
-_KEPT_ORDERS = 200
+from route_protocol.vehicle import Answer, Judgement, Vehicle
 
 
-def key_of(order: RouteOrder) -> Tuple[int, int]:
-    """The key by which a repeated order is recognised, however long afterwards."""
-    return order.route_id, zlib.crc32(repr(order.edges).encode())
+@dataclass(frozen=True)
+class DueOrder:
+    """An order that can be driven now, as far as the protocol knows.
+
+    given  -- as it arrived
+    order  -- the same with a number
+    done   -- number, in the route record, of the first edge of `rest`
+    rest   -- the edges that the robot would still drive
+    goes_on -- they go on with the route that runs or is complete
+    """
+
+    given: RouteOrder
+    order: RouteOrder
+    done: int
+    rest: Tuple[int, ...]
+    goes_on: bool
 
 
 class OrderIntake:
     """Sorts orders, and keeps the one that waits.
 
     patience -- s that an order may wait; the route protocol limits it
-    tell_refusal -- called with a refused order and the reason
+    tell_refusal -- called with each refusal
     note -- called with a message for a person
-    knows -- whether an order of this epoch is still valid
     """
 
-    def __init__(self, robot: RobotMonitor, patience: float,
-                 tell_refusal: Callable[[RouteOrder, Reason], None],
-                 note: Callable[[str], None],
-                 knows: Optional[Callable[[int], bool]] = None) -> None:
-        self._robot = robot
-        self._knows = knows or robot.knows
+    def __init__(self, vehicle: Vehicle, robot: RobotMonitor, patience: float,
+                 tell_refusal: Callable[[RouteRefusal], None],
+                 note: Callable[[str], None]) -> None:
+        self.old_masters = OldMasters()
+        self._vehicle, self._robot = vehicle, robot
         self._patience = min(patience, ANSWERED_WITHIN)
         self._tell_refusal = tell_refusal
         self._note = note
         self._waiting: Optional[Tuple[RouteOrder, float]] = None  # the order; time to give it up
-        self._refused: Optional[Tuple[RouteOrder, Reason]] = None    # the last one, and the reason
-        self._overruled_at = -math.inf  # when another giver last stopped or drove the robot
-        self.past: Tuple[Tuple[int, int], ...] = ()
-        """The orders that were driven, the latest at the end; see `key_of`."""
-        self._explained: Optional[int] = None  # the route whose duplicate was already noted
+        self._explained = ''  # the last note about an order that was ignored
         self._emergency_told = False  # whether a refusal in the emergency stop was noted
+
+    @property
+    def waits(self) -> bool:
+        """Whether an order waits."""
+        return self._waiting is not None
 
     # --- incoming orders -------------------------------------------------------------------------
 
-    def take(self, order: RouteOrder, route: Optional[RouteRun], now: float) -> bool:
-        """Takes an order of edges and returns whether it may be driven later.
-
-        `route` is the last route.
-        """
-        if route and is_late(order, route.order):
-            self._note(f'Route {order.route_id} came late and is ignored: route '
-                       f'{route.order.route_id} was sent after it.')
-        elif route and order.is_repeat_of(route.order):
-            self._explain_duplicate(route)
-        elif key_of(order) in self.past and not (route and is_change(route, order)):
-            self._note(f'Route {order.route_id} was ordered again and is ignored: another drive '
-                       'needs another id.')
-        elif order.stamp and self._refused and order == self._refused[0]:
-            self.refuse(*self._refused)
-        elif order.comes_again and not order.stamp and not order.known_epoch:
-            self.refuse(order, _LATCHED)
-        elif order.known_epoch and not self._knows(order.known_epoch):
-            self.refuse(order, OVERRULED)
-        elif not order.known_epoch and self._is_overruled(order, now):
-            self.refuse(order, TAKEN_OVER)
-        elif self._waiting and order.is_repeat_of(self._waiting[0]):
-            return True  # a repeated order does not prolong the wait of the first one
-        else:
-            self._waiting = (order, now + self._patience)
+    def arrived(self, order: RouteOrder, now: float) -> bool:
+        """Answers an order that has arrived; returns whether it is a stop to obey, or waits."""
+        judgement = self._judge(order, now)
+        if judgement.answer is Answer.STOP:
+            self._waiting = None
             return True
-        return False
-
-    def wait(self, order: RouteOrder, now: float) -> None:
-        """Keeps a numbered order that the protocol lets pass until it can be judged."""
-        if self._waiting is None or self._waiting[0].order != order.order:
+        if judgement.answer is Answer.REFUSED:
+            self.refuse(order, judgement.reason)
+        elif judgement.answer is Answer.IGNORED:
+            self._explain(order, judgement.reason)
+        elif self._waiting is None or _is_newer(order, self._waiting[0]):
             self._waiting = (order, now + self._patience)
+        return judgement.answer is Answer.ROUTE
 
-    def drop(self) -> None:
-        """Drops the order that waits: it was cancelled."""
-        self._waiting = None
-
-    def overrule(self, now: float) -> None:
+    def epoch_began(self, now: float) -> None:
         """Another giver stops or drives the robot: refuses all orders given before that."""
-        self._overruled_at = now
+        self.old_masters.epoch_began(now)
         if self._waiting:
             order, _ = self._waiting
             self._waiting = None
             self.refuse(order, OVERRULED if order.known_epoch else TAKEN_OVER)
 
-    def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Whether the sender could not yet know of a take-over when it sent the order."""
-        age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
-        return now - age < self._overruled_at and now < self._overruled_at + LATE_ORDER
+    def _judge(self, order: RouteOrder, now: float) -> Judgement:
+        if order.order or order.is_stop:
+            return self._vehicle.judge(order)
+        return self.old_masters.judge(order, self._vehicle.state, now)
 
-    def _explain_duplicate(self, route: RouteRun) -> None:
-        """Notes once that a route which is over was ordered again; does nothing else."""
-        if not route.running and self._explained != route.order.route_id:
-            self._explained = route.order.route_id
-            self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
-                       f'{route.phase.value}. Another drive needs another id.')
+    def _explain(self, order: RouteOrder, reason: Reason) -> None:
+        """Notes once why an order is ignored, if a person should know it."""
+        note = f'Route {order.route_id} is ignored: {reason}.'
+        if reason and note != self._explained:
+            self._explained = note
+            self._note(note)
 
     # --- accepting and refusing ------------------------------------------------------------------
 
-    def due(self, why_unknown: Callable[[float], Reason], now: float) -> Optional[RouteOrder]:
+    def due(self, why_unknown: Callable[[float], Reason], now: float) -> Optional[DueOrder]:
         """The waiting order if it can be judged now; refuses it here if it waited too long.
 
         `why_unknown` returns why it is unknown whether the robot could drive it, or no reason.
@@ -131,33 +114,52 @@ class OrderIntake:
         if self._waiting is None:
             return None
         order, give_up = self._waiting
-        emergency = self._robot.emergency
-        try:
-            check_order(order, 'the robot')
-            unknown = why_unknown(now)
-            if unknown and now <= give_up and not emergency:
-                return None
-            if emergency or unknown:
-                raise RouteRefused(EMERGENCY_STOP if emergency else unknown)
-        except RouteRefused as refusal:
-            self._waiting = None
-            self.refuse(order, refusal.reason)
-            return None
+        judgement = self._judge(order, now)  # again: the route may have gone on meanwhile
+        if judgement.answer is Answer.ROUTE:
+            try:
+                check_order(order, 'the robot')
+                unknown = why_unknown(now)
+                if unknown and now <= give_up and not self._robot.emergency:
+                    return None
+                self._waiting = None
+                if self._robot.emergency or unknown:
+                    raise RouteRefused(EMERGENCY_STOP if self._robot.emergency else unknown)
+                return self._numbered(order, judgement)
+            except RouteRefused as refusal:
+                judgement = Judgement(Answer.REFUSED, refusal.reason)
         self._waiting = None
-        return order
+        if judgement.answer is Answer.REFUSED:
+            self.refuse(order, judgement.reason)
+        return None
+
+    def _numbered(self, order: RouteOrder, judgement: Judgement) -> DueOrder:
+        if order.order:
+            return DueOrder(order, order, judgement.done, judgement.rest, judgement.goes_on)
+        numbered = self.old_masters.numbered(order, self._vehicle.state)
+        return DueOrder(order, numbered, judgement.done,
+                        order.edges[judgement.done - numbered.first:], judgement.goes_on)
 
     def refuse(self, order: RouteOrder, reason: Reason) -> None:
         """Reports the refusal. In an emergency stop it is noted only once, as givers repeat."""
-        self._refused = (order, reason)
-        self._tell_refusal(order, reason)
+        if not order.order:
+            self.old_masters.refused(order, reason)
+        self._tell_refusal(self._vehicle.refuse(order, reason))
         if not (self._robot.emergency and self._emergency_told):
             self._note(f'Route {order.route_id} was refused: {reason}.')
         self._emergency_told = self._robot.emergency
 
-    def accepted(self, order: RouteOrder) -> None:
-        """The order that was due is driven now."""
-        if not order.order:
-            self.past = (*self.past, key_of(order))[-_KEPT_ORDERS:]
-        if self._emergency_told:
+    def taken(self, order: RouteOrder, now: float) -> None:
+        """The order is obeyed now."""
+        self.old_masters.passed(order)
+        if self._vehicle.state.cause is EpochCause.OTHER_MASTER and order.order:
+            self.old_masters.epoch_began(now)
+        if self._emergency_told and not order.is_stop:
             self._emergency_told = False
             self._note(f'Route {order.route_id} is driven: the emergency stop is over.')
+
+
+def _is_newer(order: RouteOrder, waiting: RouteOrder) -> bool:
+    """Whether it takes the place of the order that waits; a repeat does not prolong that wait."""
+    if order.order and (order.master, bool(waiting.order)) == (waiting.master, True):
+        return order.order > waiting.order
+    return not (order.is_repeat_of(waiting) or is_late(order, waiting))

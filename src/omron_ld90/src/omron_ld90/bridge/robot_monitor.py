@@ -2,16 +2,14 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, List, Optional, Tuple, Type
+from typing import Callable, Dict, Iterable, List, Optional, Type
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, TakenOver
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import Settings
 from omron_ld90.bridge.stop_duty import StopDuty
-from route_protocol.values import EMERGENCY_STOP, Reason, ReasonCode
-
-_KEPT_EPOCHS = 100
+from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
 
 class RobotMonitor:
@@ -30,8 +28,9 @@ class RobotMonitor:
         """The last status."""
         self._settings = settings
         self.epoch = 0
-        """The last known epoch; 0: none is known yet."""
-        self._own_epochs: Tuple[int, ...] = ()  # epochs since which no other giver did anything
+        """The controller's last known epoch; 0: none is known yet."""
+        self.overruled: Optional[EpochCause] = None
+        """Why orders that were on their way must not be obeyed any more; None: they may be."""
         self._taken_over: Optional[TakenOver] = None
         self._count = 0  # number of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
@@ -80,11 +79,7 @@ class RobotMonitor:
 
     def resume(self, epoch: int) -> None:
         """Takes the epoch that was known before a restart of this program."""
-        self.epoch, self._own_epochs = epoch, (epoch,) if epoch else ()
-
-    def knows(self, epoch: int) -> bool:
-        """Whether no other giver did anything since this epoch."""
-        return epoch in self._own_epochs
+        self.epoch = epoch
 
     # --- judging the robot's state ----------------------------------------------------------------
 
@@ -100,6 +95,16 @@ class RobotMonitor:
             return _no_location(now - self.location.heard)
         return unusable
 
+    def is_heard(self, now: float) -> bool:
+        """Whether the robot's links are up, and its last location is not too old."""
+        return (self.location.last is not None and not self.links.why_unusable(now)
+                and not self.is_location_overdue(now))
+
+    @property
+    def owes_stop(self) -> bool:
+        """Whether the robot may not have obeyed a stop yet, ours or another giver's."""
+        return self.stop_duty.to_give or self.stop_duty.owed_by_controller
+
     def is_location_overdue(self, now: float) -> bool:
         """Whether the last location is too old, provided that its link was up for that long."""
         heard = max(self.location.heard, self.links.up_since(p.Link.OUTGOING))
@@ -108,7 +113,7 @@ class RobotMonitor:
     def check(self, now: float) -> None:
         """Raises RouteFailed or TakenOver if something has ended the running route."""
         self.tracker.check_clock(now)
-        if self.emergency:
+        if self.emergency or self.overruled is EpochCause.EMERGENCY_STOP:
             raise RouteFailed(EMERGENCY_STOP)
         for failure in (self._taken_over, self.tracker.failure):
             if failure is not None:
@@ -156,7 +161,8 @@ class RobotMonitor:
             self.tracker.interrupted(now, event.reason)
         elif self.epoch:
             self._taken_over = TakenOver(f'{event.reason or "Another command"} came first.')
-        self._own_epochs = (*(self._own_epochs if goes_on else ()), event.epoch)[-_KEPT_EPOCHS:]
+        if self.epoch and (not goes_on or event.cause is EpochCause.EMERGENCY_STOP):
+            self.overruled = event.cause
         self.epoch = event.epoch
 
     def _on_link(self, event: p.LinkReported, now: float) -> None:

@@ -4,26 +4,29 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.order_intake import DueOrder
 from omron_ld90.bridge.route_run import RouteRun
-from route_protocol.order_rules import RouteRefused
+from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
-from trajectory_graph import Graph, change_of
-
-REACTION = 1.0  # s until the robot begins to brake for a new goal
-
-
-def is_change(route: RouteRun, order: RouteOrder) -> bool:
-    """Whether an order without a number has the id of a route that was not stopped."""
-    return (not order.order and not route.order.order
-            and route.order.route_id == order.route_id and route.phase is not Phase.STOPPED)
+from route_protocol.vehicle import VehicleState
+from trajectory_graph import Graph, TrajectoryGraphError, change_of, check_route
 
 
-def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> None:
-    """Raises RouteRefused if the route cannot be changed as the order with its id demands."""
-    if route.phase is Phase.FAILED:
+def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
+    """Raises RouteRefused if the edges do not exist, or do not join."""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError as error:
+        raise wrong_route(error) from None
+
+
+def check_change(order: RouteOrder, state: VehicleState, route: Optional[RouteRun],
+                 here: GraphLocation) -> None:
+    """Raises RouteRefused if an order without a number cannot change the route with its id."""
+    if state.phase is Phase.FAILED:
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} has failed: a new route needs a new id')
-    if not route.is_on_graph or route.progress.graph is not here.graph:
+    if route is None or route.progress.graph is not here.graph:
         raise _refused(ReasonCode.GRAPH_CHANGED,
                        f'the graph was replaced, and edges of route {order.route_id} are not '
                        'what they were: a new route needs a new id')
@@ -31,33 +34,31 @@ def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> Non
         raise _refused(ReasonCode.STARTS_ELSEWHERE,
                        f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
                        'but the robot is no longer there')
-    kept = route.edges[:route.progress.current + 1]
+    kept = state.edges[:state.completed + 1]
     if order.edges[:len(kept)] != kept:
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} must go on with the edges done and the '
                        f'current one, {list(kept)}')
 
 
-def check_braking(route: RouteRun, edges: Tuple[int, ...], speed: float, braking: float) -> None:
-    """Raises RouteRefused if the robot cannot stop before the end of a shorter route.
-
-    edges   -- the whole route, from its first edge on
-    speed   -- of the robot, in m/s
-    braking -- its deceleration towards a goal, in m/s2
-    """
-    if len(edges) >= len(route.edges):
-        return
-    left = route.progress.distance_to_end(len(edges) - 1)
-    needed = speed * speed / (2.0 * braking) + speed * REACTION
-    if left < needed:
+def check_braking(due: DueOrder, state: VehicleState, route: RouteRun, now: float) -> None:
+    """Raises RouteRefused if the robot cannot stop before the first edge that is taken away."""
+    kept = 0
+    for before, after in zip(state.ahead, due.rest):
+        if before != after:
+            break
+        kept += 1
+    if kept < len(state.ahead) and not route.can_stop_within(kept, now):
         raise _refused(ReasonCode.CANNOT_BRAKE,
-                       f'at {speed:.2f} m/s the robot needs {needed:.1f} m to stop, but the route '
-                       f'would end in {max(left, 0.0):.1f} m')
+                       f'the robot cannot stop before edge {state.ahead[kept]}, which it takes '
+                       'away')
 
 
-def check_start(order: RouteOrder, route: Optional[RouteRun], here: GraphLocation) -> None:
-    """Raises RouteRefused if a new route does not start `here`; `route` is the one before."""
-    first = order.edges[0]
+def check_start(first: int, route: Optional[RouteRun], here: GraphLocation) -> None:
+    """Raises RouteRefused if a new route with the edge `first` does not start `here`.
+
+    route -- the route before
+    """
     why_not = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
     if why_not:
         raise _refused(ReasonCode.STARTS_ELSEWHERE, why_not)

@@ -102,9 +102,9 @@ class RouteProgress:
         self.current += 1
         self._arc = 0.0
 
-    def replace_edges(self, edges: Sequence[int]) -> None:
-        """Continues with other edges, which begin with those driven and the current one."""
-        self.edges = tuple(edges)
+    def replace_edges(self, edges: Sequence[int], current: int) -> None:
+        """Continues with other edges, of which `edges[current]` is the current one."""
+        self.edges, self.current = tuple(edges), current
 
     def has_overshot(self) -> bool:
         """Whether the robot went on to the next edge without passing the vertex between."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 import math
 from typing import List, Optional, Tuple
 
-from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.own_goals import DOCK
@@ -12,15 +11,8 @@ from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
 from omron_ld90.goal_names import goal_name
-from route_protocol.order_rules import edge_states
-from route_protocol.values import (
-    NO_REASON,
-    EdgeState,
-    Phase,
-    Reason,
-    ReasonCode,
-    RouteOrder,
-)
+from route_protocol.values import Phase, Reason, ReasonCode
+from route_protocol.vehicle import Vehicle
 from trajectory_graph import Graph
 
 PROGRESS = 0.05  # m along the route that count as progress
@@ -29,25 +21,18 @@ RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may date f
 
 
 class RouteRun:
-    """A route, how far it has been driven, and where the robot was sent for it.
+    """The driving of the route that `vehicle` follows, or followed last.
 
-    `locate` and `go_on` raise RouteFailed if the route cannot go on.
+    `locate` and `go_on` raise RouteFailed if the route cannot go on. Indices are those in
+    `progress.edges`, which are the edges of the order.
     """
 
-    def __init__(self, order: RouteOrder, settings: Settings, tracker: GoalTracker,
-                 location: RobotLocation, progress: Optional[RouteProgress], now: float,
-                 phase: Phase = Phase.RUNNING, completed: int = 0) -> None:
-        """`progress` is None for an empty route, and for one whose edges left the graph.
-
-        `completed` is the number of driven edges of such a route.
-        """
-        self.order = order
-        self._progress = progress
-        self.phase = phase
-        self.reason = NO_REASON
+    def __init__(self, vehicle: Vehicle, settings: Settings, tracker: GoalTracker,
+                 location: RobotLocation, progress: RouteProgress, now: float) -> None:
+        self.progress = progress
         self.target: Optional[int] = None
         """Index of the edge to whose end the robot was sent."""
-        self._completed = completed
+        self._vehicle = vehicle
         self._settings = settings
         self._tracker = tracker
         self._location = location
@@ -56,66 +41,37 @@ class RouteRun:
         self._allowed: Tuple[int, Tuple[int, ...]] = (-1, ())
         self._best = -math.inf
         self._best_at = now
+        self._count_edges()
 
     # --- progress --------------------------------------------------------------------------------
 
     @property
-    def progress(self) -> RouteProgress:
-        """The progress; available only if `is_on_graph`."""
-        assert self._progress is not None, f'route {self.order.route_id} is not on the graph'
-        return self._progress
-
-    @progress.setter
-    def progress(self, progress: RouteProgress) -> None:
-        self._progress = progress
-
-    @property
-    def is_on_graph(self) -> bool:
-        """Whether the edges of the route are known to belong to a graph."""
-        return self._progress is not None
-
-    @property
     def running(self) -> bool:
         """Whether the route is being driven."""
-        return self.phase is Phase.RUNNING
+        return self._vehicle.state.is_running
 
-    @property
-    def edges(self) -> Tuple[int, ...]:
-        """Signed ids, as in the order."""
-        return self.order.edges
-
-    @property
-    def completed(self) -> int:
-        """The number of edges that were driven."""
-        return self.progress.current if self.is_on_graph else self._completed
-
-    @property
-    def states(self) -> Tuple[EdgeState, ...]:
-        """One state per edge."""
-        return edge_states(self.edges, self.completed, self.phase)
-
-    def record(self) -> RouteRecord:
-        """The record of this route for a restarted bridge."""
-        return RouteRecord(self.order.route_id, self.edges, self.order.stamp, self.phase,
-                           self.reason, self.completed, self.target, self._tracker.goals.last)
+    def _count_edges(self) -> None:
+        """Tells the vehicle's end of the protocol which edges are complete."""
+        self._vehicle.complete(self.progress.current)
 
     @property
     def edges_under_way(self) -> Tuple[int, ...]:
         """The edges on which the robot may brake: the one just driven to the one after `target`."""
         current = self.progress.current
-        return self.edges[max(current - 1, 0):max(current, self.target or 0) + 2]
+        return self.progress.edges[max(current - 1, 0):max(current, self.target or 0) + 2]
 
     def is_on(self, edge: int) -> bool:
         """Whether the robot is on this edge or just past it, or failed on it."""
-        if not self.is_on_graph or self.phase not in (Phase.RUNNING, Phase.FAILED):
+        if self._vehicle.state.phase not in (Phase.RUNNING, Phase.FAILED):
             return False
         current = self.progress.current
-        return edge in self.edges[max(current - 1, 0) if self.running else current:current + 1]
+        return edge in self.progress.edges[
+            max(current - 1, 0) if self.running else current:current + 1]
 
     def decides_pose(self, here: GraphLocation) -> bool:
         """Whether the robot is driving the route, or has stayed where the route ended."""
-        if not self.is_on_graph or self.phase is not Phase.COMPLETE:
-            return self.running and self.is_on_graph
+        if self._vehicle.state.phase is not Phase.COMPLETE:
+            return self.running
         end = self.progress.end(-1)
         if here.is_docked:
             return end.id == self._settings.dock_vertex
@@ -133,13 +89,28 @@ class RouteRun:
         until, allowed = self._allowed
         self._allowed = (until, tuple(edge for edge in allowed if abs(edge) in graph.edges))
 
-    def replace(self, order: RouteOrder, now: float) -> None:
-        """Continues with more or fewer edges."""
+    def can_stop_within(self, edges: int, now: float) -> bool:
+        """Whether the robot stops within this number of edges, the current one included.
+
+        It does if it was sent no farther, or if it is far enough from their end to brake.
+        """
+        last = self.progress.current + edges - 1
+        if self.target is not None and self.target <= last:
+            return True
+        age = max(now - self._location.heard, 0.0)
+        return self.progress.distance_to_end(last) >= self._braking_distance(age + LEAD)
+
+    def replace(self, now: float) -> None:
+        """Continues with the vehicle's new order, which has the same current edge."""
         self.allow(self.edges_under_way)
-        self.order = order
-        self.progress.replace_edges(order.edges)
-        if not self.progress.done:
-            self.phase = Phase.RUNNING
+        state = self._vehicle.state
+        current = state.done - state.first
+        shift = current - self.progress.current
+        self.progress.replace_edges(state.edges, current)
+        self._sent_back = [index + shift for index in self._sent_back]
+        self._allowed = (self._allowed[0] + shift, self._allowed[1])
+        self._best = -math.inf
+        if self.running:
             self.target = None
             self._best_at = now
             self.drive()
@@ -168,6 +139,7 @@ class RouteRun:
     def locate(self, here: GraphLocation, now: float) -> str:
         """Takes a location of the robot; returns a message for a person, or an empty text."""
         self.progress.move_to(*here.position)
+        self._count_edges()
         self._check_corridor(here)
         if (self.target is not None and self.progress.current < self.target
                 and self.progress.has_overshot() and not here.is_docked):
@@ -186,8 +158,8 @@ class RouteRun:
                 and (tracker.goal == DOCK
                      or self._distance_to_target() <= self._settings.vertex_tolerance)):
             self.progress.complete_current()
+            self._count_edges()
         if self.progress.done:
-            self.phase = Phase.COMPLETE
             tracker.end()
             return ''
         self.drive()
@@ -244,8 +216,8 @@ class RouteRun:
 
     def _check_corridor(self, here: GraphLocation) -> None:
         """Fails the route if the robot is outside the corridors twice in a row."""
-        edges = self.edges[max(self.progress.current - 1, 0):
-                           max(self.progress.current, self.target or 0) + 1]
+        edges = self.progress.edges[max(self.progress.current - 1, 0):
+                                    max(self.progress.current, self.target or 0) + 1]
         until, allowed = self._allowed
         if self.progress.current <= until:
             edges += allowed
@@ -256,7 +228,11 @@ class RouteRun:
 
     def _horizon(self) -> float:
         """Distance in m in which the robot may begin to brake before its next location."""
-        settings, seconds = self._settings, self._location.period + LEAD
+        return self._braking_distance(self._location.period + LEAD)
+
+    def _braking_distance(self, seconds: float) -> float:
+        """Distance in m that the robot drives until it stands, if it brakes after `seconds`."""
+        settings = self._settings
         speed = min(settings.top_speed, self._location.speed + settings.acceleration * seconds)
         return speed * speed / (2.0 * settings.braking) + speed * seconds
 

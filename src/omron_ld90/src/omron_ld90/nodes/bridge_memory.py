@@ -1,8 +1,12 @@
-"""Keeps the record of the bridge's last route over a restart.
+"""Keeps what the bridge must know after a restart: the numbers of orders, and its last route.
 
-The bridge continues a route in two cases only: the same launch has restarted the bridge, or the
-whole computer died. The ROS master may outlive a launch, and after a person ends a launch and
-starts it again, the robot must not drive by itself.
+The file is not forced to the disk, so it is sure within one boot of the computer only. After
+another boot, orders may have been taken that it does not contain. Then the bridge begins a new
+epoch, its route has failed, and the robot is stopped.
+
+The bridge continues a route only if the same launch has restarted the bridge. The ROS master may
+outlive a launch, and after a person ends a launch and starts it again, the robot must not drive by
+itself.
 """
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ import json
 import math
 import threading
 import xmlrpc.client
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import rospy
 
@@ -19,17 +23,31 @@ from node_lifecycle.worker import start_worker
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
-from route_protocol.values import EpochCause, Phase, reason_of
+from route_protocol.values import EpochCause, Phase, RouteOrder, reason_of
 from route_protocol.vehicle import VehicleState
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s after which an unchanged record is written again
 
 
-class RouteMemory:
-    """Keeps the record of the route, with its time, in a private parameter and in a file.
+class Recalled(NamedTuple):
+    """What the program before this one left.
 
-    A separate thread writes it, because the master may be slow to answer.
+    age     -- s since it was written; infinite if it is of another launch
+    is_sure -- no later record can have been lost
+    """
+
+    record: RouteRecord
+    age: float
+    is_sure: bool
+
+
+class RouteMemory:
+    """Keeps the record, with its time, in a private parameter and in a file.
+
+    `keep` writes the file before it returns, so that the robot does not act on an order that a
+    restarted bridge would not know. A separate thread writes the parameter, because the master may
+    be slow to answer.
     """
 
     def __init__(self, launch: str = '', file: str = '') -> None:
@@ -41,6 +59,8 @@ class RouteMemory:
         self._launch = launch
         self._file = in_ros_home(file)
         self._record: Optional[RouteRecord] = None
+        self._closed = False
+        self._writing = threading.Lock()
         self._changed = threading.Condition()
         self._closing = False
         self._thread = start_worker('route-memory', self._run)
@@ -49,11 +69,11 @@ class RouteMemory:
         """Raises ConfigurationError if another bridge keeps its route in that file."""
         hold(self._file, '~route_file')
 
-    def recall(self) -> Tuple[Optional[RouteRecord], float]:
-        """The record left by the program before this one, and its age in s; None without one.
+    def recall(self) -> Optional[Recalled]:
+        """What the program before this one left; None if it left nothing.
 
         A record of another launch counts as infinitely old. Exception: it is in the file and no
-        person ended that launch, so its computer died.
+        person ended that launch, so it died.
         """
         found: List[Tuple[Moment, RouteRecord, bool]] = []
         for content, outlives in ((rospy.get_param(PARAMETER, None), False), (self._read(), True)):
@@ -63,17 +83,21 @@ class RouteMemory:
             except (KeyError, TypeError, ValueError):
                 continue
         if not found:
-            return None, 0.0
+            return None
         now = Moment.now()
         written, record, counts = min(found, key=lambda one: (one[0].age(now), not one[2]))
-        return record, written.age(now) if counts else math.inf
+        return Recalled(record, written.age(now) if counts else math.inf,
+                        written.boot == now.boot)
 
-    def keep(self, record: Optional[RouteRecord]) -> None:
-        """Gives a record to the thread that writes it."""
+    def keep(self, record: RouteRecord) -> None:
+        """Writes a record, if it tells anything new; see the text of the class."""
         with self._changed:
-            if record != self._record:
-                self._record = record
+            is_new = record != self._record
+            self._record = record
+            if is_new:
                 self._changed.notify()
+        if is_new:
+            self._write_file()
 
     def close(self) -> None:
         """Writes what is pending and ends the thread."""
@@ -89,19 +113,28 @@ class RouteMemory:
             with self._changed:
                 if self._record == written and not self._closing:
                     self._changed.wait(REFRESHED)
-                record = written = self._record
-                closing = self._closing
-            if record is not None:
-                self._write({'launch': self._launch, 'closed': closing, **_content_of(record)})
+                written = self._record
+                self._closed = closing = self._closing
+            if written is not None:
+                self._write_parameter(self._write_file())
 
-    def _write(self, content: Dict[str, Any]) -> None:
-        if self._file:
+    def _write_file(self) -> Dict[str, Any]:
+        """Writes the last record, and returns what was written. Two threads do so, in any order."""
+        with self._writing:
+            assert self._record is not None
+            content = {'launch': self._launch, 'closed': self._closed,
+                       **_content_of(self._record)}
             try:
-                replace_json(self._file, content)
+                if self._file:
+                    replace_json(self._file, content)
             except OSError as error:
                 rospy.logwarn_throttle(60.0, 'The route is not remembered over a restart of the '
                                              'ROS master: %s cannot be written (%s).', self._file,
                                        error.strerror)
+            return content
+
+    @staticmethod
+    def _write_parameter(content: Dict[str, Any]) -> None:
         try:
             rospy.set_param(PARAMETER, content)
         except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
@@ -118,48 +151,44 @@ class RouteMemory:
 
 
 def _content_of(record: RouteRecord) -> Dict[str, Any]:
-    return {**Moment.now().content(), 'route_id': record.route_id, 'edges': list(record.edges),
-            'stamp': str(record.stamp),  # more than the 32 bits of a parameter
-            'phase': record.phase.value, 'reason': record.reason.text,
-            'reason_code': int(record.reason.code), 'completed': record.completed,
+    """The record as plain values; a parameter carries integers of 32 bits only, so the larger ones
+    are texts.
+    """
+    return {**Moment.now().content(), 'vehicle': _content_of_state(record.vehicle),
             'target': -1 if record.target is None else record.target, 'goal': record.goal,
             'owes_stop': record.owes_stop, 'epoch': str(record.epoch),
-            'past': [[id, str(edges)] for id, edges in record.past], 'base': record.base,
-            'protocol': None if record.protocol is None else _content_of_protocol(record.protocol)}
+            'last': [] if record.last is None else [
+                record.last.route_id, list(record.last.edges), str(record.last.stamp)]}
 
 
-def _content_of_protocol(state: VehicleState) -> Dict[str, Any]:
-    """Numbers have more than the 32 bits of a parameter."""
+def _content_of_state(state: VehicleState) -> Dict[str, Any]:
     return {'epoch': str(state.epoch), 'cause': int(state.cause),
-            'master': '' if state.master is None else state.master,
-            'has_master': state.master is not None,
+            'master': [] if state.master is None else [state.master],
             'order': str(state.order), 'refused': str(state.refused),
             'refusal': state.refusal.text, 'refusal_code': int(state.refusal.code),
-            'done': state.done, 'route_id': state.route_id, 'first': state.first,
+            'done': str(state.done), 'route_id': state.route_id, 'first': str(state.first),
             'edges': list(state.edges), 'phase': state.phase.value, 'reason': state.reason.text,
-            'reason_code': int(state.reason.code)}
+            'reason_code': int(state.reason.code), 'report': str(state.report)}
 
 
 def _record_of(content: Dict[str, Any]) -> RouteRecord:
     """The record in a parameter; raises KeyError, TypeError or ValueError if it contains none."""
-    target = int(content['target'])
-    return RouteRecord(int(content['route_id']), tuple(int(id) for id in content['edges']),
-                       int(content['stamp']), Phase(content['phase']),
-                       reason_of(content.get('reason_code', 0), str(content['reason'])),
-                       int(content['completed']), None if target < 0 else target,
-                       str(content['goal']), bool(content['owes_stop']), int(content['epoch']),
-                       tuple((int(id), int(edges)) for id, edges in content['past']),
-                       int(content.get('base', 0)), _protocol_of(content.get('protocol')))
+    target, last = int(content['target']), content['last']
+    return RouteRecord(
+        _state_of(content['vehicle']), None if target < 0 else target, str(content['goal']),
+        bool(content['owes_stop']), int(content['epoch']),
+        RouteOrder(int(last[0]), _edges_of(last[1]), int(last[2])) if last else None)
 
 
-def _protocol_of(content: Optional[Dict[str, Any]]) -> Optional[VehicleState]:
-    """The protocol's state in a record; None: the record is of a version without numbers."""
-    if content is None:
-        return None
+def _state_of(content: Dict[str, Any]) -> VehicleState:
     return VehicleState(
         int(content['epoch']), EpochCause(content['cause']),
-        str(content['master']) if content['has_master'] else None, int(content['order']),
-        int(content['refused']), reason_of(content['refusal_code'], str(content['refusal'])),
-        int(content['done']), int(content['route_id']), int(content['first']),
-        tuple(int(id) for id in content['edges']), Phase(content['phase']),
-        reason_of(content['reason_code'], str(content['reason'])))
+        next(map(str, content['master']), None), int(content['order']), int(content['refused']),
+        reason_of(content['refusal_code'], str(content['refusal'])), int(content['done']),
+        int(content['route_id']), int(content['first']), _edges_of(content['edges']),
+        Phase(content['phase']), reason_of(content['reason_code'], str(content['reason'])),
+        int(content['report']))
+
+
+def _edges_of(content: Iterable[Any]) -> Tuple[int, ...]:
+    return tuple(int(edge) for edge in content)

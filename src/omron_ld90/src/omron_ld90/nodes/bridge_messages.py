@@ -34,12 +34,10 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
-# For the fleet manager, STOP is a stop on its own way that came past it.
-_CAUSES: Dict[int, EpochCause] = {
-    Motion.OTHER_GIVER: EpochCause.OTHER_GIVER, Motion.STOP: EpochCause.OTHER_GIVER,
-    Motion.CANCEL: EpochCause.CANCEL, Motion.OTHER_CLIENT: EpochCause.OTHER_CLIENT,
-    Motion.ROBOT: EpochCause.ROBOT, Motion.EMERGENCY_STOP: EpochCause.EMERGENCY_STOP,
-    Motion.RESTART: EpochCause.RESTART}
+_CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
+                                  if hasattr(Motion, cause.name)}
+# In a report, STOP is a stop on the fleet manager's own way that came past it: it stops the fleet.
+_CAUSES[Motion.STOP] = EpochCause.OTHER_GIVER
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 
 
@@ -61,11 +59,12 @@ def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
     """The event for a Motion message; `own_name` is the name of this node."""
+    drives = message.state in (Motion.DRIVING, Motion.DOCKING, Motion.UNDOCKING, Motion.MANUAL)
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
                       message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
-                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER))
+                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

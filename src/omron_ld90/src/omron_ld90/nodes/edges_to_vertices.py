@@ -71,7 +71,7 @@ from omron_ld90_msgs.msg import (
     RobotStatus,
 )
 from route_protocol.messages import fill_refusal, fill_report, order_of
-from route_protocol.values import EdgeState, RouteRefusal, RouteReport
+from route_protocol.values import RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 TICK = 0.1          # s between two steps of the follower, and two reports while a route runs
@@ -95,9 +95,10 @@ class EdgesToVertices:
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
         self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
         self._memory.hold()
-        record, age = self._memory.recall()
-        if record:
-            self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
+        left = self._memory.recall()
+        if left is not None:
+            self._follower.restore(left.record, left.age < settings.restart_timeout,
+                                   self._clock.read(), left.is_sure)
         self._loop = EventLoop(self._tick, TICK)
         self._reported = self._diagnosed = -IDLE_PERIOD
         self._diagnosis: Diagnosis = (DiagnosticStatus.WARN, 'starting', {})
@@ -176,6 +177,7 @@ class EdgesToVertices:
             self._report(self._follower.report())
 
     def _act(self, actions: Iterable[p.Action]) -> None:
+        self._memory.keep(self._follower.record)  # before the robot acts
         for action in actions:
             if isinstance(action, p.Give):
                 self._commands.give(action.number, action.command, action.known_epoch)
@@ -186,7 +188,6 @@ class EdgesToVertices:
                                                     rospy.Time.now().to_nsec()))
             else:
                 rospy.logwarn('%s', action.text)
-        self._memory.keep(self._follower.record)
 
     def _report(self, report: RouteReport) -> None:
         self._states.publish(fill_report(msg.ExecutionRouteStates(), report, msg.EdgeState))
@@ -201,23 +202,26 @@ class EdgesToVertices:
 
 def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
     """The content of the diagnostic `route`."""
-    report, route, duty = follower.report(), follower.route, follower.robot.stop_duty
+    state, reason, duty = follower.vehicle.state, follower.reason, follower.robot.stop_duty
+    pose = follower.pose
     unknown = follower.robot.why_unknown(now)
     if duty.owed and duty.problem:
         level, summary = DiagnosticStatus.ERROR, (
             f'The robot has not obeyed a stop yet: {duty.problem}')
     elif follower.graph is None:
         level, summary = DiagnosticStatus.WARN, 'Idle: there is no graph.'
-    elif report.reason:
-        level, summary = DiagnosticStatus.ERROR, f'Route {report.route_id} failed: {report.reason}'
+    elif reason:
+        level, summary = DiagnosticStatus.ERROR, f'Route {state.route_id} failed: {reason}'
     else:
         level = DiagnosticStatus.WARN if unknown else DiagnosticStatus.OK
-        summary = f'Route {report.route_id}: {route.phase.value}' if route else 'No route yet.'
+        summary = (f'Route {state.route_id}: {state.phase.value}' if state.order or state.edges
+                   else 'No route yet.')
         if unknown:
             summary = f'{summary.rstrip(".")}. The robot cannot be driven now: {unknown}'
     return level, summary, {
-        'edges done': f'{list(report.states).count(EdgeState.COMPLETE)} of {len(report.edges)}',
-        'edge': str(report.pose.edge), 'percentage': f'{report.pose.percentage:.1f}',
+        'edges done': f'{state.completed} of {len(state.edges)}',
+        'edge': str(pose.edge), 'percentage': f'{pose.percentage:.1f}',
+        'motion': follower.motion.name, 'order': str(state.order),
         'going to': str(follower.robot.tracker.goal),
         'command': follower.robot.tracker.knowledge.value}
 

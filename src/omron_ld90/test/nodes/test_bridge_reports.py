@@ -1,0 +1,60 @@
+"""The bridge's reports and refusals carry all fields of the route protocol on the wire."""
+from __future__ import annotations
+
+import math
+
+from itrci_nav_msgs import msg
+from omron_ld90.bridge.events import Link, LinkReported, MotionTold, RobotSeen
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_strategies import Settings
+from route_protocol.messages import fill_order, fill_refusal, fill_report, order_of
+from route_protocol.values import EpochCause, Motion, ReasonCode, RouteOrder, RouteRefusal
+from trajectory_graph import Edge, Graph, Vertex
+
+GRAPH = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 0.0, 0.0)], [Edge(1, 1, 2)])
+EPOCH = 2 ** 63 - 1
+
+
+def follower() -> RouteFollower:
+    """A bridge whose robot stands at vertex 1."""
+    bridge = RouteFollower(Settings(), GRAPH, tuple(Link), lambda: EPOCH, lambda: 5000)
+    for link in Link:
+        bridge.handle(LinkReported(link, True), 0.0)
+    bridge.handle(MotionTold(1), 0.0)
+    for second in range(3):
+        bridge.handle(RobotSeen((second + 1) * 10 ** 9, place=(0.0, 0.0), heading=0.5),
+                      float(second))
+    return bridge
+
+
+def heard(order: RouteOrder) -> RouteOrder:
+    """The order as the node reads it from its message."""
+    return order_of(fill_order(msg.TargetRoute(), order), 0)
+
+
+def test_a_report_carries_all_fields():
+    bridge = follower()
+    bridge.handle(heard(RouteOrder(7, (1,), known_epoch=EPOCH, order=2 ** 50, first=2 ** 31,
+                                   master='/fleet')), 2.0)
+    bridge.handle(heard(RouteOrder(7, (1, 9), known_epoch=EPOCH, order=2 ** 51, first=2 ** 31,
+                                   master='/fleet')), 2.0)
+    sent = fill_report(msg.ExecutionRouteStates(), bridge.report(), msg.EdgeState)
+    assert (sent.epoch, sent.epoch_cause, sent.master) == (EPOCH, EpochCause.RESTART, '/fleet')
+    assert (sent.order, sent.refused, sent.first) == (2 ** 50, 2 ** 51, 2 ** 31)
+    assert (sent.refusal, sent.refusal_code) == ('The graph has no edge 9', ReasonCode.WRONG_ROUTE)
+    assert (sent.motion, sent.x, sent.y, sent.theta) == (Motion.ON_ROUTE, 0.0, 0.0, 0.5)
+    assert sent.report >= 5000
+
+
+def test_a_report_without_a_location_has_none():
+    sent = fill_report(msg.ExecutionRouteStates(), RouteFollower(Settings()).report(),
+                       msg.EdgeState)
+    assert math.isnan(sent.x) and sent.motion == Motion.UNKNOWN
+    assert sent.epoch
+
+
+def test_a_refusal_carries_the_number_of_the_order():
+    actions = follower().handle(heard(RouteOrder(7, (9,), known_epoch=EPOCH, order=6,
+                                                 master='/fleet')), 2.0)
+    refusal, = (action for action in actions if isinstance(action, RouteRefusal))
+    assert fill_refusal(msg.RouteRefused(), refusal, 0).order == 6
