@@ -27,7 +27,7 @@ Events and what follows
     | route fails                | RUNNING                          | FAILED; `order` stays        |
     | another giver, restart ... |                                  | a new epoch; RUNNING: FAILED |
 
-The first route in an epoch says which number the edge has on which the vehicle is. From then on the
+The first order in an epoch says which number the edge has on which the vehicle is. From then on the
 numbers go on by one with each edge, so a route may pass a place twice. A new epoch sets `order` and
 `refused` to 0 and keeps `master`; a start without memory knows no master either.
 
@@ -191,10 +191,12 @@ class Vehicle:
         """Takes a stop."""
         if not order.order:
             self.begin_epoch(EpochCause.STOP)
-        elif self._takes_over(order):
-            self.begin_epoch(EpochCause.OTHER_MASTER)
-        if order.order:
-            self.state = replace(self.state, master=order.master, order=order.order)
+        else:
+            is_fresh = self._is_fresh(order)
+            if self._takes_over(order):
+                self.begin_epoch(EpochCause.OTHER_MASTER)
+            self.state = replace(self.state, master=order.master, order=order.order,
+                                 done=order.first if is_fresh else self.state.done)
         self.state = replace(self.state, route_id=order.route_id, first=self.state.done, edges=(),
                              phase=Phase.STOPPED, reason=NO_REASON)
 
