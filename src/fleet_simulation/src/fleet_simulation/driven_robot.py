@@ -9,7 +9,7 @@ from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.reports import Pose, Report
-from route_protocol.values import RouteOrder, RouteRefusal
+from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 _EVER = 1e9  # s
@@ -79,13 +79,15 @@ class DrivenRobot:
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
                  mechanics: Mechanics, delays: Delays, random: Random, charge: float) -> None:
         self.graph, self.kind = graph, kind
-        self.vehicle = Vehicle(name, graph, vertex, mechanics.limits(kind), kind.obeys_edge_speed,
-                               kind.docks or (), 100.0 * charge)
+        self._now = self._stands_until = 0.0
+        epochs = Random(f'epochs of {name}')
+        self.vehicle = Vehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
+                               lambda: int(1000.0 * self._now), mechanics.limits(kind),
+                               kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
         self.travelled = 0.0
         self._mechanics, self._delays, self._random = mechanics, delays, random
         self._refusals: List[RouteRefusal] = []
         self._edge: Tuple[Optional[int], int] = (None, -1)
-        self._now = self._stands_until = 0.0
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -138,30 +140,36 @@ class DrivenRobot:
             self._stands_until = self._now + seconds
             self.vehicle.stall(seconds)
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives the robot an order; returns None, `late_refusals` returns its refusal."""
-        self.vehicle.handle(RouteOrder(route_id, edges))
+        self.vehicle.handle(order)
         return None
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """Gives the robot an order of a master that does not number its orders."""
+        return self.receive(RouteOrder(route_id, edges))
 
     def late_refusals(self) -> List[RouteRefusal]:
         """Returns the refusals since the last call."""
         return [message for message in self.vehicle.take_messages()
                 if isinstance(message, RouteRefusal)]
 
+    def told(self, stamp: int) -> RouteReport:
+        """Returns the robot's next report, with this stamp (ns)."""
+        return replace(self.vehicle.report(), stamp=stamp)
+
     def report(self, stamp: float) -> Report:
         """Returns the robot's report, with this stamp."""
         told = self.vehicle.report()
         return Report(told.route_id, told.edges, told.states,
                       Pose(told.pose.edge, told.pose.percentage / 100.0), told.reason, stamp,
-                      location=told.location)
+                      location=told.location, epoch=told.epoch)
 
     @property
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        route = self.vehicle.route
-        return route and (route.order.route_id, route.order.edges, route.completed, route.phase,
-                          route.reason)
+        return self.vehicle.news
 
     def __str__(self) -> str:
         drive = self.vehicle.drive
-        return f'{drive.path} {drive.index} at {drive.arc:.2f}, {self.vehicle.route}'
+        return f'{drive.path} {drive.index} at {drive.arc:.2f}, {self.vehicle.state}'

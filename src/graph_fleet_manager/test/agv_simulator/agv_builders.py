@@ -1,7 +1,8 @@
 """AGVs for several tests, and an object that records their messages."""
 from __future__ import annotations
 
-from typing import List, Optional, Sequence
+from random import Random
+from typing import Callable, List, Optional, Sequence
 
 from fleet_builders import graph_of
 
@@ -15,11 +16,23 @@ GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
                  {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (2, 5)})
 
 
+def vehicle_at(vertex: int, graph: Graph = GRAPH, name: str = 'agv_1', **options: object
+               ) -> Vehicle:
+    """An AGV with random epochs, and a clock that stands."""
+    return Vehicle(name, graph, vertex, numbers_of_epochs(), lambda: 0, **options)
+
+
+def numbers_of_epochs(seed: int = 1) -> Callable[[], int]:
+    """Draws the numbers of new epochs."""
+    random = Random(seed)
+    return lambda: random.getrandbits(63) or 1
+
+
 class Conversation:
     """An AGV and its messages."""
 
     def __init__(self, vertex: int = 1, graph: Graph = GRAPH, **options: object) -> None:
-        self.vehicle = Vehicle('agv_1', graph, vertex, **options)
+        self.vehicle = vehicle_at(vertex, graph, **options)
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []
         self._stamp = 0

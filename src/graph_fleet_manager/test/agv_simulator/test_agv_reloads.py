@@ -33,7 +33,7 @@ def test_a_complete_route_goes_on_from_its_end_after_a_speed_was_changed() -> No
     agv = Conversation()
     agv.order(7, 1, 2)
     agv.wait(30.0)
-    assert agv.vehicle.route.phase is Phase.COMPLETE
+    assert agv.vehicle.state.phase is Phase.COMPLETE
     agv.vehicle.use_graph(with_speed(1, 0.3))
     agv.order(7, 1, 2, 3)
     assert agv.vehicle.pose[0] == 8.0, 'the AGV must stand at vertex 3'
@@ -60,7 +60,7 @@ def test_a_vehicle_between_vertices_keeps_its_place_and_its_route_when_a_speed_c
     agv.vehicle.use_graph(with_speed(2, 0.2))
     assert agv.last.pose.edge == 1 and agv.vehicle.running
     agv.wait(60.0)
-    assert agv.vehicle.route.phase is Phase.COMPLETE
+    assert agv.vehicle.state.phase is Phase.COMPLETE
 
 
 def test_a_route_fails_where_an_edge_ahead_is_gone_but_the_vehicle_stays_on_its_edge() -> None:
@@ -72,7 +72,7 @@ def test_a_route_fails_where_an_edge_ahead_is_gone_but_the_vehicle_stays_on_its_
     agv.wait(10.0)
     agv.order(8, 1, 2)
     agv.wait(60.0)
-    assert agv.vehicle.route.phase is Phase.COMPLETE and agv.vehicle.pose[0] == 8.0
+    assert agv.vehicle.state.phase is Phase.COMPLETE and agv.vehicle.pose[0] == 8.0
 
 
 @given(st.integers(0, 10_000))
