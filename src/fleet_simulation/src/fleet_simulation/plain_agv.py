@@ -1,23 +1,33 @@
 """A simple AGV for tests of the supervisor. It obeys orders as the route protocol requires.
 
-It shares no code with `agv_sim`. Therefore a mistake in one cannot hide a mistake in the other.
+It shares no code with `agv_sim`, nor with `route_protocol.vehicle`: only values. Therefore a
+mistake in one cannot hide a mistake in the other.
 """
 from __future__ import annotations
 
+import math
 from dataclasses import replace
-from typing import List, Optional, Tuple
+from itertools import count
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.reports import Pose, Report
 from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
+    OVERRULED,
+    TAKEN_OVER,
     EdgeState,
+    EpochCause,
     Location,
+    Motion,
     Phase,
     Reason,
     ReasonCode,
+    RouteOrder,
     RouteRefusal,
+    RouteReport,
+    SymbolicPose,
 )
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
@@ -27,6 +37,9 @@ CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 _AT_END = 1e-6  # m
 _NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
 _JUST_LEFT = 0.5  # m past a vertex within which a route may begin with the edge before the vertex
+_EPOCHS: Iterator[int] = count(10 ** 6)
+
+_NO_ORDERS: Dict[str, Any] = {'taken': 0, 'refused': 0, 'refusal': NO_REASON}
 
 
 class Agv:
@@ -39,8 +52,19 @@ class Agv:
     off_graph -- if True, it refuses orders and reports no pose
     near      -- m from a vertex within which it counts as standing there; if a test changes it, a
                  route near a vertex must begin with an edge that leads away from the vertex
-    braking   -- m that it needs to stop
-    aside     -- m in x and y by which a person pushed it off its edge; it then reports x, y, too
+    braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
+    aside     -- m in x and y by which it stands beside its edge
+    moved     -- s for which it still reports that somebody else moves it
+    old       -- ns by which the location in its reports is old; None: they have no location
+
+    `knows` is what it knows of its orders:
+    epoch, cause   -- number of its epoch, and why that began
+    master         -- whose orders `taken` and `refused` count; None: nobody's yet
+    taken, refused -- numbers of the last order that it took, and of the highest that it refused
+    refusal        -- why it refused that
+    first          -- number of the first edge of its route
+    done           -- number of the edge under way, or of the next one
+    report         -- number of the last report
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
@@ -54,8 +78,15 @@ class Agv:
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = NO_REASON
-        self._refused: Optional[RouteRefusal] = None
+        self.knows: Dict[str, Any] = {'report': 0}
+        self._start_without_memory()
+        self._refused: Optional[RouteRefusal] = None  # the last one of an order without a number
         self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
+        self._rolls = 0.0     # m that it rolls on after the loss of its route
+        self._rolls_along: Tuple[int, ...] = ()  # the edges behind the present one
+        self._giver: Optional[str] = None        # the master by whose route it moves
+        self._waits: Optional[RouteOrder] = None  # a route that waits until it stands
+        self._late_refusals: List[RouteRefusal] = []
         self.stalled = 0.0
         self.emergency = False
         self.off_graph = False
@@ -64,6 +95,8 @@ class Agv:
         self.near = _NEAR
         self.braking = 0.0
         self.aside = 0.0, 0.0
+        self.moved = 0.0
+        self.old: Optional[int] = 0
         self.travelled = 0.0
         self.visited: List[int] = [vertex]
         """Ids of the visited vertices, in order."""
@@ -76,51 +109,126 @@ class Agv:
 
     @property
     def is_driving(self) -> bool:
-        """Whether the AGV has a route that is not finished."""
-        return self.phase is Phase.RUNNING
+        """Whether the AGV has a route that is not finished, or still rolls without one."""
+        return self.phase is Phase.RUNNING or self._rolls > 0.0
+
+    @property
+    def motion(self) -> Motion:
+        """What it does."""
+        if self.phase is Phase.RUNNING:
+            return Motion.ON_ROUTE
+        if self.moved > 0.0:
+            return Motion.MOVED
+        if self._rolls <= 0.0:
+            return Motion.STANDING
+        if self.knows['master'] is None:
+            return Motion.UNKNOWN
+        return (Motion.COMING_TO_REST if self._giver == self.knows['master'] else Motion.MOVED)
 
     @property
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        return self.route_id, self.edges, self.current, self.phase, self.reason
+        knows = self.knows
+        return (self.route_id, self.edges, self.current, self.phase, self.reason, self.motion,
+                knows['epoch'], knows['taken'], knows['refused'])
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """Returns no refusals: `order` returns each refusal at once."""
-        return []
+        """Returns the refusals of routes that waited, since the last call."""
+        refusals, self._late_refusals = self._late_refusals, []
+        return refusals
 
     def __str__(self) -> str:
         return (f'edge {self.edge} at {self.arc:.2f}, route {self.route_id} {self.edges} '
-                f'{self.current} {self.phase.value}')
+                f'{self.current} {self.phase.value} {self.motion.name} {self.knows}')
 
     # -- orders -----------------------------------------------------------------------------------
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Accepts a new route or a change of the route, or returns the refusal.
-
-        A repeated order gets the same answer again.
-        """
-        if not edges:
-            self.forget()
-            self.route_id = route_id
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
+        """Takes an order, or returns its refusal. Returns None for an order that it ignores."""
+        if not order.order:
+            return self.order(order.route_id, order.edges)
+        knows = self.knows
+        is_mine = order.master == knows['master']
+        if is_mine and order.order <= max(knows['taken'], knows['refused']):
             return None
-        if (route_id, edges) == (self.route_id, self.edges):
+        is_another = not is_mine and knows['master'] is not None
+        is_first = is_another or not knows['taken']
+        if not order.edges:
+            self._stop(order.route_id)
+            if is_another:
+                self.begin_epoch(EpochCause.OTHER_MASTER)
+            number = order.first if is_first else knows['done']
+            knows.update(master=order.master, taken=order.order, first=number, done=number)
             return None
-        if not self.has_refused(route_id, edges):
-            reason = self._take_up(route_id, edges)
-            self._refused = RouteRefusal(route_id, edges, reason) if reason else None
-        return self._refused
+        reason = self._why_not(order, is_first)
+        if reason is _ROLLS:
+            return self._wait(order)
+        if reason:
+            return self.refuse(order, reason)
+        if is_another:
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        done = order.first if is_first else knows['done']
+        knows.update(master=order.master, taken=order.order, first=order.first, done=done)
+        self._giver = order.master
+        self._set_route(order.route_id, order.edges, done - order.first)
+        return None
 
-    def refuse(self, route_id: int, edges: Tuple[int, ...], reason: Reason) -> RouteRefusal:
-        """Returns the refusal of an order by the AGV's computer; a repetition is refused, too."""
-        self._refused = RouteRefusal(route_id, edges, reason)
-        return self._refused
+    def _wait(self, order: RouteOrder) -> None:
+        """Keeps a route until the AGV stands. A newer one of the same master replaces it."""
+        before = self._waits
+        if before is None or order.master != before.master or order.order > before.order or (
+                not order.order):
+            self._waits = order
 
-    def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
-        """Whether this order is the last one that was refused; it would be refused again."""
-        refused = self._refused
-        return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
+    def refuse(self, order: RouteOrder, reason: Reason) -> RouteRefusal:
+        """Counts the refusal of a route, and returns it."""
+        knows = self.knows
+        refusal = RouteRefusal(order.route_id, order.edges, reason, order.order)
+        if not order.order:
+            self._refused = refusal
+        elif knows['master'] in (None, order.master) and order.order > knows['refused']:
+            knows.update(master=order.master, refused=order.order, refusal=reason)
+        return refusal
 
-    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> Reason:
+    def begin_epoch(self, cause: EpochCause) -> None:
+        """Obeys no order any more that is on its way."""
+        self.knows.update(_NO_ORDERS, epoch=next(_EPOCHS), cause=cause)
+
+    def ignores(self, order: RouteOrder) -> bool:
+        """Whether this order would neither stop it nor be driven if it came now."""
+        knows = self.knows
+        return bool(order.order) and (
+            order.master == knows['master']
+            and order.order <= max(knows['taken'], knows['refused'])
+            or bool(order.edges) and order.known_epoch != knows['epoch'])
+
+    def _why_not(self, order: RouteOrder, is_first: bool) -> Reason:
+        """Returns why it does not take a route with a number; places the AGV if it does."""
+        knows = self.knows
+        if not order.known_epoch or order.known_epoch != knows['epoch']:
+            return OVERRULED
+        skipped = 0 if is_first else knows['done'] - order.first
+        if not 0 <= skipped <= len(order.edges):
+            return Reason(ReasonCode.WRONG_CHANGE, 'its record numbers do not fit')
+        rest = order.edges[skipped:]
+        is_under_way = self.phase is Phase.RUNNING and not is_first
+        if is_under_way and rest[:1] != self.edges[self.current:self.current + 1]:
+            return Reason(ReasonCode.WRONG_CHANGE, 'it must go on with the edge under way')
+        if not rest and self.phase is not Phase.COMPLETE:
+            return Reason(ReasonCode.WRONG_CHANGE, 'it ends before the place where it stands')
+        reason = self._unable(order.edges)
+        if reason:
+            return reason
+        if self._rolls > 0.0:
+            return _ROLLS
+        if rest[:1] == (self.edge,) and len(rest) == 1 and self._cannot_brake():
+            return CANNOT_BRAKE
+        if rest and not is_under_way:
+            return self._begin_with(rest)
+        return NO_REASON
+
+    def _unable(self, edges: Tuple[int, ...]) -> Reason:
+        """Returns why it can drive no route now, or nobody this one."""
         if self.emergency:
             return EMERGENCY_STOP
         if self.off_graph:
@@ -132,6 +240,75 @@ class Agv:
             check_route(self.graph, edges)
         except TrajectoryGraphError as error:
             return Reason(ReasonCode.WRONG_ROUTE, str(error))
+        return NO_REASON
+
+    def _begin_with(self, rest: Tuple[int, ...]) -> Reason:
+        """Places the AGV at the beginning of `rest`, or returns why it does not begin there."""
+        begun = self._beginning(rest)
+        turns_back = self.phase is Phase.RUNNING and self.arc > _AT_END and rest[0] != self.edge
+        if begun is None or begun[0] or turns_back:
+            return Reason(ReasonCode.STARTS_ELSEWHERE,
+                          f'edge {rest[0]} does not start where the robot is')
+        self._place(begun[1], begun[2])
+        return NO_REASON
+
+    def _place(self, edge: int, arc: float) -> None:
+        self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
+        if not self._to_begin:
+            self.edge, self.arc = edge, arc
+
+    def _set_route(self, route_id: int, edges: Tuple[int, ...], current: int) -> None:
+        self.route_id, self.edges, self.current = route_id, edges, current
+        self.phase = Phase.RUNNING if current < len(edges) else Phase.COMPLETE
+        self.reason = NO_REASON
+        self.drive(0.0)
+
+    def _stop(self, route_id: int) -> None:
+        self._lose_route()
+        self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
+        self.phase, self.reason = Phase.STOPPED, NO_REASON
+
+    def _lose_route(self) -> None:
+        """Rolls on along the route that it had, as far as it needs to brake."""
+        if self.phase is Phase.RUNNING:
+            self._rolls = 0.0 if self.stalled or self._to_begin else self.braking
+            self._rolls_along = self.edges[self.current + 1:]
+
+    # -- orders without a number ------------------------------------------------------------------
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """Accepts a new route or a change of the route, or returns the refusal.
+
+        A repeated order gets the same answer again.
+        """
+        knows = self.knows
+        if not edges:
+            self._stop(route_id)
+            if self._waits is not None and not self._waits.order:
+                self._waits = None
+            self.begin_epoch(EpochCause.STOP)
+            knows['first'] = knows['done']
+            return None
+        if (route_id, edges) == (self.route_id, self.edges):
+            return None
+        if not self.has_refused(route_id, edges):
+            reason = self._take_up(route_id, edges)
+            if reason is _ROLLS:
+                return self._wait(RouteOrder(route_id, edges))
+            self._refused = RouteRefusal(route_id, edges, reason) if reason else None
+        return self._refused
+
+    def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
+        """Whether this order is the last one that was refused; it would be refused again."""
+        refused = self._refused
+        return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
+
+    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> Reason:
+        reason = self._unable(edges)
+        if reason:
+            return reason
+        knows = self.knows
+        first, current = knows['first'], self.current
         if route_id == self.route_id and self.phase is not Phase.STOPPED:
             if self.phase is Phase.FAILED:
                 return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} has failed')
@@ -143,6 +320,8 @@ class Agv:
                 return CANNOT_BRAKE
             if self.phase is Phase.COMPLETE and self.current < len(edges):
                 self.edge, self.arc = edges[self.current], 0.0
+        elif self._rolls > 0.0:
+            return _ROLLS
         else:
             begun = self._beginning(edges)
             if begun is None:
@@ -150,14 +329,15 @@ class Agv:
                               f'edge {edges[0]} does not start where the robot is')
             if edges[begun[0]:] == (self.edge,) and self._cannot_brake():
                 return CANNOT_BRAKE
-            self.current, edge, arc = begun
-            self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
-            if not self._to_begin:
-                self.edge, self.arc = edge, arc
-        self.route_id, self.edges = route_id, edges
-        self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
-        self.reason = NO_REASON
-        self.drive(0.0)
+            current = begun[0]
+            first = knows['done'] - current
+            self._place(begun[1], begun[2])
+        if knows['master'] not in (None, _OLD):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        number = max(knows['taken'], knows['refused']) + 1
+        knows.update(master=_OLD, taken=number, first=first, done=first + current)
+        self._giver = _OLD
+        self._set_route(route_id, edges, current)
         return NO_REASON
 
     def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, float]]:
@@ -183,7 +363,7 @@ class Agv:
 
     def _cannot_brake(self) -> bool:
         """Whether the AGV would drive on to another edge and is too near this one's end to stop."""
-        return (self.is_driving and self.current + 1 < len(self.edges)
+        return (self.phase is Phase.RUNNING and self.current + 1 < len(self.edges)
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
@@ -197,6 +377,10 @@ class Agv:
     def drive(self, seconds: float) -> None:
         """Advances the AGV by the given virtual time, in s."""
         self._drive(seconds)
+        waited, self._waits = self._waits, None
+        refusal = self.receive(waited) if waited is not None else None
+        if refusal is not None:
+            self._late_refusals.append(refusal)
         if self.arc <= _NEAR:
             self._visit(self.graph.start_vertex(self.edge).id)
         if self.graph.curve(self.edge).length - self.arc <= _NEAR:
@@ -207,19 +391,22 @@ class Agv:
             self.visited.append(vertex)
 
     def _drive(self, seconds: float) -> None:
+        self.moved = max(self.moved - seconds, 0.0)
         stalled = min(self.stalled, seconds)
         self.stalled -= stalled
         seconds -= stalled
-        if self.emergency and self.is_driving:
+        if self.emergency and self.phase is Phase.RUNNING:
             self.fail(EMERGENCY_STOP)
-        if self.is_driving and self._to_begin:
+        if self._rolls > 0.0:
+            self._roll(seconds)
+        if self.phase is Phase.RUNNING and self._to_begin:
             back = min(seconds * self._speed(), self._to_begin)
             seconds -= back / self._speed()
             self.arc, self._to_begin = self.arc - back, self._to_begin - back
             if self._to_begin > _AT_END:
                 return
             self._to_begin, self.edge, self.arc = 0.0, self.edges[self.current], 0.0
-        while self.is_driving:
+        while self.phase is Phase.RUNNING:
             self.edge = self.edges[self.current]
             length, speed = self.graph.curve(self.edge).length, self._speed()
             step = min(seconds * speed, length - self.arc)
@@ -231,6 +418,7 @@ class Agv:
             self._visit(self.graph.end_vertex(self.edge).id)
             seconds -= step / speed
             self.current += 1
+            self.knows['done'] = self.knows['first'] + self.current
             if self.current == len(self.edges):
                 self.phase = Phase.COMPLETE
                 return
@@ -241,26 +429,76 @@ class Agv:
         speed = edge.velocity_forward if self.edge > 0 else edge.velocity_backwards
         return self.pace * (self.kind.drives_at(speed) or self.kind.speed)
 
+    def _roll(self, seconds: float) -> None:
+        """Rolls on after the loss of its route."""
+        left = min(seconds * self._speed(), self._rolls)
+        self._rolls -= left
+        while left > 0.0:
+            step = min(left, self.graph.curve(self.edge).length - self.arc)
+            self.arc, left = self.arc + step, left - step
+            self.travelled += step
+            if left > 0.0:
+                self._visit(self.graph.end_vertex(self.edge).id)
+                if not self._rolls_along:
+                    self._rolls = 0.0
+                    return
+                self.edge, self.arc = self._rolls_along[0], 0.0
+                self._rolls_along = self._rolls_along[1:]
+
     def forget(self) -> None:
-        """Switches the AGV off and on again: it stands where it is and has no route."""
+        """Switches the AGV off and on again: it stands where it is, and has no memory."""
         self.route_id, self.edges, self.current, self._to_begin = 0, (), 0, 0.0
         self.phase, self.reason = Phase.STOPPED, NO_REASON
+        self._rolls, self._giver, self._refused, self._waits = 0.0, None, None, None
+        self._start_without_memory()
+
+    def _start_without_memory(self) -> None:
+        self.begin_epoch(EpochCause.RESTART)
+        self.knows.update(master=None, first=0, done=0)
+
+    def restart(self) -> None:
+        """Starts the AGV again with its memory: nothing changes, except that it stands."""
+        self._rolls = 0.0
 
     def fail(self, reason: Reason) -> None:
-        """Lets a running route fail for this reason."""
+        """Lets a running route fail. Some reasons begin a new epoch, with or without a route."""
         if self.phase is Phase.RUNNING:
-            self.phase, self.reason = Phase.FAILED, reason
+            self._lose_route()
+            self.phase, self.reason, self._to_begin = Phase.FAILED, reason, 0.0
+        cause = _CAUSES.get(reason.code)
+        if cause is not None:
+            self.begin_epoch(cause)
+
+    def move_to(self, edge: int, arc: float) -> None:
+        """A person or another program moves it to this place; for 1 s it reports that."""
+        self.fail(TAKEN_OVER)
+        self.edge, self.arc, self._rolls, self.moved = edge, arc, 0.0, 1.0
+        self.drive(0.0)
 
     # -- reports ----------------------------------------------------------------------------------
 
+    def told(self, stamp: int) -> RouteReport:
+        """Returns the AGV's next report, with this stamp (ns)."""
+        knows = self.knows
+        knows['report'] += 1
+        pose = self._pose()
+        return RouteReport(
+            stamp - (self.old or 0), self.route_id, self.edges, self._states(),
+            SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
+            None if self.old is None else Location(*self.position, math.nan), knows['epoch'],
+            knows['cause'], knows['master'] or '', knows['taken'], knows['refused'],
+            knows['refusal'], knows['first'], self.motion, knows['report'])
+
     def report(self, stamp: float) -> Report:
-        """Returns the AGV's report, with this stamp."""
-        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
-        states = ((EdgeState.COMPLETE,) * self.current
-                  + (rest,) * (len(self.edges) - self.current))
+        """Returns the AGV's report for a master that does not number its orders."""
         location = Location(*self.position, 0.0) if any(self.aside) else None
-        return Report(self.route_id, self.edges, states, self._pose(), self.reason, stamp,
+        return Report(self.route_id, self.edges, self._states(), self._pose(), self.reason, stamp,
                       location=location)
+
+    def _states(self) -> Tuple[EdgeState, ...]:
+        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
+        return ((EdgeState.COMPLETE,) * self.current
+                + (rest,) * (len(self.edges) - self.current))
 
     def _pose(self) -> Pose:
         if self.off_graph:
@@ -270,13 +508,22 @@ class Agv:
             return Pose(self.edges[self.current], 0.0)
         if self.phase is Phase.RUNNING:
             return Pose(self.edge, min(fraction, 0.999))
-        if self.phase is Phase.COMPLETE:
-            return Pose(self.edges[-1], 1.0)
+        if self.phase is Phase.COMPLETE and self.edge == self.edges[-1]:
+            return Pose(self.edge, fraction)
         return Pose(abs(self.edge), fraction if self.edge > 0 else 1.0 - fraction)
+
+
+_ROLLS = Reason(ReasonCode.NOT_READY, 'it has not come to rest yet')
+_OLD = ''  # all masters that do not number their orders
+_CAUSES = {
+    ReasonCode.TAKEN_OVER: EpochCause.OTHER_GIVER, ReasonCode.LOST_LINK: EpochCause.LOST_LINK,
+    ReasonCode.EMERGENCY_STOP: EpochCause.EMERGENCY_STOP}
 
 
 class LostLink:
     """A robot's computer while the link between it and the robot is down.
+
+    When the link is back, a robot whose route failed has a new epoch.
 
     commands_only -- only the link for commands is down; locations still come by another link
     """
@@ -284,30 +531,61 @@ class LostLink:
     def __init__(self, agv: Agv, now: float, commands_only: bool = False) -> None:
         self._agv = agv
         self._commands_only = commands_only
-        last = agv.report(now)
-        failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
-        self._told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
-                            reason=LOST_LINK if failed else last.reason)
-        self._stop: Optional[int] = None
+        self._lost_route = agv.phase is Phase.RUNNING
+        last = agv.told(round(1e9 * now))
+        if self._lost_route:
+            self._said = replace(
+                last, reason=LOST_LINK, motion=Motion.UNKNOWN,
+                states=tuple(state if state is EdgeState.COMPLETE else EdgeState.FAILED
+                             for state in last.states))
+        else:
+            self._said = replace(last, motion=Motion.UNKNOWN)
+        self._stop: Optional[RouteOrder] = None
+
+    def told(self, stamp: int) -> RouteReport:
+        """Returns the computer's next report on the robot."""
+        self._agv.knows['report'] += 1
+        said = replace(self._said, number=self._agv.knows['report'])
+        if self._commands_only:
+            said = replace(said, stamp=stamp, location=Location(*self._agv.position, math.nan))
+        return said
 
     def report(self, now: float) -> Report:
-        """Returns the computer's report on the robot at the time `now`."""
-        return replace(self._told, stamp=now) if self._commands_only else self._told
+        """Returns the computer's report for a master that does not number its orders."""
+        said = self._said
+        return Report(said.route_id, said.edges, said.states,
+                      Pose(said.pose.edge, said.pose.percentage / 100.0), said.reason,
+                      now if self._commands_only else said.stamp / 1e9)
+
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
+        """Keeps a stop until the link is back; refuses each other order."""
+        said = self._said
+        if order.order and order.master == said.master and (
+                order.order <= max(said.order, said.refused)):
+            return None
+        if not order.edges:
+            self._stop = order
+            self._said = replace(
+                said, route_id=order.route_id, edges=(), states=(), reason=Reason(
+                    ReasonCode.STOP_OWED,
+                    'the robot has not obeyed the stop yet: the link is down'))
+            return None
+        if not order.order and (order.route_id, order.edges) == (said.route_id, said.edges):
+            return None
+        reason = Reason(ReasonCode.LOST_LINK, 'the link is down')
+        refusal = self._agv.refuse(order, reason)
+        knows = self._agv.knows
+        self._said = replace(said, master=knows['master'] or '', refused=knows['refused'],
+                             refusal=knows['refusal'])
+        return refusal
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Keeps a stop until the link is back; refuses each other order."""
-        if edges:
-            same = (route_id, edges) == (self._told.route_id, self._told.edges)
-            return None if same else self._agv.refuse(
-                route_id, edges, Reason(ReasonCode.LOST_LINK, 'the link is down'))
-        self._stop = route_id
-        self._told = replace(self._told, route_id=route_id, edges=(), states=(),
-                            reason=Reason(ReasonCode.STOP_OWED, 'the robot has not obeyed the '
-                                                                'stop yet: the link is down'))
-        return None
+        """Takes an order of a master that does not number its orders."""
+        return self.receive(RouteOrder(route_id, edges))
 
     def end(self) -> None:
         """Restores the link: the robot's route fails, and the robot gets the owed stop."""
-        self._agv.fail(LOST_LINK)
+        if self._lost_route:
+            self._agv.fail(LOST_LINK)
         if self._stop is not None:
-            self._agv.order(self._stop, ())
+            self._agv.receive(self._stop)

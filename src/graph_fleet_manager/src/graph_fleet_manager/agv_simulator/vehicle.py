@@ -137,7 +137,7 @@ class Vehicle:
             return
         if order.is_stop:
             self._stop(order)
-        elif self._judge(order, self._time).answer is not Answer.IGNORED and (
+        elif not self._is_answered(order, self._time) and (
                 self._waiting is None or _replaces(order, self._waiting.order)):
             self._waiting = WaitingRoute(order, self._time)
         self._consider()
@@ -301,10 +301,18 @@ class Vehicle:
             self._waiting = None
 
     def _consider(self) -> None:
-        """Accepts or refuses the waiting route as soon as it can be judged or is too old."""
+        """Answers the waiting route as soon as that is possible; refuses it if it is too old."""
         if self._waiting is None:
             return
         order, arrived = self._waiting
+        if not self._is_answered(order, arrived):
+            if self._time < arrived + ANSWERED_WITHIN:
+                return
+            self._refuse(order, Reason(ReasonCode.NOT_READY, 'the vehicle did not come to a stop'))
+        self._waiting = None
+
+    def _is_answered(self, order: RouteOrder, arrived: float) -> bool:
+        """Takes, refuses or ignores a route. Returns False if it has to wait."""
         judgement = self._judge(order, arrived)
         if judgement.answer is Answer.REFUSED:
             self._refuse(order, judgement.reason)
@@ -312,13 +320,10 @@ class Vehicle:
             try:
                 self._take_up(order, judgement)
             except NotYet:
-                if self._time < arrived + ANSWERED_WITHIN:
-                    return
-                self._refuse(order, Reason(ReasonCode.NOT_READY,
-                                           'the vehicle did not come to a stop'))
+                return False
             except RouteRefused as refusal:
                 self._refuse(order, refusal.reason)
-        self._waiting = None
+        return True
 
     def _check(self, order: RouteOrder) -> None:
         """Raises RouteRefused for what the vehicle cannot drive now, wherever it is on the graph.
