@@ -162,7 +162,8 @@ class Agv:
             return None
         reason = self._why_not(order, is_first)
         if reason is _ROLLS:
-            return self._wait(order)
+            self._wait(order)
+            return None
         if reason:
             return self.refuse(order, reason)
         if is_another:
@@ -245,7 +246,8 @@ class Agv:
     def _begin_with(self, rest: Tuple[int, ...]) -> Reason:
         """Places the AGV at the beginning of `rest`, or returns why it does not begin there."""
         begun = self._beginning(rest)
-        turns_back = self.phase is Phase.RUNNING and self.arc > _AT_END and rest[0] != self.edge
+        turns_back = (self.phase is Phase.RUNNING and self.braking > 0.0 and self.arc > _AT_END
+                      and rest[0] != self.edge)
         if begun is None or begun[0] or turns_back:
             return Reason(ReasonCode.STARTS_ELSEWHERE,
                           f'edge {rest[0]} does not start where the robot is')
@@ -294,7 +296,8 @@ class Agv:
         if not self.has_refused(route_id, edges):
             reason = self._take_up(route_id, edges)
             if reason is _ROLLS:
-                return self._wait(RouteOrder(route_id, edges))
+                self._wait(RouteOrder(route_id, edges))
+                return None
             self._refused = RouteRefusal(route_id, edges, reason) if reason else None
         return self._refused
 

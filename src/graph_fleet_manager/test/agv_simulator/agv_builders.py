@@ -16,10 +16,10 @@ GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
                  {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (2, 5)})
 
 
-def vehicle_at(vertex: int, graph: Graph = GRAPH, name: str = 'agv_1', **options: object
-               ) -> Vehicle:
-    """An AGV with random epochs, and a clock that stands."""
-    return Vehicle(name, graph, vertex, numbers_of_epochs(), lambda: 0, **options)
+def vehicle_at(vertex: int, graph: Graph = GRAPH, clock: Callable[[], int] = lambda: 0,
+               **options: object) -> Vehicle:
+    """An AGV with random epochs."""
+    return Vehicle('agv_1', graph, vertex, numbers_of_epochs(), clock, **options)
 
 
 def numbers_of_epochs(seed: int = 1) -> Callable[[], int]:
@@ -32,10 +32,10 @@ class Conversation:
     """An AGV and its messages."""
 
     def __init__(self, vertex: int = 1, graph: Graph = GRAPH, **options: object) -> None:
-        self.vehicle = vehicle_at(vertex, graph, **options)
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []
         self._stamp = 0
+        self.vehicle = vehicle_at(vertex, graph, lambda: self._stamp // 1_000_000, **options)
 
     def order(self, route_id: int, *edges: int, stamp: int = 0) -> None:
         self.vehicle.handle(RouteOrder(route_id, edges, stamp))
