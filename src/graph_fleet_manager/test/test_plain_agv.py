@@ -130,8 +130,30 @@ def test_a_stop_during_the_outage_is_obeyed_when_the_link_is_back() -> None:
     link = LostLink(agv, 0.0)
     link.receive(numbered(agv, 6))
     said = link.told(0)
-    assert (said.order, said.reason.code) == (5, ReasonCode.STOP_OWED), (
-        'the robot has not taken the stop yet')
+    assert (said.order, said.reason.code, said.motion) == (
+        6, ReasonCode.STOP_OWED, Motion.UNKNOWN), 'its computer took the stop, and owes it'
     link.end()
     now = agv.told(0)
     assert (now.order, now.edges, agv.phase) == (6, (), Phase.STOPPED)
+
+
+def test_a_stop_without_a_number_during_the_outage_begins_a_new_epoch_at_once() -> None:
+    agv = on_its_way()
+    link, before = LostLink(agv, 0.0), agv.knows['epoch']
+    link.receive(RouteOrder(0, ()))
+    said = link.told(0)
+    assert (said.epoch != before, said.cause, said.order) == (True, EpochCause.STOP, 0)
+    refusal = link.receive(numbered(agv, 6, 1, 2, epoch=before))
+    assert refusal is not None
+    link.end()
+    assert agv.phase is Phase.STOPPED and agv.told(0).edges == ()
+
+
+def test_a_stop_during_an_outage_ends_a_complete_route_too() -> None:
+    agv = on_its_way()
+    agv.drive(60.0)
+    link = LostLink(agv, 0.0)
+    link.receive(numbered(agv, 6))
+    link.end()
+    said = agv.told(0)
+    assert (said.order, said.edges, said.done, said.cause) == (6, (), 2, EpochCause.RESTART)

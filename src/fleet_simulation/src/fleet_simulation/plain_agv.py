@@ -154,11 +154,10 @@ class Agv:
         is_another = not is_mine and knows['master'] is not None
         is_first = is_another or not knows['taken']
         if not order.edges:
-            self._stop(order.route_id)
-            if is_another:
-                self.begin_epoch(EpochCause.OTHER_MASTER)
+            self.stand(order.route_id)
+            self.count_stop(order)
             number = order.first if is_first else knows['done']
-            knows.update(master=order.master, taken=order.order, first=number, done=number)
+            knows.update(first=number, done=number)
             return None
         reason = self._why_not(order, is_first)
         if reason is _ROLLS:
@@ -190,6 +189,16 @@ class Agv:
         elif knows['master'] in (None, order.master) and order.order > knows['refused']:
             knows.update(master=order.master, refused=order.order, refusal=reason)
         return refusal
+
+    def count_stop(self, order: RouteOrder) -> None:
+        """Counts a stop as taken."""
+        knows = self.knows
+        if not order.order:
+            self.begin_epoch(EpochCause.STOP)
+            return
+        if knows['master'] not in (None, order.master):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        knows.update(master=order.master, taken=order.order)
 
     def begin_epoch(self, cause: EpochCause) -> None:
         """Obeys no order any more that is on its way."""
@@ -265,10 +274,12 @@ class Agv:
         self.reason = NO_REASON
         self.drive(0.0)
 
-    def _stop(self, route_id: int) -> None:
+    def stand(self, route_id: int) -> None:
+        """Brakes, and has no route any more."""
         self._lose_route()
         self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
         self.phase, self.reason = Phase.STOPPED, NO_REASON
+        self.knows['first'] = self.knows['done']
 
     def _lose_route(self) -> None:
         """Rolls on along the route that it had, as far as it needs to brake."""
@@ -283,13 +294,11 @@ class Agv:
 
         A repeated order gets the same answer again.
         """
-        knows = self.knows
         if not edges:
-            self._stop(route_id)
+            self.stand(route_id)
             if self._waits is not None and not self._waits.order:
                 self._waits = None
-            self.begin_epoch(EpochCause.STOP)
-            knows['first'] = knows['done']
+            self.count_stop(RouteOrder(route_id, ()))
             return None
         if (route_id, edges) == (self.route_id, self.edges):
             return None
@@ -526,7 +535,8 @@ _CAUSES = {
 class LostLink:
     """A robot's computer while the link between it and the robot is down.
 
-    When the link is back, a robot whose route failed has a new epoch.
+    It takes stops, and gives the last one to the robot when the link is back. A robot whose route
+    failed then has a new epoch.
 
     commands_only -- only the link for commands is down; locations still come by another link
     """
@@ -568,19 +578,25 @@ class LostLink:
             return None
         if not order.edges:
             self._stop = order
+            self._agv.count_stop(order)
             self._said = replace(
-                said, route_id=order.route_id, edges=(), states=(), reason=Reason(
-                    ReasonCode.STOP_OWED,
-                    'the robot has not obeyed the stop yet: the link is down'))
+                self._counted(), route_id=order.route_id, first=said.done, edges=(), states=(),
+                reason=Reason(ReasonCode.STOP_OWED,
+                              'the robot has not obeyed the stop yet: the link is down'))
             return None
         if not order.order and (order.route_id, order.edges) == (said.route_id, said.edges):
             return None
         reason = Reason(ReasonCode.LOST_LINK, 'the link is down')
         refusal = self._agv.refuse(order, reason)
-        knows = self._agv.knows
-        self._said = replace(said, master=knows['master'] or '', refused=knows['refused'],
-                             refusal=knows['refusal'])
+        self._said = self._counted()
         return refusal
+
+    def _counted(self) -> RouteReport:
+        """Returns what it said last, with the orders that are counted now."""
+        knows = self._agv.knows
+        return replace(self._said, epoch=knows['epoch'], cause=knows['cause'],
+                       master=knows['master'] or '', order=knows['taken'],
+                       refused=knows['refused'], refusal=knows['refusal'])
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
         """Takes an order of a master that does not number its orders."""
@@ -591,4 +607,5 @@ class LostLink:
         if self._lost_route:
             self._agv.fail(LOST_LINK)
         if self._stop is not None:
-            self._agv.receive(self._stop)
+            self._agv.receive(self._stop)  # counts it in the new epoch, if there is one
+            self._agv.stand(self._stop.route_id)
