@@ -290,19 +290,6 @@ def test_a_restart_with_the_same_journal_believes_it():
     fleet.run_until_done(1)
 
 
-def test_a_new_robot_with_a_route_of_another_program_does_not_make_the_journal_an_older_one():
-    fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'c': (AGV, 106)}, planning=0.05)
-    fleet.run(2.0)
-    fleet.journal._db.execute("DELETE FROM robot WHERE name = 'a'")
-    fleet.agvs['a'].order(7, (1,))
-    fleet.silent['c'] = math.inf
-    fleet.run(3.0)
-    fleet.journal._db.execute("DELETE FROM robot WHERE name = 'a'")
-    fleet.restart()
-    fleet.run(1.0)
-    assert not fleet.supervisor.unknown
-
-
 # -- a planner that fails --------------------------------------------------------------------------
 
 class PoisonedFleet(SupervisedFleet):

@@ -8,7 +8,7 @@ from fleet_builders import AGV, corridor, ladder
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.interlocking.allocation import Knowledge
-from graph_fleet_manager.interlocking.reports import point_of
+from graph_fleet_manager.interlocking.reports import Report, point_of
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
@@ -60,7 +60,8 @@ def test_nothing_is_granted_before_every_robot_was_heard_or_declared_absent():
     fleet.silent['b'] = 1e9
     fleet.request(1, 4, robot='a')
     fleet.run(20.0)
-    assert not fleet.sent and fleet.supervisor.unknown == ['b']
+    assert not any(order.edges for order in fleet.sent)
+    assert fleet.supervisor.unknown == ['b']
     assert 'fleet absent b' in fleet.supervisor.plan_executor.waits_for['a']
     problem, actions = fleet.supervisor.declare_absent('b', fleet.now)
     fleet.do(actions)
@@ -77,7 +78,7 @@ def test_a_robot_that_is_absent_blocks_nothing_until_it_reports_a_later_location
     fleet.do(fleet.supervisor.declare_absent('b', fleet.now)[1])
     robot = fleet.supervisor.robots['b']
     late = fleet.agvs['b'].report(fleet.now - 7.0)
-    fleet.do(fleet.supervisor.report('b', replace(late, age=7.0), fleet.now))
+    fleet.do(fleet.supervisor.report('b', Report(late, 7.0), fleet.now))
     assert robot.knowledge is Knowledge.ABSENT, 'this location is older than the declaration'
     fleet.restart()
     assert fleet.supervisor.robots['b'].knowledge is Knowledge.ABSENT
@@ -103,10 +104,10 @@ def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_e
     held = set(blocked(fleet, 'a')[1])
     assert {1, 2, 3, 4} & held
     restart(fleet, without(graph, 2))
-    lost = fleet.supervisor.robots['a'].client.evidence.lost
+    lost = fleet.supervisor.robots['a'].client.lost
     assert any(area.line[0] == (2.0, 0.0) and area.line[-1] == (4.0, 0.0) for area in lost)
     fleet.restart()
-    assert fleet.supervisor.robots['a'].client.evidence.lost == lost, (
+    assert fleet.supervisor.robots['a'].client.lost == lost, (
         'the restart must not forget it')
 
 
@@ -242,7 +243,7 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
     fleet.request(1, 8)
     fleet.run(3.0)
-    used = {order.route_id for order in fleet.sent}
+    used = {order.order.number for order in fleet.sent}
     fleet.journal._db.execute('DELETE FROM robot')
     fleet.journal._db.execute('DELETE FROM mission')
     fleet.journal._db.execute('DELETE FROM value')
@@ -253,7 +254,7 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
     assert not fleet.agvs['a'].is_driving and fleet.supervisor.robots['a'].works
     fleet.request(2, 4)
     fleet.run_until_done(2)
-    assert not used & {order.route_id for order in fleet.sent}
+    assert not used & {order.order.number for order in fleet.sent}
 
 
 # -- the check before each route is sent ----------------------------------------------------------

@@ -7,7 +7,7 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.interlocking.reports import Pose, Report
+from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.supervision.duties import WINDOW
 from graph_fleet_manager.supervision.fleet_view import (
     RobotState,
@@ -18,7 +18,7 @@ from graph_fleet_manager.supervision.fleet_view import (
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
-from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER
+from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, SymbolicPose
 from trajectory_graph import Graph
 
 
@@ -49,7 +49,8 @@ def test_two_robots_swap_their_places_through_a_siding_ten_times():
 
 def test_a_robot_that_does_not_know_yet_where_it_is_is_not_off_the_graph():
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
-    fleet.do(fleet.supervisor.report('a', Report(0), 0.0))
+    nowhere = replace(fleet.agvs['a'].report(0.0), pose=SymbolicPose(), location=None)
+    fleet.do(fleet.supervisor.report('a', Report(nowhere), 0.0))
     fleet.request(1, 3)
     fleet.run_until_done(1)
     assert fleet.told(1)[-1] is MissionState.SUCCEEDED
@@ -375,7 +376,7 @@ def test_a_closed_edge_is_driven_by_nobody_who_was_not_let_onto_it():
     fleet.do(fleet.supervisor.close_edges([2], 0.0))
     fleet.request(1, 4)
     fleet.run_until_done(1)
-    assert fleet.agvs['a'].edges == (1, 3, 4)
+    assert fleet.agvs['a'].visited == [1, 2, 3, 4]
 
 
 def test_a_robot_charges_below_one_threshold_and_works_above_another():
@@ -409,7 +410,8 @@ def test_two_robots_that_report_one_place_are_not_moved():
     fleet.clearance = -1e9
     fleet.request(1, 4)
     fleet.run(10.0)
-    assert not fleet.sent and 'nearer' in fleet.supervisor.plan_executor.plan.unserved['a']
+    assert not any(order.edges for order in fleet.sent)
+    assert 'nearer' in fleet.supervisor.plan_executor.plan.unserved['a']
 
 
 def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones():
@@ -417,7 +419,8 @@ def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones(
     fleet.run(1.0)
     told = len(fleet.notes)
     for _ in range(5):
-        fleet.do(fleet.supervisor.report('a', Report(1, pose=Pose(77, 0.5), stamp=5.0), fleet.now))
+        wrong = replace(fleet.agvs['a'].report(fleet.now), pose=SymbolicPose(77, 50.0))
+        fleet.do(fleet.supervisor.report('a', Report(wrong), fleet.now))
     fleet.run(2.0)
     assert fleet.notes[told:] == ['A report of a is ignored: it is on edge 77, which the graph '
                                   'does not have.', 'The reports of a make sense again.']

@@ -7,17 +7,18 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_simulation.plain_agv import LOST_LINK
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked, route_order
+from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
 from route_protocol.values import (
     TAKEN_OVER,
     EdgeState,
-    Phase,
+    Motion,
     Reason,
     ReasonCode,
-    RouteRefusal,
+    RouteReport,
 )
 from trajectory_graph import Graph
 
@@ -45,15 +46,21 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     fleet.run(2.0)
     agv, last = fleet.agvs['a'], fleet.agvs['a'].report(fleet.now)
     fleet.deaf['a'] = 1e9
+    last = replace(last, motion=Motion.COMING_TO_REST)
     if how == 'lost link':
         told = replace(last, states=(EdgeState.FAILED,) * len(last.edges),
                        reason=LOST_LINK)
     else:
         fleet.do(fleet.supervisor.stop_fleet(fleet.now) if how == 'stop all' else
                  fleet.supervisor.take_out('a', fleet.now))
-        told = replace(last, route_id=robot(fleet).client.route_id, edges=(), states=(),
+        told = replace(last, order=robot(fleet).client.order.number, edges=(), states=(),
+                       first=last.done,
                        reason=Reason(ReasonCode.STOP_OWED, 'the link is down'))
-    agv.report, report = lambda stamp: told, agv.report
+
+    def repeat(_: float) -> RouteReport:
+        agv.knows['report'] += 1
+        return replace(told, number=agv.knows['report'])
+    agv.report, report = repeat, agv.report
     fleet.run(4.0)
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
@@ -112,7 +119,7 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
     fleet._to_robots, orders = [], fleet._to_robots  # the order that makes the route longer
     assert len(orders[-1].edges) == 2 and robot(fleet).record.done == 0
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    fleet.do(fleet.supervisor.report('a', fleet.agvs['a'].report(fleet.now), fleet.now))
+    fleet.do(fleet.supervisor.report('a', Report(fleet.agvs['a'].report(fleet.now)), fleet.now))
     assert len(robot(fleet).record.held) == 2, 'the robot has not received the cancel'
 
 
@@ -162,16 +169,12 @@ def test_who_was_given_a_route_by_somebody_else_is_not_ordered_what_he_has_not_h
     fleet.deaf['a'] = 1e9
     fleet.request(1, 8)
     fleet.run(2.0)
-    fleet.agvs['a'].order(777, (4,))
+    fleet.agvs['a'].obey_another((4,))
     fleet.run(0.5)
     assert robot(fleet).outage is Outage.TAKEN_OVER
     fleet.deaf.clear()
     fleet.run(20.0)
     assert fleet.agvs['a'].visited == [4, 5]
-    problem, actions = fleet.supervisor.bring_in('a', fleet.now)
-    fleet.do(actions)
-    assert 'told to stop first, because an old order may still reach it' in problem
-    fleet.run(3.0)
     assert not fleet.bring_in('a')
 
 
@@ -182,34 +185,15 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     agv = fleet.agvs['a']
     fleet.request(2, 8, robot='a')
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    fleet.run_until(lambda: any(o.route_id != agv.route_id for o in fleet._to_robots))
+    fleet.run_until(lambda: any(o.order.number > agv.taken for o in fleet._to_robots))
     order = fleet._to_robots.pop()
     agv.fail(TAKEN_OVER)
     fleet.run(0.1)
     assert robot(fleet).outage is Outage.TAKEN_OVER
-    agv.order(order.route_id, order.edges)  # the order came late
+    agv.receive(route_order(order.order))  # the order came late
     before = agv.travelled
     fleet.run(20.0)
     assert agv.travelled - before < 0.5
-
-
-def test_nothing_is_tried_again_after_an_emergency_stop_before_it_is_known_what_the_robot_has():
-    """It refused the last attempt for another reason, and has not reported since."""
-    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
-    fleet.request(1, 6)
-    fleet.run_until(lambda: fleet.agvs['a'].phase is Phase.COMPLETE)
-    fleet.agvs['a'].emergency = True
-    fleet.run_until(lambda: robot(fleet).outage is Outage.STOPPED)
-    fleet.silent['a'] = fleet.now + 4.6
-    client = robot(fleet).client
-    fleet.run_until(lambda: client.order is not None)
-    refusal = RouteRefusal(client.order.route_id, client.order.edges,
-                           Reason(ReasonCode.OTHER, 'it does not want to'))
-    fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now, fleet.now))
-    while fleet.now < fleet.silent['a'] - 0.2:
-        assert client.order is None, (
-            'edges that the next report lacks could be given to another robot')
-        fleet.step()
 
 
 def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():

@@ -8,7 +8,6 @@ from typing import List, Optional, Tuple
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking.reports import Pose, Report
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
@@ -145,10 +144,6 @@ class DrivenRobot:
         self.vehicle.handle(order)
         return None
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Gives the robot an order of a master that does not number its orders."""
-        return self.receive(RouteOrder(route_id, edges))
-
     def late_refusals(self) -> List[RouteRefusal]:
         """Returns the refusals since the last call."""
         return [message for message in self.vehicle.take_messages()
@@ -158,12 +153,9 @@ class DrivenRobot:
         """Returns the robot's next report, with this stamp (ns)."""
         return replace(self.vehicle.report(), stamp=stamp)
 
-    def report(self, stamp: float) -> Report:
-        """Returns the robot's report, with this stamp."""
-        told = self.vehicle.report()
-        return Report(told.route_id, told.edges, told.states,
-                      Pose(told.pose.edge, told.pose.percentage / 100.0), told.reason, stamp,
-                      location=told.location, epoch=told.epoch)
+    def report(self, stamp: float) -> RouteReport:
+        """Returns the robot's next report, with this stamp (s)."""
+        return self.told(round(stamp * _NANO))
 
     @property
     def news(self) -> object:

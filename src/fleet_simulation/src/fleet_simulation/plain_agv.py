@@ -11,7 +11,7 @@ from itertools import count
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking.reports import Pose, Report
+from graph_fleet_manager.interlocking.reports import Pose
 from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
@@ -35,6 +35,7 @@ LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
 CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 
 _AT_END = 1e-6  # m
+_TREMBLE = 0.05  # m by which the location of a standing AGV may change
 _NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
 _JUST_LEFT = 0.5  # m past a vertex within which a route may begin with the edge before the vertex
 _EPOCHS: Iterator[int] = count(10 ** 6)
@@ -98,6 +99,8 @@ class Agv:
         self.moved = 0.0
         self.old: Optional[int] = 0
         self.travelled = 0.0
+        self._stayed: Optional[Tuple[float, float]] = None  # where it was at its last report
+        self._drove = False
         self.visited: List[int] = [vertex]
         """Ids of the visited vertices, in order."""
 
@@ -130,7 +133,7 @@ class Agv:
         """The part of the report that is sent at once when it changes."""
         knows = self.knows
         return (self.route_id, self.edges, self.current, self.phase, self.reason, self.motion,
-                knows['epoch'], knows['taken'], knows['refused'])
+                knows['epoch'], knows['taken'], knows['refused'], self.unready)
 
     def late_refusals(self) -> List[RouteRefusal]:
         """Returns the refusals of routes that waited, since the last call."""
@@ -199,6 +202,11 @@ class Agv:
         if knows['master'] not in (None, order.master):
             self.begin_epoch(EpochCause.OTHER_MASTER)
         knows.update(master=order.master, taken=order.order)
+
+    def obey_another(self, edges: Tuple[int, ...]) -> None:
+        """Takes a route of another master, from where it is."""
+        self.receive(RouteOrder(1, edges, known_epoch=self.knows['epoch'], order=1,
+                                master='another'))
 
     def begin_epoch(self, cause: EpochCause) -> None:
         """Obeys no order any more that is on its way."""
@@ -403,6 +411,7 @@ class Agv:
             self.visited.append(vertex)
 
     def _drive(self, seconds: float) -> None:
+        self._drove |= self.is_driving
         self.moved = max(self.moved - seconds, 0.0)
         stalled = min(self.stalled, seconds)
         self.stalled -= stalled
@@ -493,19 +502,42 @@ class Agv:
         """Returns the AGV's next report, with this stamp (ns)."""
         knows = self.knows
         knows['report'] += 1
+        self._notice_motion()
         pose = self._pose()
         return RouteReport(
             stamp - (self.old or 0), self.route_id, self.edges, self._states(),
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
-            None if self.old is None else Location(*self.position, math.nan), knows['epoch'],
-            knows['cause'], knows['master'] or '', knows['taken'], knows['refused'],
-            knows['refusal'], knows['first'], self.motion, knows['report'])
+            None if self.old is None or self.off_graph else Location(*self.position, math.nan),
+            knows['epoch'], knows['cause'], knows['master'] or '', knows['taken'], knows['refused'],
+            knows['refusal'], knows['first'], self.motion, knows['report'],
+            self.unready)
 
-    def report(self, stamp: float) -> Report:
-        """Returns the AGV's report for a master that does not number its orders."""
-        location = Location(*self.position, 0.0) if any(self.aside) else None
-        return Report(self.route_id, self.edges, self._states(), self._pose(), self.reason, stamp,
-                      location=location)
+    def report(self, stamp: float) -> RouteReport:
+        """Returns the AGV's next report, with this stamp (s)."""
+        return self.told(round(1e9 * stamp))
+
+    @property
+    def taken(self) -> int:
+        """Number of the last order that it took."""
+        taken: int = self.knows['taken']
+        return taken
+
+    @property
+    def unready(self) -> ReasonCode:
+        """Why it would refuse each route now."""
+        if self.emergency:
+            return ReasonCode.EMERGENCY_STOP
+        return ReasonCode.OFF_GRAPH if self.off_graph else ReasonCode.NONE
+
+    def _notice_motion(self) -> None:
+        """If it moved without its own drive since the last report, somebody moves it."""
+        here = self.position
+        if self._stayed is not None and not self._drove and (
+                math.dist(here, self._stayed) > _TREMBLE):
+            self.moved = 1.0
+        elif not self._drove and self._stayed is not None:
+            return
+        self._stayed, self._drove = here, self.is_driving
 
     def _states(self) -> Tuple[EdgeState, ...]:
         rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
@@ -549,10 +581,11 @@ class LostLink:
         if self._lost_route:
             self._said = replace(
                 last, reason=LOST_LINK, motion=Motion.UNKNOWN,
+                unready=ReasonCode.LOST_LINK,
                 states=tuple(state if state is EdgeState.COMPLETE else EdgeState.FAILED
                              for state in last.states))
         else:
-            self._said = replace(last, motion=Motion.UNKNOWN)
+            self._said = replace(last, motion=Motion.UNKNOWN, unready=ReasonCode.LOST_LINK)
         self._stop: Optional[RouteOrder] = None
 
     def told(self, stamp: int) -> RouteReport:
@@ -560,15 +593,14 @@ class LostLink:
         self._agv.knows['report'] += 1
         said = replace(self._said, number=self._agv.knows['report'])
         if self._commands_only:
-            said = replace(said, stamp=stamp, location=Location(*self._agv.position, math.nan))
+            pose = self._agv._pose()
+            said = replace(said, stamp=stamp, pose=SymbolicPose(pose.edge, 100.0 * pose.fraction),
+                           location=Location(*self._agv.position, math.nan))
         return said
 
-    def report(self, now: float) -> Report:
-        """Returns the computer's report for a master that does not number its orders."""
-        said = self._said
-        return Report(said.route_id, said.edges, said.states,
-                      Pose(said.pose.edge, said.pose.percentage / 100.0), said.reason,
-                      now if self._commands_only else said.stamp / 1e9)
+    def report(self, now: float) -> RouteReport:
+        """Returns the computer's next report at the time `now` (s)."""
+        return self.told(round(1e9 * now))
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Keeps a stop until the link is back; refuses each other order."""

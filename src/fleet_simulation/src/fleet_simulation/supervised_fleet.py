@@ -10,7 +10,6 @@ import math
 import os
 import tempfile
 import time
-from dataclasses import replace
 from itertools import chain
 from random import Random
 from typing import (
@@ -35,6 +34,7 @@ import numpy as np
 from fleet_simulation.plain_agv import Agv, LostLink
 from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from graph_fleet_manager.interlocking.reports import Report
+from graph_fleet_manager.interlocking.route_client import ME
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.actions import (
@@ -49,7 +49,8 @@ from graph_fleet_manager.supervision.missions import Mission, MissionState, Requ
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from graph_fleet_manager.supervision.switching import OrderSwitching
-from route_protocol.values import RouteRefusal
+from route_protocol.master import Order
+from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 STEP = 0.1  # s
@@ -101,13 +102,13 @@ class VirtualRobot(Protocol):
     def drive(self, seconds: float) -> None:
         """Advances the robot by the given virtual time, in s."""
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives the robot an order; returns a refusal if the robot refuses it at once."""
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """Returns the refusals since the last call that `order` did not return."""
+        """Returns the refusals since the last call that `receive` did not return."""
 
-    def report(self, stamp: float) -> Report:
+    def report(self, stamp: float) -> RouteReport:
         """Returns the robot's report, with this stamp."""
 
     @property
@@ -118,10 +119,10 @@ class VirtualRobot(Protocol):
 class LinkedRobot(Protocol):
     """The end of the network at the robot: the robot, or its computer without a link to it."""
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives an order; returns a refusal if it is refused at once."""
 
-    def report(self, now: float) -> Report:
+    def report(self, now: float) -> RouteReport:
         """Returns the report on the robot, with the stamp `now`."""
 
 
@@ -224,8 +225,7 @@ class VirtualFleet(Generic[Body]):
         """Smallest free space (m) between two robots so far, minus the clearance."""
         self._to_robots: List[SendRoute] = []
         self._under_way: List[Tuple[float, SendRoute]] = []
-        self._reports: List[Tuple[float, str, Report]] = []
-        self._refusals: List[Tuple[float, str, RouteRefusal, float]] = []
+        self._reports: List[Tuple[float, str, RouteReport]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
         self.plans: List[float] = []
@@ -268,7 +268,7 @@ class VirtualFleet(Generic[Body]):
         """
         self.commits += self.journal.commits
         self.journal.close()
-        self._to_robots, self._answers, self._reports, self._refusals = [], [], [], []
+        self._to_robots, self._answers, self._reports = [], [], []
         self.hangs = False
         self._begin()
         if self.watcher is not None:
@@ -395,22 +395,14 @@ class VirtualFleet(Generic[Body]):
 
         Does nothing if no message has arrived and the next tick is not due.
         """
-        arrivals = chain((at for at, *_ in self._refusals), (at for at, *_ in self._reports),
-                         (at for at, *_ in self._answers))
+        arrivals = chain((at for at, *_ in self._reports), (at for at, *_ in self._answers))
         if self.now < self._ticks_at and all(at > self.now for at in arrivals):
             return
         self._ticks_at = self.now + self.rhythm.supervisor - _TOGETHER
-        refusals, self._refusals = self._refusals, []
-        for refused in refusals:
-            at, name, refusal, stamp = refused
-            if at <= self.now:
-                self.do(self.supervisor.refusal(name, refusal, self.now, stamp))
-            else:
-                self._refusals.append(refused)
         reports, self._reports = self._reports, []
         for at, name, report in reports:
             if at <= self.now:
-                aged = replace(report, age=self.now - report.stamp)
+                aged = Report(report, self.now - report.stamp / 1e9)
                 self.ages[name] = aged.age
                 self.do(self._timed(self.supervisor.report, name, aged, self.now))
             else:
@@ -452,15 +444,13 @@ class VirtualFleet(Generic[Body]):
             return
         robot = self.lost.get(order.robot, self.agvs[order.robot])
         for _ in range(self._copies()):
-            refusal = robot.order(order.route_id, order.edges)
+            refusal = robot.receive(route_order(order.order))
             if refusal is not None:
                 self._refuse(order.robot, refusal)
 
     def _refuse(self, name: str, refusal: RouteRefusal) -> None:
+        """Counts a refusal. The supervisor learns of it by the next report."""
         self.refused[name] += 1
-        at = self.now + self.late.get(name, 0.0)
-        stamp = self.now + self.clocks.get(name, 0.0)
-        self._refusals += [(at, name, refusal, stamp)] * self._copies()
 
     def do(self, actions: Sequence[Action]) -> None:
         """Performs the supervisor's actions, unless the supervisor is to die at this commit."""
@@ -578,3 +568,9 @@ def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int,
             vertices.update(near)
             edges.update(() if near else nearest[:1])
     return tuple(sorted(vertices)), tuple(sorted(edges))
+
+
+def route_order(order: Order) -> RouteOrder:
+    """Returns the supervisor's order as the robot receives it."""
+    return RouteOrder(order.route_id, order.edges, known_epoch=order.epoch, order=order.number,
+                      first=order.first, master=ME)

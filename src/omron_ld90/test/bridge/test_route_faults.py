@@ -1,6 +1,8 @@
 """A fault ends a route with a reason, stops the robot, and completes no undriven edge."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from bridge_builders import Bench, dissertation_graph, yard
 
@@ -55,9 +57,10 @@ class TestWhatSomebodyElseDoes:
     @pytest.mark.parametrize('command', ['stop', 'goto 3'])
     def test_ends_the_route_and_nothing_more_is_given(self, command):
         bench = under_way()
+        before = bench.follower.report().epoch
         bench.overrule('"stop" of /rviz', command)
         assert bench.follower.report().reason.text == 'taken over'
-        assert bench.follower.report().epoch == bench.epoch
+        assert bench.follower.report().epoch != before
         assert '"stop" of /rviz' in bench.notes[-1]
         bench.drive(6.0)
         assert bench.commands[-1] == command
@@ -242,7 +245,7 @@ def test_locations_out_of_order_are_left_out():
     before = bench.follower.report()
     for stamp in (before.stamp - 1, before.stamp, before.stamp - 1):
         bench.tell(p.RobotSeen(stamp, place=(0.0, 9.0)))
-    assert bench.follower.report() == before
+    assert replace(bench.follower.report(), number=before.number) == before
 
 def drive_by(bench: Bench, *places) -> None:
     """The robot is seen at these places, a second apart."""

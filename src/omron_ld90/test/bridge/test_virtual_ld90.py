@@ -10,6 +10,7 @@ from simulated_drive import SimulatedDrive, shortest_route
 
 from fleet_simulation.driven_robot import LD90, Delays, DrivenRobot, Standstill
 from graph_fleet_manager.fleet import RobotType
+from route_protocol.values import RouteOrder
 from trajectory_graph import Graph
 
 NEVER = Standstill(0.0, 0.0)
@@ -34,7 +35,7 @@ def seconds_of_virtual(graph: Graph, start: int, route: Tuple[int, ...]) -> floa
     """Seconds until the robot of the virtual fleet has driven the route."""
     robot = DrivenRobot('virtual', graph, KIND, start, LD90, Delays(1.0, NEVER, NEVER), Random(1),
                         1.0)
-    robot.order(1, route)
+    robot.vehicle.handle(RouteOrder(1, route))
     seconds = 0.0
     while robot.is_driving:
         robot.drive(STEP)

@@ -24,6 +24,7 @@ from omron_ld90.nodes.bridge_messages import (
 )
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
 from omron_ld90_msgs.msg import Motion as MotionMessage
+from route_protocol.values import EpochCause
 
 
 def test_a_status_tells_where_the_robot_is_and_what_it_does():
@@ -74,15 +75,18 @@ def test_an_outcome_is_an_ending(outcome, message, ending):
     assert command_ended(3, result) == CommandEnded(3, ending, message)
 
 
-@pytest.mark.parametrize('giver, cause, is_ours, goes_on', [
-    ('/r/bridge', MotionMessage.OTHER_GIVER, True, False),
-    ('/rviz', MotionMessage.STOP, False, False), ('', MotionMessage.OTHER_CLIENT, False, False),
-    ('', MotionMessage.EMERGENCY_STOP, True, False), ('', MotionMessage.RESTART, False, True)])
-def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on):
+@pytest.mark.parametrize('giver, cause, is_ours, goes_on, told_as', [
+    ('/r/bridge', MotionMessage.OTHER_GIVER, True, False, EpochCause.OTHER_GIVER),
+    ('/rviz', MotionMessage.STOP, False, False, EpochCause.OTHER_GIVER),
+    ('', MotionMessage.OTHER_CLIENT, False, False, EpochCause.OTHER_CLIENT),
+    ('', MotionMessage.EMERGENCY_STOP, True, False, EpochCause.EMERGENCY_STOP),
+    ('', MotionMessage.RESTART, False, True, EpochCause.RESTART)])
+def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on,
+                                                            told_as):
     told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=cause, stop_owed=True,
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
-        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT)
+        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT, told_as)
 
 
 def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():

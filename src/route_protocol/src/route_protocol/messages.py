@@ -15,6 +15,7 @@ from route_protocol.values import (
     EpochCause,
     Location,
     Motion,
+    ReasonCode,
     RouteOrder,
     RouteRefusal,
     RouteReport,
@@ -78,6 +79,7 @@ def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
     message.master, message.order, message.refused = report.master, report.order, report.refused
     message.refusal, message.refusal_code = report.refusal.text, int(report.refusal.code)
     message.first, message.motion, message.report = report.first, int(report.motion), report.number
+    message.unready = int(report.unready)
     return message
 
 
@@ -99,7 +101,8 @@ def report_of(message: Any) -> RouteReport:
         message.epoch, _member(EpochCause, message.epoch_cause, EpochCause.NONE),
         _name(message.master), message.order, message.refused,
         reason_of(message.refusal_code, _words(message.refusal)), message.first,
-        _member(Motion, message.motion, Motion.UNKNOWN), message.report)
+        _member(Motion, message.motion, Motion.UNKNOWN), message.report,
+        _member(ReasonCode, message.unready, ReasonCode.OTHER))
 
 
 def refusal_of(message: Any) -> RouteRefusal:

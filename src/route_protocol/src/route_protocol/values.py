@@ -187,6 +187,7 @@ class RouteReport:
     first    -- number of `edges[0]` in the route record
     motion   -- what the vehicle does
     number   -- of this report; it grows, over restarts too; 0: the vehicle does not number reports
+    unready  -- why the vehicle would refuse each route now; NONE: it would not
     """
 
     stamp: int
@@ -205,6 +206,7 @@ class RouteReport:
     first: int = 0
     motion: Motion = Motion.UNKNOWN
     number: int = 0
+    unready: ReasonCode = ReasonCode.NONE
 
     @property
     def completed(self) -> int:

@@ -247,11 +247,12 @@ class Vehicle:
     # -- reports ----------------------------------------------------------------------------------
 
     def report(self, stamp: int, pose: SymbolicPose, location: Optional[Location], motion: Motion,
-               reason: Reason = NO_REASON) -> RouteReport:
+               reason: Reason = NO_REASON, unready: ReasonCode = ReasonCode.NONE) -> RouteReport:
         """Returns the next report.
 
         stamp, pose, location -- the vehicle's place, and when it was there
-        reason -- why a stop is not obeyed yet
+        reason  -- why a stop is not obeyed yet
+        unready -- why the vehicle would refuse each route now
         """
         number = min(max(self.state.report + 1, self._clock()), LARGEST_NUMBER)
         state = self.state = replace(self.state, report=number)
@@ -259,7 +260,7 @@ class Vehicle:
             stamp, state.route_id, state.edges,
             edge_states(state.edges, state.completed, state.phase), pose, state.reason or reason,
             location, state.epoch, state.cause, state.master or '', state.order, state.refused,
-            state.refusal, state.first, motion, number)
+            state.refusal, state.first, motion, number, unready)
 
 
 def _wrong(order: RouteOrder) -> Reason:

@@ -127,9 +127,18 @@ class Vehicle:
         return Motion.COMING_TO_REST if self._giver == self.state.master else Motion.MOVED
 
     @property
-    def news(self) -> Tuple[VehicleState, Motion]:
+    def _unready(self) -> ReasonCode:
+        """Why it would refuse each route now."""
+        if self.emergency:
+            return ReasonCode.EMERGENCY_STOP
+        if self._off_graph is not None:
+            return ReasonCode.OFF_GRAPH
+        return ReasonCode.TAKEN_OVER if self._driven_by_hand else ReasonCode.NONE
+
+    @property
+    def news(self) -> Tuple[VehicleState, Motion, ReasonCode]:
         """What is reported at once when it changes."""
-        return replace(self.state, report=0), self.motion
+        return replace(self.state, report=0), self.motion, self._unready
 
     def handle(self, order: RouteOrder) -> None:
         """Takes an order."""
@@ -146,7 +155,7 @@ class Vehicle:
     def report(self) -> RouteReport:
         """The next report to the fleet manager."""
         return self._protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
-                                     self.motion)
+                                     self.motion, unready=self._unready)
 
     def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """Returns the refusals, and the reports of changes, since the last call."""
@@ -214,6 +223,7 @@ class Vehicle:
     def release_emergency_stop(self) -> None:
         """Ends the emergency stop: routes are accepted again."""
         self.emergency = False
+        self._report_change()
 
     def take_over(self) -> None:
         """Another program takes it over, and lets it stand: a running route fails."""

@@ -1,8 +1,8 @@
 """The stop that `fleet stop` sends to the robots directly if the fleet manager does not answer.
 
-Each robot gets an empty route under an id that no fleet manager gives. A fleet manager that hung
-and continues later finds this id in the reports of robots, and stops the fleet
-(route_ids.is_past).
+Each robot gets a stop with the number 0: it begins a new epoch, so no order that is on its way is
+obeyed. A fleet manager that hung and continues later finds this epoch in the reports of robots, and
+stops the fleet.
 """
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ import rosgraph
 import rospy
 
 from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
-from graph_fleet_manager.supervision.route_ids import past_id
 from itrci_nav_msgs.msg import FleetState, TargetRoute
 from node_lifecycle.log_file import init_node
 
@@ -59,7 +58,7 @@ def _stop(topics: Mapping[str, str]) -> Stopped:
     if not rospy.core.is_initialized():
         init_node('fleet_stop', anonymous=True, disable_signals=True)
     names = _fleet() or robots_of(topics)
-    message = TargetRoute(route_id=past_id())
+    message = TargetRoute()
     message.header.stamp = rospy.Time.now()
     routes: Dict[str, rospy.Publisher] = {}
     for name in names:

@@ -29,9 +29,8 @@ from graph_fleet_manager.geometry.areas import Area, are_nearer
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
 from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
 from graph_fleet_manager.interlocking.claims import Claim, ClaimIndex
-from graph_fleet_manager.interlocking.orders import Sending
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import NewId, RouteClient
+from graph_fleet_manager.interlocking.route_client import RouteClient, Sending
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
 
@@ -82,10 +81,6 @@ class InterlockedRobot(Protocol):
     def needs_person(self) -> bool:
         """Must a person bring the robot back before it may drive again?"""
 
-    @property
-    def is_silent(self) -> bool:
-        """Has the robot stopped reporting, so that it may have forgotten its route?"""
-
 
 @dataclass(frozen=True)
 class Grant:
@@ -99,7 +94,7 @@ class Grant:
 class Asked:
     """An edge that a robot requests, as the conditions see it.
 
-    edge      -- signed id; 0: the request is to order again all edges that the robot holds
+    edge      -- signed id; 0: the request is about no edge yet
     before    -- the edge before this one; 0: the edge begins where the record ends
     is_inside -- the robot stands on the edge, between its ends
     claim     -- the part of the edge that the robot would hold
@@ -124,7 +119,7 @@ class Interlocking:
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
-                 robots: Mapping[str, InterlockedRobot], new_id: NewId) -> None:
+                 robots: Mapping[str, InterlockedRobot]) -> None:
         self.is_stopped = False
         """Is the fleet stopped?"""
         self.trouble = ''
@@ -133,7 +128,6 @@ class Interlocking:
         """Ids of the edges onto which no robot may be sent."""
         self._geometry, self._clearance = geometry, clearance
         self._robots = robots
-        self._new_id = new_id
         self._known: Dict[str, Allocation] = {}
         self._holds = ClaimIndex(geometry, clearance)
         self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
@@ -157,10 +151,6 @@ class Interlocking:
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
         granted: List[int] = []
-        back = None if refusal else self._turning_back(robot, renew)
-        other = self.holder(robot, back) if back is not None else ''
-        if other:
-            refusal = Refusal(Gate.NOT_READY, robot.client.record.ahead[0], other)
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)
             if refusal is not None:
@@ -168,57 +158,20 @@ class Interlocking:
             granted.append(asked.edge)
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if granted:
-            if back is not None:
-                self._to_store.update(self._stored.excluding(robot.name, robot.type, back))
-            robot.client.extend(granted, self._new_id, renew)
+            robot.client.extend(granted, renew)
         return Grant(tuple(granted), refusal)
-
-    def _turning_back(self, robot: InterlockedRobot, renew: bool) -> Optional[Claim]:
-        """The place behind a robot that its next order makes it hold again, if there is one."""
-        if not robot.client.turns_back_if_renewed(renew):
-            return None
-        edge = robot.client.record.ahead[0]
-        return Claim(self._geometry.edge_place(edge), edge > 0)
 
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
         record, before = robot.client.record, 0
+        start = None if record.ahead else robot.client.record.position
         for edge in edges:
             begun, is_inside = 0.0, False
-            if not before and record.is_standing and record.position is not None:
-                begun = record.begun(edge)
-                is_inside = record.position.vertex is None
+            if not before and start is not None:
+                begun = record.begun(edge, start)
+                is_inside = start.vertex is None
             yield Asked(robot, edge, before, is_inside,
                         Claim(self._geometry.edge_place(edge), edge > 0, begun))
             before = edge
-
-    def grant_again(self, robot: InterlockedRobot, count: int,
-                    has_stopped: bool = False) -> Optional[Refusal]:
-        """Orders `count` edges that the robot holds once more, under a new route id.
-
-        It is used after an emergency stop or a restart kept the robot from driving these edges.
-
-        has_stopped -- the robot has reported that it does not drive these edges now
-        """
-        self._refresh()
-        refusal = first_refusal(GATES, self, Asked(robot))
-        for asked in () if refusal else self._asked_again(robot, count, has_stopped):
-            refusal = _place_is_free(self, asked)
-            if refusal is not None:
-                return refusal
-            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
-        if refusal is None:
-            robot.client.try_again(self._new_id, count, has_stopped)
-        return refusal
-
-    def _asked_again(self, robot: InterlockedRobot, count: int,
-                     has_stopped: bool) -> Iterator[Asked]:
-        """The edges to be ordered again. A person may have pushed the robot back on the first one.
-        """
-        record = robot.client.record
-        back = None if has_stopped else self._turning_back(robot, True)
-        for number, edge in enumerate(record.ahead[:count]):
-            begun = 0.0 if number or back is not None else record.certainly_begun(edge)
-            yield Asked(robot, edge, claim=Claim(self._geometry.edge_place(edge), edge > 0, begun))
 
     # -- the journal ------------------------------------------------------------------------------
 
@@ -248,8 +201,6 @@ class Interlocking:
             client = robot.client
             if client.order is None or (not client.takes_away and self._is_held_back(robot)):
                 continue
-            if robot.is_silent and not client.is_stopping:
-                continue  # it may have forgotten its route, and would drive only a part of it
             sending = client.due(now)
             if sending is not None:
                 found.append((name, sending))
@@ -423,13 +374,15 @@ def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
     """The edge must join the edge before it, the end of all grants, or the robot's position."""
     record = asked.robot.client.record
-    graph = record.graph
+    graph, start = record.graph, asked.robot.client.record.position
     if asked.before:
         follows = graph.end_vertex(asked.before).id == graph.start_vertex(asked.edge).id
-    elif asked.is_inside and record.position is not None:
-        follows = abs(asked.edge) == abs(record.position.edge)
-    else:
+    elif asked.is_inside and start is not None:
+        follows = abs(asked.edge) == abs(start.edge)
+    elif record.ahead or start is None:
         follows = graph.start_vertex(asked.edge).id == record.last_vertex
+    else:
+        follows = graph.start_vertex(asked.edge).id == start.vertex
     return None if follows else Refusal(Gate.NOT_CONNECTED, asked.edge)
 
 

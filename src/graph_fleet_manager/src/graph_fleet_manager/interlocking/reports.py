@@ -7,9 +7,11 @@ from typing import Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Point
-from route_protocol.values import NO_REASON, EdgeState, Location, Reason
+from route_protocol.messages import WrongReport
+from route_protocol.values import Motion, RouteReport
 from trajectory_graph import Graph
 
+LAST_NUMBER = 2 ** 63  # beyond it, no number of an order or a report makes sense
 LONGEST = 1000     # number of edges in a route; a longer one is a mistake or an attack
 # m from a vertex within which a robot can count as standing on it, for any play
 NEAR = 0.3
@@ -18,8 +20,6 @@ AT_VERTEX = 0.02
 TREMBLE = 0.05     # m by which the reported location of a standing robot may change
 CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns above this
 _OLD = 10.0        # s: a location that is older at its arrival is old
-# s: a report that is older than the last one by more shows that the clock was set back
-_OVERTAKEN = 10.0
 
 
 @dataclass(frozen=True)
@@ -49,46 +49,28 @@ def point_of(graph: Graph, pose: Pose) -> Point:
 
 @dataclass(frozen=True)
 class Report:
-    """One report of a robot.
+    """One report of a robot, as it arrived.
 
-    stamp -- time of the location used, in s by the robot's clock; 0: it used no location
-    age   -- age of that location at its arrival, in s; negative if the robot's clock is ahead
-    location -- x, y in m; None: the robot did not report it
-    epoch -- epoch of the robot's motion, which an order must name; 0: the robot reports none
+    age -- age of its location at its arrival, in s; negative if the robot's clock is ahead
     """
 
-    route_id: int
-    edges: Tuple[int, ...] = ()
-    states: Tuple[EdgeState, ...] = ()
-    pose: Pose = Pose()
-    reason: Reason = NO_REASON
-    stamp: float = 0.0
+    said: RouteReport
     age: float = 0.0
-    location: Optional[Location] = None
-    epoch: int = 0
 
     @property
-    def completed(self) -> int:
-        """Number of edges that are COMPLETE, counted from the first on."""
-        for index, state in enumerate(self.states):
-            if state is not EdgeState.COMPLETE:
-                return index
-        return len(self.states)
+    def stamp(self) -> float:
+        """Time of the location, in s by the robot's clock; 0: the report has no location."""
+        return self.said.stamp / 1e9
 
     @property
-    def left(self) -> Tuple[int, ...]:
-        """The edges that are not COMPLETE."""
-        return self.edges[self.completed:]
+    def pose(self) -> Pose:
+        """The reported place on the graph."""
+        return Pose(self.said.pose.edge, self.said.pose.percentage / 100.0)
 
     @property
-    def is_failed(self) -> bool:
-        """Has the route, or its remaining part, failed?"""
-        return EdgeState.FAILED in self.states
-
-    @property
-    def is_running(self) -> bool:
-        """Is anything of the route still to be driven?"""
-        return EdgeState.PROCESSING in self.states
+    def motion(self) -> Motion:
+        """What the robot does."""
+        return self.said.motion
 
     @property
     def is_ahead(self) -> bool:
@@ -97,32 +79,30 @@ class Report:
 
     def located(self, graph: Graph) -> Optional[Point]:
         """The robot's location, x, y in m; None: the report has none."""
-        if self.location is not None:
-            return self.location.x, self.location.y
-        return point_of(graph, self.pose) if self.pose.edge else None
-
-
-class WrongReport(Exception):
-    """A report that cannot be true. Its text is a clause that says why."""
+        location = self.said.location
+        if location is not None:
+            return location.x, location.y
+        return point_of(graph, self.pose) if self.said.pose.edge else None
 
 
 def check_report(report: Report, graph: Graph) -> None:
     """Raises WrongReport for a report that makes no sense on this graph."""
-    if len(report.edges) != len(report.states):
+    said, pose = report.said, report.pose
+    if not said.number:
+        raise WrongReport('it has no number (field `report`): the program of the robot is older '
+                          'than this fleet manager, so update it')
+    if len(said.edges) != len(said.states):
         raise WrongReport('it does not have one state for each edge')
-    if len(report.edges) > LONGEST:
+    if len(said.edges) > LONGEST:
         raise WrongReport(f'its route has more than {LONGEST} edges')
-    if not math.isfinite(report.pose.fraction) or not 0.0 <= report.pose.fraction <= 1.0:
-        raise WrongReport(f'it is at {100.0 * report.pose.fraction} % of an edge')
+    if not math.isfinite(pose.fraction) or not 0.0 <= pose.fraction <= 1.0:
+        raise WrongReport(f'it is at {100.0 * pose.fraction} % of an edge')
     if not (math.isfinite(report.stamp) and math.isfinite(report.age)):
         raise WrongReport('its stamp is not a finite number')
-    if report.pose.edge and abs(report.pose.edge) not in graph.edges:
-        raise WrongReport(f'it is on edge {report.pose.edge}, which the graph does not have')
-
-
-def is_overtaken(stamp: float, last: float) -> bool:
-    """Is a message with the stamp `stamp` older than one with `last`? Both by the robot's clock."""
-    return 0.0 < last - stamp < _OVERTAKEN
+    if pose.edge and abs(pose.edge) not in graph.edges:
+        raise WrongReport(f'it is on edge {pose.edge}, which the graph does not have')
+    if max(said.number, said.order, said.refused) >= LAST_NUMBER:
+        raise WrongReport('it has a number at the end of 64 bits: none could follow')
 
 
 def old_location(name: str, report: Report) -> str:

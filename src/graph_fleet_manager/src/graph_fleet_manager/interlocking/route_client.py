@@ -1,109 +1,228 @@
-"""The fleet manager's side of the route protocol for one robot: it orders and reads reports.
+"""The fleet manager's end for one robot: its orders, its reports, and where it may be.
 
-The edges that the robot was ordered to drive are its route record. A route is the part of the
-record from its *base* on, under one id. The record and the evidence in the reports result in the
-robot's allocation.
+`route_protocol.master` says what the robot may still do by its orders. The reports also tell where
+it is. Both together give its allocation, which is computed from nothing else:
+
+    | the robot may be                    | because                                                |
+    |-------------------------------------|--------------------------------------------------------|
+    | on an edge                          | an open order leads over it, it has not certainly left |
+    |                                     | it, or it is held until the robot stands               |
+    | on the vertex where it stands, or   | its last report says STANDING                          |
+    | at the point between vertices       |                                                        |
+    | near one of its last two locations  | that is not on an edge or vertex of the two lines above|
+    | within a radius of its last location| another one moves it; the radius grows with the age of |
+    |                                     | the location                                           |
+    | in an area                          | it held an edge that the graph does not have any more  |
+    | anywhere                            | it has never reported, or the journal is an older one  |
 """
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Optional, Sequence, Set, Tuple
+from dataclasses import dataclass, field, replace
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
-from graph_fleet_manager.geometry.areas import Area
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area, Point
 from graph_fleet_manager.interlocking.allocation import Allocation, Hold, Knowledge
-from graph_fleet_manager.interlocking.evidence import Evidence
-from graph_fleet_manager.interlocking.orders import Base, Heard, Memory, Order, Sending, is_on
-from graph_fleet_manager.interlocking.pending_order import PendingOrder
 from graph_fleet_manager.interlocking.reports import (
-    AT_VERTEX,
+    CLOCK_ERROR,
+    NEAR,
     TREMBLE,
     GraphPosition,
-    Pose,
     Report,
-    is_overtaken,
-    point_of,
     position_of,
 )
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from route_protocol.values import Reason, ReasonCode, RouteRefusal
+from route_protocol.master import (
+    MasterState,
+    Order,
+    give_route,
+    give_stop,
+    hear,
+    next_number,
+)
+from route_protocol.values import NO_REASON, EpochCause, Motion, Reason
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
-NEW_ID_AFTER = 50  # number of edges in a route after which the next order gets a new id
-_SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
+ME = 'path_supervisor'
+"""The name of this master in its orders."""
+REPEAT = 1.0  # s after which an order that no report shows is sent again
+# m that a robot may have moved since its last location while another one moves it
+MANUAL_REACH = 10.0
+_STEP = 0.5   # m: the step in which the area around such a robot grows
+_SOON = 0.2   # s within which that area grows again; ticks come more often
+_SQUARE = 1.0  # m: such a robot's location is stored whenever it is in another such square
+_LARGEST_LABEL = 2 ** 31 - 1
 
-NewId = Callable[[], int]
-"""Returns a route id that was never used."""
+Clock = Callable[[], int]
+"""Returns ms since 1970."""
+
+
+class Sending(NamedTuple):
+    """An order to be sent now."""
+
+    order: Order
+    repeated: bool = False
+
+
+class Located(NamedTuple):
+    """A location of the robot.
+
+    age -- s for which the robot may have moved on from there when the report arrived
+    """
+
+    point: Point
+    age: float = 0.0
+
+    def area(self, kind: RobotType) -> Area:
+        """The area in which the robot may have been when the report arrived."""
+        return Area((self.point,), max(self.age, 0.0) * kind.speed)
+
+
+class Memory(NamedTuple):
+    """The state of a route client that must survive a restart.
+
+    position   -- where the robot stands
+    locations  -- the last two, the newest first, as far as they matter after a restart
+    lost       -- areas of edges that the graph in force does not have
+    lost_until -- number of the stop after which the robot is seen not to be there
+    """
+
+    protocol: MasterState = MasterState()
+    cleared: Tuple[int, float] = (0, 0.0)
+    position: Optional[GraphPosition] = None
+    locations: Tuple[Located, ...] = ()
+    lost: Tuple[Area, ...] = ()
+    lost_until: int = 0
+    is_absent: bool = False
+    is_doubted: bool = False
+
+    @property
+    def held(self) -> Tuple[int, ...]:
+        """All edges that the robot may be on, signed."""
+        return tuple(step.edge for step in self.protocol.may_be_on
+                     if step.number >= self.cleared[0])
+
+
+@dataclass
+class Heard:
+    """The results of one report.
+
+    passed  -- vertices passed since the last report, in order
+    failed  -- why the route failed; no reason: it did not fail
+    refused -- why the robot refused an order; no reason: it refused none
+    was_shorter -- the refused order was one that stops the robot or shortens its route
+    cause   -- why a new epoch of the robot began; None: none did
+    had_route -- it had a route, or an order for one was on its way
+    left    -- it stands, but not where it may be by its orders
+    is_near -- it left that place only along the edge on which it was
+    is_located -- the report has a later location than all before
+    stands  -- the robot stands, and tells where
+    """
+
+    passed: List[int] = field(default_factory=list)
+    failed: Reason = NO_REASON
+    refused: Reason = NO_REASON
+    was_shorter: bool = False
+    cause: Optional[EpochCause] = None
+    had_route: bool = False
+    left: bool = False
+    is_near: bool = False
+    is_located: bool = False
+    stands: bool = False
+    is_older: bool = False
+    took: bool = False
 
 
 class RouteClient:
-    """Orders routes, repeats unacknowledged orders, and updates the route record from reports.
+    """Orders routes, repeats orders that no report shows, and keeps where the robot may be.
 
-    It also keeps the evidence of the robot's place. `allocation` combines the record and the
-    evidence. Only the interlocking extends a route.
+    Only the interlocking gives it routes.
     """
 
-    def __init__(self, record: RouteRecord) -> None:
+    def __init__(self, record: RouteRecord, clock: Clock) -> None:
         self.record = record
-        self.evidence = Evidence(record.kind, record.stopping)
-        self.route_id = 0
-        self.over = True
-        """The last route cannot be extended: the next one needs another id."""
-        self.to_order_anew = 0
-        """Number of edges ordered before a restart, on a route that cannot be repeated."""
-        self._pending = PendingOrder()
-        self._epoch = 0  # epoch of the robot's motion, as last reported
-        # base of each route by id, in the order in which they were given
-        self._bases: Dict[int, Base] = {}
-        self._acknowledged: Set[int] = set()
-        self._since_loss: Set[int] = set()
-        """Ids of the routes that were given after the robot lost edges of its record."""
-        self._ended: Set[int] = set()
-        self.withdrawn: Optional[int] = None
-        """Id of an order that was withdrawn, but may still reach the robot."""
-        # end of the order before a restart, if it was shorter than the record
-        self._ordered: Optional[int] = None
-        self._awaits_report = False
-        # by the robot's clock; earlier reports do not show what the robot drives after the refusal
-        self._refused_at = 0.0
-        # number behind the last edge of a shorter route that the robot refused
-        self._cut_refused = 0
-        self._stamp = 0.0
-        self.is_heard = False
-        """Has the robot reported since the start?"""
+        self._clock = clock
+        self._sent: Tuple[int, float] = (0, -math.inf)  # number of the last order, and when
+        self._label = 0  # of the route that is being extended
+        self.locations: Tuple[Located, ...] = ()
+        self.reach = 0.0
+        """Radius (m) around the last location: another one may have moved the robot since then."""
+        self.lost: Tuple[Area, ...] = ()
+        """Areas of edges that the robot held, and that the graph in force does not have."""
+        self._lost_until = 0
+        self._told: Tuple[float, Optional[Point]] = (0.0, None)
+        self._strays = 0         # number of consecutive locations that were elsewhere
+        self.is_absent = False
+        self._absent_since = -math.inf
+        self.clock_is_off = False
         self.is_doubted = False
         """The stored place may be an old one, and the robot has not reported its place since."""
+        self.is_heard = False
+        """Has the robot reported since the start?"""
+        self._beside: Optional[Point] = None
+        """Where the robot stood when another beginning of its next route was chosen."""
+        self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
         self._allocation: Optional[Allocation] = None
 
     # -- state ------------------------------------------------------------------------------------
 
     @property
+    def protocol(self) -> MasterState:
+        """What the robot may still do by its orders."""
+        return self.record.protocol
+
+    @property
     def order(self) -> Optional[Order]:
-        """The order that is not acknowledged yet."""
-        return self._pending.order
+        """The order that no report shows yet."""
+        return self.protocol.pending
 
     @property
     def is_stopping(self) -> bool:
         """Was the robot told to stop, and has not answered yet?"""
-        return self._pending.is_stop
-
-    @property
-    def is_new_motion(self) -> bool:
-        """Does the order let the robot drive, and was it never sent?"""
-        return self._pending.is_new_motion
+        return self.protocol.is_stopping
 
     @property
     def takes_away(self) -> bool:
-        """Does the order stop the robot, or shorten its route?"""
-        return self._pending.takes_away
+        """Does that order stop the robot, or shorten its route?"""
+        return self.protocol.takes_away
+
+    @property
+    def is_new_motion(self) -> bool:
+        """Does that order let the robot drive, and was it never sent?"""
+        return (self.order is not None and not self.takes_away
+                and self._sent[0] < self.order.number)
 
     @property
     def is_ready(self) -> bool:
-        """May the robot be given more? Not while its route is shortened, nor after a refusal."""
-        return not self._awaits_report and (self.order is None or not self._is_shorter(self.order))
+        """May the robot be given a route now?"""
+        return self.protocol.is_ready and not self.lost
 
     @property
-    def clock_is_off(self) -> bool:
-        """Is the robot's clock so far ahead that the age of its locations is not known?"""
-        return self.evidence.clock_is_off
+    def needs_stop(self) -> bool:
+        """Must the robot be stopped before it can be given a route?
+
+        It stands, but does not count the orders of this fleet manager yet, or by an older journal
+        earlier orders may still reach it.
+        """
+        protocol = self.protocol
+        return self.is_heard and not self.is_stopping and not self.is_absent and (
+            not protocol.commands or bool(protocol.unknown))
+
+    @property
+    def location(self) -> Optional[Point]:
+        """The last location, x, y in m."""
+        return self.locations[0].point if self.locations else None
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Have two consecutive locations shown that the robot is elsewhere?"""
+        return self._strays >= 2
+
+    @property
+    def is_by_evidence(self) -> bool:
+        """Does anything except grants determine where the robot may be?"""
+        return bool(self.allocation.areas or self.protocol.held)
 
     @property
     def allocation(self) -> Allocation:
@@ -112,513 +231,305 @@ class RouteClient:
             self._allocation = self._allocated()
         return self._allocation
 
-    @property
-    def is_by_evidence(self) -> bool:
-        """Does anything except grants determine where the robot may be?"""
-        return bool(self.evidence.areas or self.evidence.foreign) or (
-            self.record.position is not None and self.record.position.vertex is None)
+    def _allocated(self) -> Allocation:
+        record, kind = self.record, self.record.kind
+        if self.is_absent:
+            return Allocation(kind, Knowledge.ABSENT)
+        holds = record.holds()
+        standing = record.position if record.is_standing else None
+        areas = list(self.lost)
+        places = [] if standing is None else [standing]
+        vertex = next((place.vertex for place in places if place.vertex is not None), None)
+        areas += [Area((place.point(record.graph),)) for place in places if place.vertex is None]
+        areas += [one.area(kind) for one in self.locations
+                  if not self._covers(one.point, holds, places)]
+        if self.reach and self.location is not None:
+            areas.append(Area((self.location,), self.reach))
+        is_known = bool(holds or areas or vertex is not None) and not (
+            self.is_doubted or self.protocol.unknown)
+        return Allocation(kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds, vertex,
+                          tuple(dict.fromkeys(areas)))
+
+    def _covers(self, point: Point, holds: Sequence[Hold],
+                places: Sequence[GraphPosition]) -> bool:
+        """Is a point on a place that the robot has, as exactly as it follows its edges?"""
+        graph, play = self.record.graph, self.record.kind.play
+        if any(math.dist(point, place.point(graph)) <= self.record.near + TREMBLE
+               for place in places):
+            return True
+        for hold in holds:
+            curve = graph.curve(hold.edge)
+            nearest = curve.project(*point)
+            if nearest.distance <= play + TREMBLE and (
+                    hold.cleared * curve.length - nearest.arc_length <= TREMBLE):
+                return True
+        return False
 
     @property
     def progress(self) -> Tuple[object, ...]:
         """The part of the state that must be stored as soon as a report changes it."""
-        record = self.record
-        return (record.done, record.end, record.generation, record.tail, self.over,
-                self.is_stopping, self.evidence.progress)
-
-    def _allocated(self) -> Allocation:
-        record, evidence = self.record, self.evidence
-        if evidence.is_absent:
-            return Allocation(record.kind, Knowledge.ABSENT)
-        areas, holds = list(evidence.areas), record.holds(self._turns_back_to)
-        standing = None if record.ahead else record.position
-        if standing is not None and standing.vertex is None:
-            areas.append(Area((standing.point(record.graph),)))
-        holds += tuple(Hold(edge) for edge in evidence.foreign if abs(edge) in record.graph.edges)
-        is_known = bool(holds or areas or standing is not None) and not self.is_doubted
-        return Allocation(record.kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds,
-                          standing.vertex if standing is not None else None, tuple(areas))
-
-    @property
-    def _turns_back_to(self) -> Optional[int]:
-        """Number of the edge to which an unacknowledged order under a new id may lead back.
-
-        The record may pass the beginning of that order's route again. The robot may already be
-        there when the order arrives. It then takes the order as one for the next round.
-        """
-        return min((base.number for id, base in self._bases.items()
-                    if id not in self._acknowledged and self._returns(base)), default=None)
-
-    def turns_back_if_renewed(self, renew: bool) -> bool:
-        """Would an order of more edges under a new id let the robot turn back?
-
-        renew -- the order needs a new id in any case
-        """
-        record = self.record
-        return self._needs_new_id(renew) and self._returns(Base(record.done, record.end))
-
-    def _returns(self, base: Base) -> bool:
-        """Does the record come back to a route's beginning on edges that need not this route?"""
-        record = self.record
-        begin = max(base.number, record.first)
-        first, *later = record.part(begin, min(base.before, record.end)) or (0,)
-        return any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id
-                   == record.graph.start_vertex(first).id for edge in later)
+        protocol, record = self.protocol, self.record
+        return (protocol.epoch, protocol.order, protocol.refused, protocol.done, protocol.open,
+                protocol.held, protocol.is_anywhere, protocol.unknown, record.generation,
+                record.position, self._stored_locations, self.lost, self.is_doubted)
 
     def _changed(self) -> None:
         self._allocation = None
 
-    # -- routes and their ids ---------------------------------------------------------------------
-
-    def _begin(self, route_id: int, is_driving: bool = True) -> None:
-        """Begins a route with the edge that is being driven.
-
-        is_driving -- the robot may drive the edges ahead of it before it takes up this route
-        """
+    def _set(self, protocol: MasterState) -> None:
+        self.record.protocol = protocol
         self._changed()
-        done = self.record.done
-        self._bases[route_id] = Base(done, self.record.end if is_driving else done)
-        if self.evidence.lost:
-            self._since_loss.add(route_id)
-        self.route_id = route_id
-        self.over = False
-        self.withdrawn = None
-
-    def _order_until(self, end: int, takes_away: bool = False) -> None:
-        """Orders the record up to edge number `end`, from the base of the route."""
-        base = self._bases[self.route_id].number
-        self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away,
-                           self._epoch)
-
-    def _is_shorter(self, order: Order) -> bool:
-        return order.end < self.record.end
 
     # -- orders -----------------------------------------------------------------------------------
 
-    def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
-        """Lets the robot drive more edges; `renew`: under a new id (for another mission)."""
-        self._changed()
-        if self._needs_new_id(renew):
-            self._begin(new_id())
-        self.record.append(edges)
-        self._order_until(self.record.end)
+    def _next_number(self) -> int:
+        return max(next_number(self.protocol, self._clock()), self.protocol.gap[1])
 
-    def _needs_new_id(self, renew: bool) -> bool:
-        return renew or self.over or (
-            self.record.end - self._bases[self.route_id].number >= NEW_ID_AFTER)
+    def extend(self, edges: Sequence[int], renew: bool = False) -> None:
+        """Lets the robot drive more edges; `renew`: under a new label (for another mission)."""
+        number = self._next_number()
+        if renew or not self.record.ahead or not self._label:
+            self._label = number % _LARGEST_LABEL + 1
+        if not self.record.ahead:
+            self.record.begins_with(edges[0])
+        self._set(give_route(self.protocol, number, (*self.record.ahead, *edges), self._label))
 
-    def shorten(self, new_id: NewId) -> bool:
+    def shorten(self) -> bool:
         """Asks the robot to stop at the end of its edge. Returns whether it may drive farther.
 
         If the robot refuses because it cannot brake in time, the next call asks it to stop at the
         end of the following edge.
         """
-        self._changed()
-        if self.is_new_motion and self.record.told <= self.record.done:
-            self.record.cut(self.record.done)  # the robot was never told of these edges
-            self._pending.drop()
-            self.over = True
-            if self.record.has_left():  # the record had covered its location only by these edges
-                self.evidence.uncover()
-        if len(self.record.ahead) <= 1:
+        ahead = self.record.ahead
+        if len(ahead) <= 1:
             return False
-        if not self.is_heard or self._awaits_report or (
-                self.order is not None and self._is_shorter(self.order)):
+        if self.takes_away or not self.is_heard or not self.protocol.commands:
             return True
         end = max(self.record.done, self._cut_refused) + 1
-        if end >= self.record.end:
-            return True
-        # a report from before that order must not count as its acknowledgement
-        if self.over or self.order is not None:
-            self._begin(new_id())
-        self._order_until(end, takes_away=True)
+        if end < self.record.end:
+            self._set(give_route(self.protocol, self._next_number(),
+                                 ahead[:end - self.record.done], self._label))
         return True
 
-    def halt(self, new_id: NewId) -> None:
-        """Stops the robot wherever it is. It keeps its allocation until `settle`."""
-        self._begin(new_id(), is_driving=False)  # a stop leads nowhere
-        self.over = True
-        self._awaits_report = False
-        self._pending.give(Order(self.route_id, self.record.done, ()), True)
-
-    def try_again(self, new_id: NewId, count: int, has_stopped: bool = False) -> None:
-        """Orders `count` of the edges ahead once more, under a new id.
-
-        It is used after an emergency stop kept the robot from driving them, or after a restart lost
-        their order.
-
-        has_stopped -- the robot has reported that it does not drive these edges now
-        """
-        is_heard = all(id in self._acknowledged for id in self._bases)
-        self._begin(new_id(), is_driving=not (has_stopped and is_heard))
-        self._pending.give(Order(self.route_id, self.record.done, self.record.ahead[:count]),
-                           known_epoch=self._epoch)
-        self.to_order_anew = 0
-
-    def withdraw(self) -> None:
-        """Stops ordering what the robot may not have received yet, except a stop."""
-        self.over = True
-        if self.is_stopping:
-            return
-        is_unheard = self.route_id in self._bases and self.route_id not in self._acknowledged
-        if self.order is not None or is_unheard:
-            self.withdrawn = self.route_id
-        self._pending.drop()
-
-    def drives_withdrawn(self, report: Report) -> bool:
-        """Does the robot drive a withdrawn order, because it was on its way already?"""
-        return (report.is_running and report.route_id == self.withdrawn
-                and not self.is_stopping)
-
-    def settle(self, position: Optional[GraphPosition]) -> None:
-        """The robot stands at this position and holds nothing else."""
-        self._changed()
-        self.evidence.settle()
-        self._ended = {*self._bases, self.route_id}
-        self._bases = {}
-        self.record.settle(position)
-        self.over = True
-        self._pending.drop()
-        self._awaits_report = False
-
-    def settle_beside(self, position: GraphPosition) -> None:
-        """The robot begins its next route at this position, but may stand a little beside it."""
-        self.settle(position)
-        here = self.evidence.location
-        if here is not None and math.dist(here, position.point(self.record.graph)) > AT_VERTEX:
-            self.evidence.uncover()
+    def halt(self) -> None:
+        """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
+        number = self._next_number()
+        self._set(give_stop(self.protocol, number, number % _LARGEST_LABEL + 1))
 
     def due(self, now: float) -> Optional[Sending]:
         """The order to send now, if there is one."""
-        sending = None if self._awaits_report else self._pending.due(now)
-        if sending is not None and self.order is not None:
-            self.record.told = max(self.record.told, self.order.end)
-        return sending
+        order = self.order
+        if order is None:
+            return None
+        number, at = self._sent
+        is_repeat = number == order.number
+        if is_repeat and now - at < REPEAT:
+            return None
+        self._sent = order.number, now
+        return Sending(order, is_repeat)
 
-    def _order_again(self) -> None:
-        """Repeats the order that was given before a restart, unless it was withdrawn since."""
-        if self.withdrawn == self.route_id:
-            return
-        end = self.record.end if self._ordered is None else self._ordered
-        if self._bases[self.route_id].number < self.record.first:
-            self.to_order_anew = end - self.record.first
-        else:
-            self._order_until(end)
-
-    # -- after a restart --------------------------------------------------------------------------
-
-    def _adopt(self, report: Report) -> None:
-        """Compares the first report after a restart with the restored record.
-
-        An order that may still be on its way to the robot is repeated until it is acknowledged.
-        Nothing is on its way to a robot that has obeyed a stop.
-        """
-        base = self._bases.get(report.route_id)
-        if base is None:
-            if report.route_id in self._ended:
-                if self.record.ahead and self.route_id in self._bases and not self.is_stopping:
-                    self._order_again()  # the last order did not reach the robot
-            elif not self.record.ahead and is_on(self.record.graph, report.left):
-                self._adopt_other(report)
-            # In any other case `take` finds that another giver took the robot over, or that it lost
-            # its route.
-        elif (report.route_id == self.route_id and base.number >= self.record.first
-                and self._may_be_refusal(report)):
-            if not self.is_stopping:
-                self._order_again()  # another copy, or a longer order, may be on its way
-        else:
-            self._acknowledged.add(report.route_id)
-            has_stopped = report.route_id == self.route_id and not report.edges
-            if report.is_failed or has_stopped or self.is_stopping or (
-                    # the last order was refused, so none is on its way
-                    self.route_id not in self._bases):
-                return
-            end = base.number + len(report.edges)
-            if self._ordered is not None or self.record.end > end or (
-                    report.route_id != self.route_id):
-                self._order_again()
-
-    def _adopt_other(self, report: Report) -> None:
-        """Takes over a route of which nothing is known here. A stop on its way stays in force.
-
-        Edges that are already driven do not count: the graph may not have them any more.
-        """
-        self.record.adopt(report.left)
-        self._bases = {report.route_id: Base(self.record.first - report.completed,
-                                             self.record.end)}
-        if self.order is not None:
-            self._bases[self.route_id] = Base(self.record.done, self.record.end)
-        self._acknowledged.add(report.route_id)
-        if self.order is None:
-            self.route_id = report.route_id
-            self.over = not report.is_running or report.completed > 0
-        if not report.is_running:
-            # A robot that is off the graph now is still nearest to the position where it was.
-            record = self.record
-            record.position = position_of(report.pose, record.graph, record.near) or record.position
+    def begin_at(self, position: GraphPosition) -> None:
+        """The next route begins at this position; the robot may stand a little beside it."""
+        self._beside = self.location
+        self.record.stand(position)
+        self.record.begin_anew()
+        self._changed()
 
     # -- reports ----------------------------------------------------------------------------------
 
-    def take(self, report: Report) -> Heard:
-        """Updates the record and the evidence from a report, and returns the results."""
-        if is_overtaken(report.stamp, self._stamp):
+    def hear(self, report: Report) -> Heard:
+        """Updates the state from a report, and returns the results. Raises WrongReport."""
+        said, record = report.said, self.record
+        point = report.located(record.graph)
+        before, had_route = self.protocol, self.protocol.may_drive
+        is_covered = self._is_covered(report, point)
+        protocol, news = hear(before, said, ME, self._next_number(), point is not None)
+        if not news.is_new:
             return Heard()
-        self._changed()
-        is_new = report.stamp > self._stamp or not report.stamp
-        self._stamp, self._epoch = report.stamp, report.epoch
-        if not self.is_heard:
-            self.is_heard = True
-            self._adopt(report)
-        record = self.record
+        self._set(protocol)
+        is_first, self.is_heard = not self.is_heard, True
         record.pose = report.pose
-        if record.position is None and record.is_standing:
-            record.position = position_of(report.pose, record.graph, record.near)
-        heard = self._follow(report, is_new)
-        is_covered = self._covers(report)
-        drives = report.is_running or bool(heard.passed and not report.is_failed)
-        heard.is_located = self.evidence.see(
-            report, record.graph, is_covered, not heard.foreign, drives and not heard.foreign,
-            is_covered and bool(record.ahead))
-        self.is_doubted &= not heard.is_located
-        if self.evidence.lost and is_covered and self._is_after_loss(report):
-            self.evidence.leave_lost(record.margin(report.age))
-        heard.left = (record.is_standing and self.order is None and record.has_left()
-                      and self.evidence.is_confirmed
-                      and not (heard.failed or heard.foreign or heard.refused))
-        return heard
-
-    def _is_after_loss(self, report: Report) -> bool:
-        """Is it impossible that an order from before the loss of edges still reaches the robot?
-
-        Orders arrive in the sequence of their sending, and the robot has acknowledged a later one.
-        """
-        return report.route_id in self._since_loss
-
-    def _follow(self, report: Report, is_new: bool) -> Heard:
-        """The results of a report about routes. `is_new`: its location is later than the last one.
-        """
-        heard, record = Heard(), self.record
-        awaited = self._awaits_report and not is_overtaken(report.stamp, self._refused_at)
-        is_known = report.route_id in self._bases
-        if awaited and report.route_id != self.route_id and (is_known or not report.is_running):
-            self._take_truth(report)
-            awaited = False
-        if not is_known:
-            if report.is_running:
-                heard.foreign = report.route_id not in self._ended
-            elif report.route_id not in self._ended and (
-                    self.order is None or self.route_id in self._acknowledged):
-                self._forgotten(heard)
-            return heard
-        base = self._bases[report.route_id].number
-        skipped = max(record.first - base, 0)
-        mine = record.part(base + skipped, base + len(report.edges))
-        if mine != report.edges[skipped:] or report.is_running and report.completed < skipped:
-            heard.foreign = report.is_running
-            return heard
-        is_later = not report.stamp or report.stamp != self._refused_at
-        if self._may_be_refusal(report) and not (awaited and is_later):
-            return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
-        is_taken_up = report.route_id in self._acknowledged or not report.is_failed
-        self._acknowledged = {id for id in self._acknowledged if id in self._bases}
-        self._acknowledged.add(report.route_id)
-        if report.route_id:
-            # The robot has taken up a route. If it later reports no route, or an earlier one, it
-            # has forgotten this route.
-            given = list(self._bases)
-            for before in given[:given.index(report.route_id)]:
-                del self._bases[before]
-            self._ended.clear()
-        if awaited:
-            self._take_truth(report, is_taken_up)
-        number = base + report.completed
-        if is_new and report.edges and record.first <= number < record.done:
-            record.turn_back(number)
-        heard.passed = record.complete(number)
-        self._acknowledge(report)
-        # otherwise a person may drive the robot back again
-        if report.is_running or record.is_standing:
+        heard = Heard(record.passed(news.passed), news.failed, news.refused, news.was_shorter,
+                      news.cause if before.epoch else None, had_route, stands=news.stands,
+                      is_older=news.is_older, took=news.took)
+        if news.refused and news.was_shorter:
+            self._cut_refused = max((one.end for one in before.open
+                                     if one.number <= said.refused), default=0)
+        if news.cause is not None or news.failed or news.took and not said.edges:
+            record.begin_anew()
+        heard.is_located = self._locate(report, point, is_covered)
+        self.clock_is_off = report.is_ahead
+        if protocol.ahead:
+            self._beside = None
             record.leave(report.age)
-        # Edges of a route that may still be reported are kept.
-        record.forget(min([*(base.number for base in self._bases.values()),
-                           *([self.order.base] if self.order else [])]))
-        if report.is_failed:
-            self.withdraw()
-            heard.failed = report.reason or _SAID_NONE
-        return heard
-
-    def _may_be_refusal(self, report: Report) -> bool:
-        """May a failed route mean that the robot has refused it, and has never taken it up?"""
-        return (report.is_failed and report.completed == 0
-                and report.route_id not in self._acknowledged)
-
-    def _covers(self, report: Report) -> bool:
-        """Is the robot within its record, as exactly as it follows its edges?"""
-        record, pose = self.record, report.pose
-        if not pose.edge:
-            return False
-        position = None if record.ahead else record.position
-        if position is not None and (
-                position.distance(record.graph, pose) <= record.near + TREMBLE):
-            return True
-        holds = sorted(record.holds(), key=lambda hold: abs(hold.edge) != abs(pose.edge))
-        # the check is cheapest on the robot's own edge
-        return any(self._is_on(hold, pose) for hold in holds)
-
-    def _is_on(self, hold: Hold, pose: Pose) -> bool:
-        """Is a pose on the part of an edge that is not cleared, as exactly as the robot follows it?
-
-        A robot that strays reports the nearest edge, which may be another edge.
-        """
-        graph, play = self.record.graph, self.record.kind.play
-        curve = graph.curve(hold.edge)
-        if abs(pose.edge) == abs(hold.edge):
-            fraction = pose.fraction if pose.edge == hold.edge else 1.0 - pose.fraction
-            return (hold.cleared - fraction) * curve.length <= TREMBLE
-        nearest = curve.project(*point_of(graph, pose))
-        return (nearest.distance <= 2.0 * play + TREMBLE
-                and hold.cleared * curve.length - nearest.arc_length <= TREMBLE)
-
-    def _forgotten(self, heard: Heard) -> None:
-        """The robot has lost its routes, for example because it was switched off and on.
-
-        It would drive an extended route from its beginning.
-        """
-        if self.record.ahead:  # a copy of its order may be on the way, and would begin it anew
-            self._acknowledged.clear()
-            self._bases = {id: base._replace(before=self.record.end)
-                           for id, base in self._bases.items()}
-        self.withdraw()
-        if self.record.ahead:
-            heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
-
-    def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
-        """The robot refused an order. The next report shows what it really drives.
-
-        stamp -- time of the refusal, in s by the robot's clock; an earlier report may arrive later;
-                 0: the time of the last report
-        """
-        heard = Heard()
+        elif news.stands and (is_covered or is_first or self.is_confirmed):
+            heard.left = not (is_covered or is_first)
+            heard.is_near = self._is_near(report)
+            self._stand(report)
         self._changed()
-        if self.order is not None and (refusal.route_id, refusal.edges) == (
-                self.order.route_id, self.order.edges):
-            heard.was_shorter = self._pending.takes_away
-            if heard.was_shorter:
-                self._cut_refused = self.order.end
-            self._pending.drop()
-            self._awaits_report, self._refused_at = True, stamp or self._stamp
-            heard.refused = refusal.reason or _SAID_NONE
         return heard
 
-    def keep_after_refusal(self) -> None:
-        """The robot keeps the refused edges. They are to be ordered again."""
-        self._awaits_report = False
-        self.over = True
+    def _is_covered(self, report: Report, point: Optional[Point]) -> bool:
+        """Is the robot where it may be, as exactly as it follows its edges?
 
-    def _take_truth(self, report: Report, is_taken_up: bool = True) -> None:
-        """After a refusal: cuts the record to what the robot reports.
-
-        The robot stands somewhere on the failed part. The next order needs another id. If the robot
-        never took up the reported route, it may have refused that one, too, and drive the route
-        before it. Then the record is not cut.
+        A standing robot may be a little beside the place where its route begins or ends.
         """
-        self._awaits_report = False
-        self.over = True
-        base = self._bases.get(report.route_id)
-        end = self.record.done if base is None else base.number + len(report.edges)
-        if is_taken_up:
-            self.record.cut(min(max(end, self.record.done), self.record.end))
-        if base is not None:
-            self._bases = {report.route_id: base}
+        record = self.record
+        if point is None or record.position is None and not self.protocol.may_be_on:
+            return True
+        places = [record.position] if record.position is not None else []
+        if report.motion is Motion.STANDING and any(
+                math.dist(point, place.point(record.graph)) <= NEAR + TREMBLE for place in places):
+            return True
+        return self._covers(point, record.holds(), () if record.ahead else places)
 
-    def _acknowledge(self, report: Report) -> None:
-        order = self.order
-        if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
-            self._pending.drop()
-            if order.edges and self._is_shorter(order):
-                self.record.shorten(order.end, report.age)
+    def _is_near(self, report: Report) -> bool:
+        """Is the robot still on the edge on which it stood, or on one that leads to its vertex?"""
+        position, graph = self.record.position, self.record.graph
+        if position is None or not report.pose.edge:
+            return False
+        if position.vertex is None:
+            return abs(position.edge) == abs(report.pose.edge)
+        edge = graph.edge(report.pose.edge)
+        return position.vertex in (edge.origin, edge.destination)
+
+    def _locate(self, report: Report, point: Optional[Point], is_covered: bool) -> bool:
+        """Keeps the location of a report. Returns whether it is a new one."""
+        told = report.stamp, point
+        if point is None or told == self._told and report.stamp:
+            return False
+        self._told = told
+        self.reach = 0.0
+        age = 0.0 if report.motion is Motion.STANDING else report.age
+        self.locations = (Located(point, age), *self.locations[:1])
+        self._strays = 0 if is_covered else self._strays + 1
+        self.is_doubted = False
+        return True
+
+    def _stand(self, report: Report) -> None:
+        """The robot stands at the location of this report, and on nothing else."""
+        record = self.record
+        if self.lost and self.protocol.order >= self._lost_until:
+            self.lost = ()
+        if self._beside is not None and self.location is not None and (
+                math.dist(self._beside, self.location) <= TREMBLE):
+            record.stand(record.position)
+            return
+        self._beside = None
+        here = position_of(report.pose, record.graph, record.near)
+        before = record.position
+        if before is not None and here is not None and math.dist(
+                before.point(record.graph), here.point(record.graph)) <= TREMBLE:
+            here = before
+        record.stand(here)
+        self._strays = 0
 
     # -- storing and restoring --------------------------------------------------------------------
 
     @property
-    def memory(self) -> Memory:
-        """The state for `restore` after a restart. It must be stored before an order is sent."""
-        record = self.record
-        bases = {id: base.moved(-record.first) for id, base in self._bases.items()}
-        number, fraction = record.begin_of_holds(self._turns_back_to)
-        return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
-                      record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,
-                      self._shortened, (number - record.first, fraction),
-                      record.tail, self.evidence.memory, self._stamp, self.withdrawn,
-                      tuple(sorted(self._acknowledged)))
+    def _stored_locations(self) -> Tuple[Located, ...]:
+        """The locations that matter after a restart.
+
+        While another one moves the robot, a location is stored when it is in another square.
+        """
+        if self.protocol.is_anywhere:
+            return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
+                                  math.floor(y / _SQUARE) * _SQUARE + _SQUARE / 2), _SQUARE)
+                         for (x, y), _ in self.locations[:1])
+        holds, position = self.record.holds(), self.record.position
+        places = [] if position is None else [position]
+        return tuple(one for one in self.locations
+                     if not self._covers(one.point, holds, places))
 
     @property
-    def _shortened(self) -> Optional[int]:
-        order = self.order
-        if order is None or not order.edges or not self._is_shorter(order):
-            return None
-        return order.end - self.record.first
+    def memory(self) -> Memory:
+        """The state for `restore` after a restart. It must be stored before an order is sent."""
+        return Memory(self.protocol, self.record.cleared, self.record.position,
+                      self._stored_locations, self.lost, self._lost_until, self.is_absent,
+                      self.is_doubted)
 
     def restore(self, memory: Memory, now: float = 0.0) -> None:
-        """Sets the state from before a restart. The robot may hold all of its edges."""
-        self._changed()
-        self.route_id, self._bases = memory.route_id, dict(memory.bases)
-        self.over, self._ended = memory.over, set(memory.ended)
-        self._acknowledged = set(memory.acknowledged)
-        self.record.restore(memory.edges, memory.done, memory.position, memory.cleared,
-                            memory.tail)
-        self.evidence.restore(memory.evidence, now)
-        self._ordered, self._stamp = memory.shortened, memory.stamp
-        self.withdrawn = memory.withdrawn
-        if memory.is_stopping:
-            self._since_loss.add(self.route_id)
-            self._pending.give(Order(self.route_id, self.record.done, ()), True)
-
-    def doubt(self) -> None:
-        """The restored state is that of an old journal: until it is located, it may be anywhere."""
-        self.is_doubted, self.evidence.is_absent = True, False
+        """Sets the state from before a restart."""
+        number = memory.protocol.number
+        begin = max(next_number(memory.protocol, self._clock()), memory.protocol.gap[1])
+        # No journal that this start has read knows the numbers between these two.
+        self.record.protocol = replace(memory.protocol, gap=(number, begin))
+        self.record.cleared = memory.cleared
+        self.record.position = memory.position
+        self.locations, self.lost = memory.locations, memory.lost
+        self._lost_until = memory.lost_until
+        self.is_absent, self._absent_since = memory.is_absent, now
+        self.is_doubted = memory.is_doubted
+        self.reach = MANUAL_REACH if memory.protocol.is_anywhere else 0.0
         self._changed()
 
-    def knows(self, route_id: int) -> bool:
-        """Was the robot given this route, as far as is known here?"""
-        return route_id == self.route_id or route_id in self._bases or route_id in self._ended
+    def lose(self, areas: Sequence[Area]) -> None:
+        """Adds areas of edges that the graph in force does not have, and stops the robot.
+
+        They end when the robot stands after that stop.
+        """
+        if not areas:
+            return
+        self.lost = (*self.lost, *areas)
+        if not self.is_stopping:
+            self.halt()
+        order = self.order
+        self._lost_until = order.number if order is not None else self.protocol.number
+        self._changed()
 
     # -- other evidence ---------------------------------------------------------------------------
 
     def grow(self, age: float) -> bool:
-        """Grows the allocation of a robot that another giver moves. Returns whether it grew.
+        """Grows the area around a robot that another one moves. Returns whether it grew.
 
         age -- s since its last location
         """
-        grows = self.evidence.grow(age)
-        if grows:
-            self._changed()
-        return grows
+        if not self.protocol.is_anywhere or self.is_absent:
+            return False
+        reach = min((age + CLOCK_ERROR + _SOON) * self.record.kind.speed, MANUAL_REACH)
+        reach = min(math.ceil(reach / _STEP) * _STEP, MANUAL_REACH)
+        if reach <= self.reach:
+            return False
+        self.reach = reach
+        self._changed()
+        return True
 
-    def lose(self, areas: Sequence[Area]) -> None:
-        """Adds areas that the robot held on edges which the graph in force does not have."""
-        self.evidence.lose(tuple(areas))
-        if self.is_stopping:
-            self._since_loss.add(self.route_id)
+    def doubt(self) -> None:
+        """The restored state is that of an old journal: until it is located, it may be anywhere."""
+        self.is_doubted, self.is_absent = True, False
         self._changed()
 
-    def stop_after_loss(self, new_id: NewId) -> None:
-        """Stops a robot that should stand and that may be on lost areas.
-
-        The lost areas become free when the robot has acknowledged the stop.
-        """
-        if self.evidence.lost and self.record.is_standing and not self.is_stopping:
-            self.halt(new_id)
+    def settle(self, position: Optional[GraphPosition]) -> None:
+        """A person says that the robot stands at this position and holds nothing else."""
+        self._set(replace(self.protocol, behind=(), held=(), is_anywhere=False))
+        self.record.stand(position)
+        self.record.begin_anew()
+        self.locations, self.lost, self.reach, self._strays = self.locations[:1], (), 0.0, 0
+        self.is_doubted, self._beside = False, None
+        self._changed()
 
     def declare_absent(self, now: float) -> None:
-        """A person declares that the robot is not on the site."""
+        """A person declares that the robot is not on the site. `now` is the supervisor's time."""
         self.settle(None)
-        self.is_doubted = False
-        self.evidence.declare_absent(now)
+        self.locations = ()
+        self._set(replace(self.protocol, open=(), unknown=0))
+        self.is_absent, self._absent_since = True, now
 
     def is_back(self, report: Report, now: float) -> bool:
         """Ends the absence of a robot if its location was taken later. Returns whether it does."""
-        if not (self.evidence.is_absent and self.evidence.is_back(report, now)):
+        is_back = now - max(report.age, 0.0) > self._absent_since + CLOCK_ERROR
+        if not (self.is_absent and is_back and report.stamp):
             return False
-        self.evidence.is_absent = False
+        self.is_absent = False
         self._changed()
         return True
+
+
+def is_on(graph: Graph, edges: Sequence[int]) -> bool:
+    """Can a route over these edges be driven on this graph?"""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError:
+        return False
+    return True
+

@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Tuple
 
 import genpy
 
-from graph_fleet_manager.interlocking.reports import Pose, Report, WrongReport
+from graph_fleet_manager.interlocking.reports import Report
+from graph_fleet_manager.interlocking.route_client import ME
 from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
 from graph_fleet_manager.supervision.missions import (
     MissionState,
@@ -16,8 +17,9 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
-from route_protocol.messages import location_of
-from route_protocol.values import EdgeState, RouteRefusal, reason_of
+from route_protocol import messages as route_messages
+from route_protocol.master import Order
+from route_protocol.values import RouteOrder
 
 Moment = Callable[[float], genpy.Time]
 """Converts a time of the supervisor's clock (s) into ROS time."""
@@ -76,17 +78,8 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
 
 def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
     """The report in a message of a robot. Raises WrongReport for a state that does not exist."""
-    try:
-        states = tuple(EdgeState(edge.state) for edge in message.edge_states)
-    except ValueError:
-        raise WrongReport('it has a state that does not exist') from None
     stamp = message.header.stamp
-    age = (now - stamp).to_sec() if stamp else 0.0
-    pose = message.symbolic_pose
-    return Report(message.route_id, tuple(edge.edge_id for edge in message.edge_states), states,
-                  Pose(pose.edge_id, pose.percentage / 100.0),
-                  reason_of(message.reason_code, _words(message.reason)),
-                  stamp.to_sec(), age, location_of(message), message.epoch)
+    return Report(route_messages.report_of(message), (now - stamp).to_sec() if stamp else 0.0)
 
 
 def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
@@ -99,22 +92,15 @@ def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
     return time
 
 
-def refusal_of(message: msg.RouteRefused) -> RouteRefusal:
-    """The refusal of an order by a robot."""
-    return RouteRefusal(message.route_id, tuple(message.edges),
-                        reason_of(message.reason_code, _words(message.reason)))
-
-
 def _words(text: str) -> str:
     return ''.join(letter if letter.isprintable() else '?' for letter in text[:_LONGEST_REASON])
 
 
-def route_message(route_id: int, edges: Sequence[int], stamp: genpy.Time,
-                  known_epoch: int = 0) -> msg.TargetRoute:
-    """An order to a robot; `known_epoch` is the epoch that the giver knows, 0: none."""
-    message = msg.TargetRoute(route_id=route_id, edges=list(edges), known_epoch=known_epoch)
-    message.header.stamp = stamp
-    return message
+def route_message(order: Order, stamp: genpy.Time) -> msg.TargetRoute:
+    """An order to a robot."""
+    return route_messages.fill_order(msg.TargetRoute(), RouteOrder(
+        order.route_id, order.edges, stamp.to_nsec(), known_epoch=order.epoch, order=order.number,
+        first=order.first, master=ME if order.number else ''))
 
 
 def state_message(robots: Iterable[RobotView], moment: Moment,

@@ -7,7 +7,7 @@ docs/reference/path_supervisor.md and docs/explanation/fleet.md.
 Subscribes
     /mission_request (itrci_nav_msgs/MissionRequest), /mission_command (MissionCommand)
     /graph, /closed_edges_in_force (latched, of graph_server), /plan_answer (of path_planner)
-    /<robot>/execution_route_states, /<robot>/route_refused, of every robot in the fleet file
+    /<robot>/execution_route_states, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
@@ -44,7 +44,6 @@ from sensor_msgs.msg import BatteryState
 from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
-from graph_fleet_manager.interlocking.reports import WrongReport
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
@@ -71,9 +70,9 @@ from itrci_nav_msgs.msg import (
     MissionCommand,
     MissionRequest,
     PlanAnswer,
-    RouteRefused,
 )
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
+from route_protocol.messages import WrongReport
 from trajectory_graph import Graph
 
 VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two /fleet_plan
@@ -133,7 +132,6 @@ class PathSupervisor:
             subscribers += [
                 listen(f'/{robot}/execution_route_states', ExecutionRouteStates,
                        of(robot, self._on_report)),
-                listen(f'/{robot}/route_refused', RouteRefused, of(robot, self._on_refusal)),
                 listen(f'/{robot}/battery_state', BatteryState, of(robot, self._on_battery), 1)]
         return subscribers
 
@@ -262,11 +260,6 @@ class PathSupervisor:
         self._poses.note(robot, message)
         self._events.put_report(
             lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived))
-
-    def _on_refusal(self, robot: str, message: RouteRefused) -> None:
-        refusal, stamp = messages.refusal_of(message), message.header.stamp.to_sec()
-        self._events.put_report(
-            lambda supervisor, now, _: supervisor.refusal(robot, refusal, now, stamp))
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = message.percentage

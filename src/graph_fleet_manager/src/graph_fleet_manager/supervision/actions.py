@@ -7,20 +7,24 @@ from typing import FrozenSet, Tuple, Union
 from graph_fleet_manager.plan_requests import Times
 from graph_fleet_manager.planning.tasks import Obstacle, Task
 from graph_fleet_manager.supervision.missions import Status
+from route_protocol.master import Order
 
 
 @dataclass(frozen=True)
 class SendRoute:
-    """Publish a target route. A repeated one is published with its former stamp.
+    """Publish an order. A repeated one is published with its former stamp.
 
-    known_epoch -- epoch of the robot's motion in the report by which it was decided; 0: none
+    An order with the number 0 is a stop past the supervisor.
     """
 
     robot: str
-    route_id: int
-    edges: Tuple[int, ...]
+    order: Order
     repeated: bool = False
-    known_epoch: int = 0
+
+    @property
+    def edges(self) -> Tuple[int, ...]:
+        """Signed ids of the edges to drive; empty: stop."""
+        return self.order.edges
 
 
 @dataclass(frozen=True)

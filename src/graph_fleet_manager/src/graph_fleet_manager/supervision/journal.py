@@ -30,9 +30,8 @@ from urllib.parse import quote
 from file_replacement import replace_file
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area
-from graph_fleet_manager.interlocking.evidence import EvidenceMemory, Outlier
-from graph_fleet_manager.interlocking.orders import Base, Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
+from graph_fleet_manager.interlocking.route_client import Located, Memory
 from graph_fleet_manager.supervision.journal_database import (
     JournalDatabase,
     JournalError,
@@ -42,6 +41,7 @@ from graph_fleet_manager.supervision.journal_database import (
 from graph_fleet_manager.supervision.mission_book import REMEMBERED
 from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
 from graph_fleet_manager.supervision.outages import Outage
+from route_protocol.master import MasterState, Order, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
@@ -120,6 +120,11 @@ class Journal:
     def close(self) -> None:
         """Closes the file."""
         self._file.close()
+
+    @property
+    def milliseconds(self) -> int:
+        """ms since 1970, by the clock of the journal."""
+        return int(1000.0 * self._clock())
 
     # -- writing ----------------------------------------------------------------------------------
 
@@ -346,14 +351,13 @@ def _position(values: Optional[Sequence[Any]]) -> Optional[GraphPosition]:
 
 def _memory_text(memory: RobotMemory) -> str:
     client, kind = memory.client, memory.kind
+    protocol = client.protocol
     return json.dumps({
-        'route_id': client.route_id, 'track': client.edges, 'done': client.done,
-        'bases': [(id, *base) for id, base in client.bases.items()],
-        'over': client.over, 'ended': client.ended,
-        'stopping': client.is_stopping, 'shortened': client.shortened,
-        'place': _position_values(client.position), 'cleared': client.cleared, 'tail': client.tail,
-        'evidence': _evidence_values(client.evidence), 'stamp': client.stamp,
-        'withdrawn': client.withdrawn, 'acknowledged': client.acknowledged,
+        'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
+                     'held': protocol.held},
+        'cleared': client.cleared, 'place': _position_values(client.position),
+        'locations': client.locations, 'lost': [[area.line, area.radius] for area in client.lost],
+        'lost_until': client.lost_until, 'absent': client.is_absent, 'doubted': client.is_doubted,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge,
@@ -362,35 +366,42 @@ def _memory_text(memory: RobotMemory) -> str:
 
 def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
-    done = stored['done']
-    client = Memory(stored['route_id'], tuple(stored['track']), done,
-                    # An older journal does not say what the robot may drive without the route.
-                    {id: Base(number, *(before or [len(stored['track'])]))
-                     for id, number, *before in stored['bases']},
-                    _position(stored['place']), stored['over'], tuple(stored['ended']),
-                    stored.get('stopping', False), stored.get('shortened'),
-                    tuple(stored.get('cleared', (0, 0.0))), tuple(stored.get('tail', ())),
-                    _evidence(stored.get('evidence')), stored.get('stamp', 0.0),
-                    stored.get('withdrawn'), tuple(stored.get('acknowledged', ())))
+    client = _of_version_1(stored) if 'track' in stored else Memory(
+        _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
+        tuple(Located((x, y), age) for (x, y), age in stored['locations']),
+        _areas(stored['lost']), stored['lost_until'], stored['absent'], stored['doubted'])
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
                        stored.get('charge'), None if kind is None else RobotType(*kind))
 
 
-def _evidence_values(evidence: EvidenceMemory) -> Optional[List[Any]]:
-    return None if evidence == EvidenceMemory() else [
-        [[outlier.point, outlier.age] for outlier in evidence.outliers],
-        [[area.line, area.radius] for area in evidence.lost], *evidence[2:]]
+def _protocol(stored: Dict[str, Any]) -> MasterState:
+    return MasterState(**{
+        **stored, 'gap': tuple(stored['gap']),
+        'open': tuple(Order(number, epoch, first, tuple(edges), route_id)
+                      for number, epoch, first, edges, route_id in stored['open']),
+        'behind': tuple(Step(*step) for step in stored['behind']),
+        'held': tuple(Step(*step) for step in stored['held'])})
 
 
-def _evidence(values: Optional[Sequence[Any]]) -> EvidenceMemory:
-    if values is None:
-        return EvidenceMemory()
-    outliers, lost, foreign, reach, location, is_absent, *is_moved = values
-    return EvidenceMemory(
-        tuple(Outlier((point[0], point[1]), age) for point, age in outliers),
-        tuple(Area(tuple((x, y) for x, y in line), radius) for line, radius in lost),
-        tuple(foreign), reach, None if location is None else (location[0], location[1]), is_absent,
-        # An older journal does not say whether another giver moved the robot.
-        is_moved[0] if is_moved else reach > 0.0)
+def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:
+    return tuple(Area(tuple((x, y) for x, y in line), radius) for line, radius in stored)
+
+
+def _of_version_1(stored: Dict[str, Any]) -> Memory:
+    """Reads an entry of 1.0 and earlier, which has no numbers of orders.
+
+    The robot holds all edges of that entry until it was told to stop, and stands.
+    """
+    outliers, lost, foreign, reach, location, is_absent, *_ = stored.get('evidence') or (
+        (), (), (), 0.0, None, False)
+    begin, fraction = stored.get('cleared', (0, 0.0))
+    edges = (*stored['track'][begin:], *stored.get('tail', ()), *foreign)
+    held = tuple(Step(number, edge) for number, edge in enumerate(edges))
+    locations = [Located((point[0], point[1]), age) for point, age in outliers]
+    if location is not None and reach:
+        locations.append(Located((location[0], location[1])))
+    return Memory(MasterState(held=held, is_anywhere=bool(reach)), (0, fraction),
+                  _position(stored['place']), tuple(locations[:2]), _areas(lost),
+                  is_absent=is_absent)

@@ -4,7 +4,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import AbstractSet, FrozenSet, Mapping, NamedTuple, Optional
 
-from route_protocol.values import Reason, ReasonCode
+from route_protocol.values import EpochCause, Reason, ReasonCode
 
 
 class Outage(Enum):
@@ -103,3 +103,33 @@ _OF_REASON: Mapping[ReasonCode, Sign] = {
 def sign_of(reason: Reason) -> Sign:
     """The sign that follows from the reason of a failed or refused route."""
     return _OF_REASON.get(reason.code, Sign.FAILURE)
+
+
+_OF_EPOCH: Mapping[EpochCause, Sign] = {
+    EpochCause.OTHER_GIVER: Sign.TAKEN, EpochCause.CANCEL: Sign.TAKEN,
+    EpochCause.OTHER_CLIENT: Sign.TAKEN, EpochCause.ROBOT: Sign.TAKEN,
+    EpochCause.OTHER_MASTER: Sign.TAKEN, EpochCause.EMERGENCY_STOP: Sign.EMERGENCY,
+    EpochCause.LOST_LINK: Sign.LINK_LOST}
+_WORDS: Mapping[EpochCause, str] = {
+    EpochCause.OTHER_GIVER: 'another program drives it', EpochCause.CANCEL: 'its drive was '
+    'cancelled by another program', EpochCause.OTHER_CLIENT: 'another client of the robot drove or '
+    'stopped it', EpochCause.ROBOT: 'the robot ended its drive by itself',
+    EpochCause.OTHER_MASTER: 'it drives a route that was not given to it here',
+    EpochCause.EMERGENCY_STOP: 'emergency stop', EpochCause.LOST_LINK: 'the link to it was lost',
+    EpochCause.RESTART: 'it has forgotten its route', EpochCause.STOP: 'it was stopped by a '
+    'command that bypassed the fleet manager'}
+
+
+def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
+    """The sign that follows from a new epoch of a robot; None: none.
+
+    had_route -- the robot had a route, or an order for one was on its way
+    """
+    if cause is EpochCause.RESTART:
+        return Sign.FAILURE if had_route else None
+    return _OF_EPOCH.get(cause)
+
+
+def words_of(cause: EpochCause) -> str:
+    """A clause that says why a new epoch began."""
+    return _WORDS.get(cause, 'its orders were made void')

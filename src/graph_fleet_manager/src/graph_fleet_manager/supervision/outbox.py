@@ -15,7 +15,6 @@ from graph_fleet_manager.supervision.journal import Journal, RobotMemory
 from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.robots import ManagedRobot
-from graph_fleet_manager.supervision.route_ids import RouteIds
 from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two attempts to write while writing fails
@@ -30,9 +29,7 @@ class Outbox:
     """
 
     def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
-                 everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking,
-                 new_id: RouteIds) -> None:
-        self.new_id = new_id
+                 everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking) -> None:
         self.trouble = ''
         self._journal = journal
         self._book = book
@@ -41,7 +38,6 @@ class Outbox:
         self._stale: Set[str] = set()
         self._values: Dict[str, int] = {}
         self._graph: Optional[Graph] = None
-        self._reserved = self.new_id.reserved
         self._try_at = self._stored_at = -inf
         self._is_sending = False
         self._actions: List[Action] = []
@@ -113,8 +109,7 @@ class Outbox:
 
     @property
     def _is_anything_new(self) -> bool:
-        return bool(self._stale or self._values or self._graph or self._book.is_changed
-                    or self._reserved != self.new_id.reserved)
+        return bool(self._stale or self._values or self._graph or self._book.is_changed)
 
     def _store(self, now: float) -> None:
         if now < self._try_at or not (self.trouble or self._is_anything_new):
@@ -122,8 +117,6 @@ class Outbox:
         self._stale.update(self._interlocking.to_store)
         missions, stays = self._book.changes, self._book.new_stays(now)
         values = dict(self._values)
-        if self.trouble or self._reserved != self.new_id.reserved:
-            values.update(self.new_id.values)
         try:
             self._journal.store(missions, {name: self._memory(name)
                                            for name in sorted(self._stale)}, values, self._graph,
@@ -141,7 +134,6 @@ class Outbox:
         self._stale.clear()
         self._values.clear()
         self._graph = None
-        self._reserved = self.new_id.reserved
         self._book.stored()
         for mission in missions:
             self.put(TellStatus(mission.status))

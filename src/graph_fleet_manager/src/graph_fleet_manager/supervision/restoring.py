@@ -1,14 +1,13 @@
 """Restores the robots of a fleet after a restart, on a graph that may have changed."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet, RobotType
 from graph_fleet_manager.geometry.areas import Area, Point
-from graph_fleet_manager.interlocking.orders import Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_client import Clock, Memory, RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.journal import RobotMemory
 from graph_fleet_manager.supervision.outages import Outage
@@ -32,15 +31,10 @@ class RemovedRobot:
         """The robot is never given anything to drive."""
         return True
 
-    @property
-    def is_silent(self) -> bool:
-        """Reports of the robot are not received."""
-        return True
-
 
 def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
               memories: Mapping[str, RobotMemory], before: Optional[Graph],
-              now: float) -> Dict[str, ManagedRobot]:
+              now: float, clock: Clock) -> Dict[str, ManagedRobot]:
     """All robots by name, each with its stored state.
 
     settings -- a robot without an entry gets the defaults of RobotSettings
@@ -50,7 +44,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
     for robot in fleet.robots:
         own = settings.get(robot.name, RobotSettings())
         managed = ManagedRobot(robot.name, robot.type, own, RouteClient(
-            RouteRecord(graph, robot.type, own.slack, own.stopping)))
+            RouteRecord(graph, robot.type, own.slack), clock))
         memory = memories.get(robot.name)
         if memory is not None:
             _restore(managed, memory, graph, before, now)
@@ -61,24 +55,27 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 
 
 def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
-               before: Optional[Graph], now: float) -> Dict[str, RemovedRobot]:
+               before: Optional[Graph], now: float,
+               clock: Clock) -> Dict[str, RemovedRobot]:
     """Robots that are stored, but are not in the fleet file any more."""
     names = {robot.name for robot in fleet.robots}
     removed: Dict[str, RemovedRobot] = {}
     for name, memory in memories.items():
-        if name not in names and memory.kind is not None and not memory.client.evidence.is_absent:
-            client = RouteClient(RouteRecord(graph, memory.kind))
+        if name not in names and memory.kind is not None and not memory.client.is_absent:
+            client = RouteClient(RouteRecord(graph, memory.kind), clock)
             # It has no topics here any more, so that not even a stop can be sent to it.
-            client.restore(memory.client.on(graph)._replace(is_stopping=False), now)
-            client.lose(lost_areas(memory.client, graph, before))
+            kept, areas = on_graph(memory.client, graph, before)
+            client.restore(kept, now)
+            client.lose(areas)
             removed[name] = RemovedRobot(name, memory.kind, client)
     return removed
 
 
 def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Optional[Graph],
              now: float) -> None:
-    robot.client.restore(memory.client.on(graph), now)
-    robot.client.lose(lost_areas(memory.client, graph, before))
+    kept, areas = on_graph(memory.client, graph, before)
+    robot.client.restore(kept, now)
+    robot.client.lose(areas)
     outage = memory.outage
     if outage is not None and (outage.needs_person or outage is Outage.ABSENT):
         robot.outage, robot.why = outage, memory.why
@@ -88,31 +85,34 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
         robot.battery.charge = memory.charge
 
 
-def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
-    """Areas where a robot may be and that the new graph has elsewhere, or not at all.
+def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Memory, List[Area]]:
+    """The part of the stored state that is valid on a graph, and areas for the other part.
+
+    A robot may follow an order over an edge that the graph does not have: it is to be stopped.
 
     before -- the other graph to which the memory refers; None: it refers to this graph
     """
     if before is None:
-        return []
-    kept = memory.on(graph)
-    held = {abs(edge) for edge in kept.held if _is_kept(abs(edge), graph, before)}
-    areas = [Area(_line(before, edge, begin)) for edge, begin in _parts(memory).items()
-             if abs(edge) in before.edges and abs(edge) not in held]
+        return memory, []
+    protocol = memory.protocol
+    kept = {step: _is_kept(abs(step.edge), graph, before) for step in protocol.may_be_on}
+    number, fraction = memory.cleared
+    areas = [Area(_line(before, step.edge, fraction if step.number == number else 0.0))
+             for step, is_kept in kept.items()
+             if not is_kept and step.number >= number and abs(step.edge) in before.edges]
+    orders = tuple(order for order in protocol.open
+                   if all(kept[step] for step in order.steps(protocol.done)))
+    held = [step for order in protocol.open if order not in orders
+            for step in order.steps(protocol.done)]
     position = memory.position
-    if position is not None and position.is_on(before) and not (
-            kept.position == position and _is_there(position, graph, before)):
-        areas.append(Area((position.point(before),)))
-    return areas
-
-
-def _parts(memory: Memory) -> Dict[int, float]:
-    """The signed edges that the robot may be on, each with the fraction that lies behind it."""
-    parts = dict.fromkeys(memory.held, 0.0)
-    first = memory.held[0] if memory.cleared[0] < len(memory.edges) else 0
-    if first and memory.held.count(first) == 1:
-        parts[first] = memory.cleared[1]
-    return parts
+    if position is not None and not _is_there(position, graph, before):
+        if position.is_on(before) and not protocol.may_drive:
+            areas.append(Area((position.point(before),)))
+        position = None
+    return memory._replace(position=position, protocol=replace(
+        protocol, open=orders, behind=tuple(step for step in protocol.behind if kept[step]),
+        held=tuple(step for step in dict.fromkeys((*protocol.held, *held)) if kept[step]),
+    )), areas
 
 
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:

@@ -7,7 +7,6 @@ from typing import Collection, List, Optional
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.allocation import Knowledge
-from graph_fleet_manager.interlocking.orders import Heard
 from graph_fleet_manager.interlocking.reports import (
     AT_VERTEX,
     NEAR,
@@ -16,17 +15,23 @@ from graph_fleet_manager.interlocking.reports import (
     Report,
     position_of,
 )
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_client import Heard, RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
-from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of
+from graph_fleet_manager.supervision.outages import (
+    TRANSITIONS,
+    Outage,
+    Sign,
+    sign_of,
+    sign_of_epoch,
+    words_of,
+)
 from graph_fleet_manager.supervision.settings import RobotSettings
-from route_protocol.values import RouteRefusal
+from route_protocol.values import Motion, ReasonCode
 from trajectory_graph import Graph
 
-TRIAL = 2.0        # s between two attempts to go on after an emergency stop
 RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
 REFUSALS = 3       # number of refusals in a row after which a person must look
 
@@ -63,7 +68,8 @@ class ManagedRobot:
     """It refused its last order, and its starting place was not judged again yet."""
     _located: float = -math.inf
     """Time of the last location that was accepted."""
-    _tried: float = -math.inf
+    _unready: ReasonCode = ReasonCode.NONE
+    """Why the robot would refuse each route, by its last report."""
     _retried: float = -math.inf
 
     def __post_init__(self) -> None:
@@ -83,11 +89,6 @@ class ManagedRobot:
     def needs_person(self) -> bool:
         """May the robot drive only after a person has brought it back?"""
         return self.outage is not None and self.outage.needs_person
-
-    @property
-    def is_silent(self) -> bool:
-        """Has the robot stopped reporting, so that it may have forgotten its route?"""
-        return self.outage is Outage.SILENT
 
     @property
     def position(self) -> Optional[GraphPosition]:
@@ -122,74 +123,56 @@ class ManagedRobot:
             return False
         changes = target is not self.outage
         self.outage, self.why = target, why if target is not None else ''
-        if self.needs_person:
-            self.client.withdraw()
         return changes
 
-    def hear(self, report: Report, now: float) -> None:
-        """Evaluates a report that passed the check. One with neither edge nor stamp is ignored.
+    def hear(self, report: Report, now: float) -> Heard:
+        """Evaluates a report that passed the check. Raises WrongReport.
 
         now -- time at which the report arrived
         """
-        if not report.pose.edge and not report.stamp:
-            return
-        if self.client.evidence.is_absent and not self.client.is_back(report, now):
-            return
+        if self.client.is_absent and not self.client.is_back(report, now):
+            return Heard()
         self.notice(Sign.LOCATED)
+        was_nowhere = self._was_nowhere
+        heard = self.client.hear(report)
+        self._unready = report.said.unready
         self.liveness.hear(report, self.record.graph, now)
         if self.outage is Outage.SILENT:
             self.liveness.nothing_to_answer(now)
         self.notice(Sign.REPORT)
-        if report.pose.edge and self._was_nowhere and self.notice(Sign.FOUND):
-            self.client.settle(self.position_at(report.pose))
-        was_stopped = self.outage is Outage.STOPPED
-        heard = self.client.take(report)
-        if self.liveness.takes_up(report, self.client.order is not None, now):
-            self.notice(Sign.ANSWER)
+        if report.pose.edge and was_nowhere:
+            self.notice(Sign.FOUND)
         if heard.is_located:
             self._located = now - max(report.age, 0.0)
         self.client.grow(now - self._located)
+        if heard.took or heard.refused or self.client.order is None:
+            self.liveness.nothing_to_answer(now)
+            self.notice(Sign.ANSWER)
         self.passed += heard.passed
-        self._judge(heard, report)
-        if self.outage is Outage.STOPPED and not was_stopped:
-            # the robot may still take up an order, because it does not know of its stop yet
-            self._tried = now
-        if self.outage is Outage.LOST_LINK and self.client.withdrawn is None and (
-                self.client.order is None and now - self._retried > RETRY
-                and self.liveness.is_linked_again(report, now)):
-            self._link_is_back()
+        self._judge(heard, report, now)
         if not self.works:
             self._timer.stop()
         driven = self._timer.follow(self.record, now)
         if driven is not None:
             self.driven.append(driven)
+        return heard
 
-    def must_stop(self, report: Report, now: float) -> bool:
-        """Must the robot be stopped because an order was on its way when it dropped out?
+    @property
+    def is_at_rest(self) -> bool:
+        """Does the robot stand, and is no order on its way that lets it drive?"""
+        protocol = self.client.protocol
+        return (self.client.order is None and not protocol.may_drive
+                and not protocol.is_anywhere and self.liveness.stands)
 
-        - A robot that needs a person is stopped if it drives that order.
-        - A robot whose link is back is stopped because that order may still reach it.
-        """
-        if self.needs_person:
-            return self.client.drives_withdrawn(report)
-        return (self.outage is Outage.LOST_LINK and self.client.withdrawn is not None
-                and not self.client.is_stopping and self.liveness.is_linked_again(report, now))
-
-    def hear_refusal(self, refusal: RouteRefusal, stamp: float = 0.0) -> bool:
-        """The robot refused an order at `stamp` (s) of its clock. Returns whether it was pending.
-        """
-        heard = self.client.refuse(refusal, stamp)
-        self._judge(heard, None)
-        return bool(heard.refused)
-
-    def _judge(self, heard: Heard, report: Optional[Report]) -> None:
+    def _judge(self, heard: Heard, report: Report, now: float) -> None:
         if heard.passed:
             self._refusals = 0
         if heard.refused:
             self._follow_refusal(heard)
-        elif self.client.order is None and not heard.failed and (
-                report is not None and report.is_running):
+        elif heard.took and report.motion is Motion.ON_ROUTE:
             self.notice(Sign.DRIVES)
+        if report.said.unready is ReasonCode.EMERGENCY_STOP:
+            self.notice(Sign.EMERGENCY, 'emergency stop')
         if not self.is_halted:
             self._judge_motion(heard, report)
         if self.client.clock_is_off:
@@ -198,31 +181,28 @@ class ManagedRobot:
         elif self.liveness.seen - self._retried > RETRY:
             self.notice(Sign.CLOCK_RIGHT)
 
-    def _judge_motion(self, heard: Heard, report: Optional[Report]) -> None:
-        if heard.foreign:
-            self.notice(Sign.TAKEN, 'it drives a route that was not given to it here')
+    def _judge_motion(self, heard: Heard, report: Report) -> None:
+        if heard.cause is not None:
+            sign = sign_of_epoch(heard.cause, heard.had_route)
+            if sign is not None:
+                reason = report.said.reason
+                self.notice(sign, reason.text if reason else words_of(heard.cause))
         elif heard.failed and self.outage is None:
             self.notice(sign_of(heard.failed), heard.failed.text)
-            self.liveness.lose_link()
-        elif report is not None and not report.pose.edge and self.record.is_standing and (
-                self.client.evidence.is_confirmed):
+        elif not report.pose.edge and self.record.is_standing and self.client.is_confirmed:
             self.notice(Sign.LEFT_GRAPH, 'it reports that it is off the graph')
-        elif heard.left and self.outage is None:
-            self.notice(Sign.TAKEN, f'it left {self.record.position} without a route')
+        elif heard.left and not (self.outage is Outage.STOPPED and heard.is_near):
+            self.notice(Sign.TAKEN, 'it was moved without a route')
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
         sign = sign_of(heard.refused)
-        if sign in (Sign.CLOCK_OFF, Sign.LINK_LOST):
+        if sign in (Sign.CLOCK_OFF, Sign.LINK_LOST, Sign.EMERGENCY):
             self._retried = self.liveness.seen
             self.notice(sign, heard.refused.text)
-            self.liveness.lose_link()
             return
-        self._refusals += not (sign is Sign.EMERGENCY or heard.was_shorter)
-        if sign is Sign.EMERGENCY:
-            self.notice(sign, heard.refused.text)
-            self.client.keep_after_refusal()
-        elif self._refusals >= REFUSALS:
+        self._refusals += not heard.was_shorter
+        if self._refusals >= REFUSALS:
             self.notice(Sign.FAILURE,
                         f'it refused its route {REFUSALS} times: {heard.refused}')
 
@@ -249,34 +229,28 @@ class ManagedRobot:
         if self.liveness.is_seen:
             self.client.grow(heard - self._located)
 
-    def wants_to_go_on(self, now: float) -> int:
-        """Number of edges to order anew after an emergency stop; 0: none now.
+    def goes_on(self, now: float) -> bool:
+        """Ends an outage or a fleet stop after which a standing robot is planned anew.
 
-        A robot that was moved during the stop needs a person.
+        Returns whether it did.
         """
-        if self.outage is not Outage.STOPPED or self.is_halted or now - self._tried < TRIAL:
-            return 0
-        if self.client.order is not None or not self.client.is_ready:
-            return 0
-        self._tried = now
-        ahead = self.record.ahead
-        if not ahead:
-            self.notice(Sign.DRIVES)
-            return 0
-        position = self.position_at(self.record.pose)
-        if position is None or not position.touches(self.record.graph, ahead[:1], self.type.play):
-            self.notice(Sign.TAKEN, 'it was moved during an emergency stop')
-            return 0
-        return 1 if self.comes_to_rest else len(ahead)
+        if not self.is_at_rest or self.outage not in (None, Outage.STOPPED, Outage.LOST_LINK):
+            return False
+        before = self.is_halted, self.outage
+        self.is_halted = False
+        if self._unready not in (ReasonCode.EMERGENCY_STOP, ReasonCode.LOST_LINK):
+            self.notice(Sign.STANDS)
+            self.notice(Sign.LINK_BACK)
+        return before != (self.is_halted, self.outage)
 
     def other_beginning(self) -> Optional[GraphPosition]:
         """Another starting place to be tried after a refusal; None: there is none.
 
-        Each robot decides by itself how near to a vertex it must be. So a robot near a vertex is
-        now settled on the vertex if it counted as on its edge, and on its edge otherwise.
+        Each robot decides by itself how near to a vertex it must be. So for a robot near a vertex,
+        the route now begins at the vertex if it counted as on its edge, and on its edge otherwise.
         """
         record, client = self.record, self.client
-        if not self._has_refused or not client.is_ready or client.order is not None:
+        if not self._has_refused or not client.is_ready:
             return None
         self._has_refused = False
         if not self.works or not record.is_standing or record.position is None:
@@ -288,36 +262,6 @@ class ManagedRobot:
         return vertex if record.position.vertex is None else GraphPosition(
             edge=record.pose.edge, fraction=record.pose.fraction)
 
-    def go_on_after_stop(self, now: float) -> bool:
-        """After an obeyed fleet stop: settles the robot where it stands. Returns whether it did."""
-        if not self.is_halted or self.client.order is not None:
-            return False
-        if not self.liveness.is_still(now) or self.outage not in (None, Outage.STOPPED):
-            return False
-        self.is_halted = False
-        self._settle_where_expected(Sign.STANDS)
-        return True
-
-    def _link_is_back(self) -> None:
-        if self._settle_where_expected(Sign.LINK_BACK):
-            self._refusals = 0
-
-    def _settle_where_expected(self, sign: Sign) -> bool:
-        """Settles a standing robot if it is on what it holds. Otherwise a person moved it.
-
-        sign -- the sign to notice if it is on what it holds
-        """
-        position, held = self.position_at(self.record.pose), self.record.held
-        if position is not None and (
-                not held or position.touches(self.record.graph, held, self.type.play)):
-            self.client.settle(position)
-            self.notice(sign)
-            return True
-        whereabouts = f'at {position}' if position else 'off the graph'
-        self.notice(Sign.TAKEN, 'it was expected on the edges '
-                                f'{", ".join(map(str, held))}, but is {whereabouts}')
-        return False
-
     # -- commands of people -----------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:
@@ -328,7 +272,7 @@ class ManagedRobot:
             return f'{self.name} was declared absent: switch it on, and it is back'
         if now - self.liveness.seen > SILENCE or self.outage is Outage.DEAF:
             return f'{self.name} does not report or answer: repair its link first'
-        if self.client.order is not None or not self.liveness.is_still(now):
+        if not self.is_at_rest:
             return (f'{self.name} does not stand still yet, or has a route to drive, or its '
                     'locations are old: try again in a moment')
         return ''

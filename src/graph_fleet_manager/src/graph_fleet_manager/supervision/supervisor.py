@@ -12,13 +12,13 @@ from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.interlocking.allocation import Knowledge
-from graph_fleet_manager.interlocking.interlocking import Gate, InterlockedRobot, Interlocking
+from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
 from graph_fleet_manager.interlocking.reports import (
     Report,
-    WrongReport,
     check_report,
     old_location,
 )
+from graph_fleet_manager.interlocking.route_client import Heard
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
@@ -52,12 +52,12 @@ from graph_fleet_manager.supervision.restoring import (
     robots_of,
 )
 from graph_fleet_manager.supervision.robots import ManagedRobot
-from graph_fleet_manager.supervision.route_ids import RouteIds, is_past
 from graph_fleet_manager.supervision.run_number import RUN_NUMBER, RunNumber
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
-from route_protocol.values import RouteRefusal
+from route_protocol.messages import WrongReport
+from route_protocol.values import EpochCause, Reason
 from trajectory_graph import Graph
 
 
@@ -83,10 +83,14 @@ class Supervisor:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
         memories, stored = journal.robots(), journal.graph()
+
+        def clock() -> int:
+            return journal.milliseconds
         is_same = graph.is_same(stored)
         before = None if is_same else stored
-        self.robots = robots_of(fleet, settings, graph, memories, before, now)
-        self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now)
+        self.robots = robots_of(fleet, settings, graph, memories, before, now, clock)
+        self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now,
+                                                              clock)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
         """The data by which requests are checked."""
@@ -100,25 +104,19 @@ class Supervisor:
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
         self._waiting = WaitingMissions(self.book, self.robots)
-        self._ids = RouteIds(journal)
+        self._refused: Dict[str, Reason] = {}  # by robot: the last refusal that was told
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
-        self.interlocking = Interlocking(self.network.geometry, fleet.clearance, self._everywhere,
-                                         self._ids)
-        self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
-                           self._ids)
+        self.interlocking = Interlocking(self.network.geometry, fleet.clearance, self._everywhere)
+        self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching)
         self.interlocking.stored(self._everywhere)
-        self._last_ids = {name: max((id for id in memory.client.ids if not is_past(id)), default=0)
-                          for name, memory in memories.items()}
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
         if self._run.is_wrong:
             self._doubt_journal('it is not the one that the last run has left')
         else:
             journal.store(values={RUN_NUMBER: self._run.draw()})
-        for robot in self.robots.values():
-            robot.client.stop_after_loss(self._out.new_id)
         self._outages = OutageWatch(self.book, self.robots, self._out)
         if journal.value(STOPPED):
             self._close_gate()
@@ -260,22 +258,26 @@ class Supervisor:
         except WrongReport as wrong:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._actions(now)
-        self._out.note_state(name, '', f'The reports of {name} make sense again.')
         self._out.note_state(f'{name}/age', old_location(name, report),
                              f'The locations of {name} are new again.')
-        before, was_seen = robot.client.progress, robot.liveness.is_seen
-        if is_past(report.route_id):
-            self._take_up_stop(robot)
-        elif not was_seen:
-            self._look_at_first(robot, report)
-        robot.hear(report, arrived)
+        before = robot.client.progress
+        try:
+            heard = robot.hear(report, arrived)
+        except WrongReport as wrong:
+            self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
+            return self._actions(now)
+        self._out.note_state(name, '', f'The reports of {name} make sense again.')
+        if heard.refused:
+            self._note_refusal(robot, heard)
+        if heard.is_older:
+            self._doubt_orders(robot, report)
+        elif heard.cause is EpochCause.STOP:
+            self._stop_as_well(robot)
         beginning = robot.other_beginning()
         if beginning is not None and self.interlocking.is_free(robot, beginning):
-            robot.client.settle_beside(beginning)
-        if robot.client.to_order_anew:
-            self._grant_again(robot, robot.client.to_order_anew)
-        if robot.must_stop(report, now):
-            robot.client.halt(self._out.new_id)
+            robot.client.begin_at(beginning)
+        if robot.needs_person and robot.client.protocol.ahead and not robot.client.is_stopping:
+            robot.client.halt()  # an order that is on its way must not let it drive
             self._out.send()
         self.networks.learn(robot, arrived)
         if before != robot.client.progress:
@@ -285,38 +287,27 @@ class Supervisor:
         self._outages.look_at(robot)
         return self._out.take_unless_due_later(now)
 
-    def _grant_again(self, robot: ManagedRobot, count: int, has_stopped: bool = False) -> None:
-        """Orders edges once more that a robot holds. If it cannot have them, it is planned anew.
+    def _note_refusal(self, robot: ManagedRobot, heard: Heard) -> None:
+        """Tells the first refusal of a robot; during an emergency stop each attempt is refused."""
+        if heard.refused != self._refused.get(robot.name):
+            self._refused[robot.name] = heard.refused
+            self._out.note(f'{robot.name} refused an order: {heard.refused}.', True)
 
-        For that it is told to stop, so that no earlier order lets it drive them.
-        """
-        refusal = self.interlocking.grant_again(robot, count, has_stopped)
-        if refusal is None:
-            self._out.robot_changed(robot.name)
-        elif refusal.gate is Gate.OCCUPIED:
-            self._halt((robot,))
-            self._out.send()
-
-    def _take_up_stop(self, robot: ManagedRobot) -> None:
-        """Stops the fleet because a robot got a stop that bypassed a hanging supervisor."""
-        if self.is_stopped or robot.client.is_stopping:
+    def _stop_as_well(self, robot: ManagedRobot) -> None:
+        """Stops the fleet because a robot got a stop that bypassed the supervisor."""
+        if self.is_stopped:
             return
-        self._out.note(f'{robot.name} was stopped by a command that bypassed the fleet manager '
-                       'while it hung. The whole fleet is stopped until you resume it.', True)
+        self._out.note(f'{robot.name} was stopped by a command that bypassed the fleet manager. '
+                       'The whole fleet is stopped until you resume it.', True)
         self._stop()
 
-    def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
-        """Checks by a robot's first report whether the journal is an old one."""
-        last = self._last_ids.get(robot.name, self._ids.before)
-        if robot.client.knows(report.route_id) or not self._ids.is_later(report.route_id, last):
-            return
-        self._ids.skip(report.route_id)
-        why = f'{robot.name} reports route {report.route_id}, which the journal does not know'
+    def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
+        """A robot shows an order that the journal does not have: the journal is an older one."""
+        why = f'{robot.name} reports order {report.said.order}, which the journal does not know'
         self._doubt_journal(why, robot.name)
-        if report.is_running and self._is_starting and not (
-                self.is_stopped or robot.client.is_stopping):
-            self._out.note(f'{why}, and drives it: the journal was lost, or an older one was '
-                           'restored. All robots are stopped, and go on when all stand.', True)
+        if not self.is_stopped:
+            self._out.note(f'{why}: the journal was lost, or an older one was restored. All robots '
+                           'are stopped, and go on when all stand.', True)
             self._is_recovering = True
             self._halt(self.robots.values())
             self._out.send()
@@ -364,7 +355,7 @@ class Supervisor:
             for robot in robots:
                 if (by_evidence or robot.record.ahead) and robot.notice(
                         Sign.EXCLUDED, self._too_near('it', robot)):
-                    robot.client.halt(self._out.new_id)
+                    robot.client.halt()
                     self._out.robot_changed(robot.name)
                     self._outages.look_at(robot)
                     self._out.send()
@@ -379,20 +370,6 @@ class Supervisor:
         self._separate()
         return self._out.take(now)
 
-    def refusal(self, name: str, refusal: RouteRefusal, now: float,
-                stamp: float = 0.0) -> List[Action]:
-        """Handles the refusal of an order at `stamp` (s) of the robot's clock; 0: unknown."""
-        robot = self.robots[name]
-        was_stopped = robot.outage is Outage.STOPPED
-        if not robot.hear_refusal(refusal, stamp):
-            return self._actions(now)
-        self._out.robot_changed(name)
-        # during an emergency stop each attempt is refused
-        if not (was_stopped and robot.outage is Outage.STOPPED):
-            self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
-        self._outages.look_at(robot)
-        return self._out.take_unless_due_later(now)
-
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """Handles a report of the state of charge, 0..1."""
         self.robots[name].battery.tell(charge, now)
@@ -403,7 +380,7 @@ class Supervisor:
     def take_out(self, name: str, now: float) -> List[Action]:
         """Takes a robot out of service. It stops where it is."""
         robot = self.robots[name]
-        robot.client.halt(self._out.new_id)
+        robot.client.halt()
         robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
         self._out.robot_changed(name)
         self._outages.look()
@@ -417,18 +394,21 @@ class Supervisor:
             return 'the fleet is stopped: resume it first', self._actions(now)
         # Without the disk, a restart would restore its old place, not the one where it stands.
         problem = self.trouble or robot.not_back_yet(now)
-        if not problem and robot.client.withdrawn is not None:
-            robot.client.halt(self._out.new_id)
-            self._out.robot_changed(name)
-            self._out.send()
-            problem = f'{name} is told to stop first, because an old order may still reach it: ' \
-                      'try again in a moment'
+        if not problem and not robot.works and robot.client.protocol.unknown:
+            problem = self._stop_first(robot)
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
             self._outages.look()
             self._go_on(now)
         return problem, self._actions(now)
+
+    def _stop_first(self, robot: ManagedRobot) -> str:
+        robot.client.halt()
+        self._out.robot_changed(robot.name)
+        self._out.send()
+        return (f'{robot.name} is told to stop first, because an old order may still reach it: try '
+                'again in a moment')
 
     def _still_too_near(self, robot: ManagedRobot) -> str:
         problem = self._too_near(robot.name, robot)
@@ -473,7 +453,7 @@ class Supervisor:
 
     def _halt(self, robots: Iterable[ManagedRobot]) -> None:
         for robot in robots:
-            robot.client.halt(self._out.new_id)
+            robot.client.halt()
             robot.is_halted = True
             self._out.robot_changed(robot.name)
 
@@ -561,11 +541,12 @@ class Supervisor:
         for robot in self.robots.values():
             robot.look(now, self._heard)
             mission_progress.follow(self.book, robot, now)
-            again = robot.wants_to_go_on(now)
-            if again:
-                self._grant_again(robot, again, True)
-            if not self.is_stopped and robot.go_on_after_stop(now):
+            if not self.is_stopped and robot.goes_on(now):
                 self._out.robot_changed(robot.name)
+            if robot.client.needs_stop and robot.liveness.stands:
+                robot.client.halt()  # it does not count the orders of this fleet manager yet
+                self._out.robot_changed(robot.name)
+                self._out.send()
         self._shorten()
         self._outages.look()
         self._believe_journal()
@@ -594,6 +575,6 @@ class Supervisor:
         for name, robot in self.robots.items():
             if not robot.comes_to_rest or not (robot.works or robot.client.order):
                 continue  # an order that the robot has not received must not reach it unchanged
-            if not robot.client.shorten(self._out.new_id):
+            if not robot.client.shorten():
                 robot.comes_to_rest = False
             self._out.robot_changed(name)

@@ -71,7 +71,8 @@ def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> Progress:
     is_between = (record.is_standing and record.position is not None
                   and record.position.vertex is None)
     if is_between and released < len(own.drives):
-        number, fraction = record.end, record.begun(own.drives[released].edge)
+        number, fraction = record.end, record.begun(
+            own.drives[released].edge, record.position)
     plan = [Drive(world.network.drive(edge), start, end) for edge, start, end in own.drives]
     return Progress(robot.type, plan, released, (max(number - own.base, 0), fraction), is_between)
 

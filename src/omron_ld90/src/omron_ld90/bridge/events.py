@@ -11,12 +11,14 @@ from enum import Enum
 from typing import Optional, Tuple, Union
 
 from route_protocol.values import (
+    EpochCause,
     Phase,
     Reason,
     RouteOrder,
     RouteRefusal,
     RouteReport,
 )
+from route_protocol.vehicle import VehicleState
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,8 @@ class RouteRecord:
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
     epoch: int = 0           # the last epoch that the bridge knew
     past: Tuple[Tuple[int, int], ...] = ()  # orders that were driven: id, and a hash of the edges
+    base: int = 0            # number of edges[0] in the route record
+    protocol: Optional[VehicleState] = None  # which orders were taken and refused
 
 
 # --- the robot ------------------------------------------------------------------------------------
@@ -109,6 +113,7 @@ class MotionTold:
     by_robot -- the robot did something that no command of ours asked for
     goes_on -- the controller was restarted, and knows of no giver that did anything meanwhile
     reason -- why the epoch is a new one, for a person
+    cause  -- the same for programs
     """
 
     epoch: int
@@ -118,6 +123,7 @@ class MotionTold:
     stop_owed: bool = False
     reason: str = ''
     by_robot: bool = False
+    cause: EpochCause = EpochCause.OTHER_GIVER
 
 
 class Link(Enum):

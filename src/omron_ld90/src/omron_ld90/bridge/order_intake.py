@@ -13,7 +13,8 @@ from typing import Callable, Optional, Tuple
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import is_change
 from omron_ld90.bridge.route_run import RouteRun
-from route_protocol.order_rules import RouteRefused, check_order, is_late
+from route_protocol.old_masters import is_late
+from route_protocol.order_rules import RouteRefused, check_order
 from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
@@ -41,12 +42,15 @@ class OrderIntake:
     patience -- s that an order may wait; the route protocol limits it
     tell_refusal -- called with a refused order and the reason
     note -- called with a message for a person
+    knows -- whether an order of this epoch is still valid
     """
 
     def __init__(self, robot: RobotMonitor, patience: float,
                  tell_refusal: Callable[[RouteOrder, Reason], None],
-                 note: Callable[[str], None]) -> None:
+                 note: Callable[[str], None],
+                 knows: Optional[Callable[[int], bool]] = None) -> None:
         self._robot = robot
+        self._knows = knows or robot.knows
         self._patience = min(patience, ANSWERED_WITHIN)
         self._tell_refusal = tell_refusal
         self._note = note
@@ -77,7 +81,7 @@ class OrderIntake:
             self.refuse(*self._refused)
         elif order.comes_again and not order.stamp and not order.known_epoch:
             self.refuse(order, _LATCHED)
-        elif order.known_epoch and not self._robot.knows(order.known_epoch):
+        elif order.known_epoch and not self._knows(order.known_epoch):
             self.refuse(order, OVERRULED)
         elif not order.known_epoch and self._is_overruled(order, now):
             self.refuse(order, TAKEN_OVER)
@@ -87,6 +91,11 @@ class OrderIntake:
             self._waiting = (order, now + self._patience)
             return True
         return False
+
+    def wait(self, order: RouteOrder, now: float) -> None:
+        """Keeps a numbered order that the protocol lets pass until it can be judged."""
+        if self._waiting is None or self._waiting[0].order != order.order:
+            self._waiting = (order, now + self._patience)
 
     def drop(self) -> None:
         """Drops the order that waits: it was cancelled."""
@@ -147,7 +156,8 @@ class OrderIntake:
 
     def accepted(self, order: RouteOrder) -> None:
         """The order that was due is driven now."""
-        self.past = (*self.past, key_of(order))[-_KEPT_ORDERS:]
+        if not order.order:
+            self.past = (*self.past, key_of(order))[-_KEPT_ORDERS:]
         if self._emergency_told:
             self._emergency_told = False
             self._note(f'Route {order.route_id} is driven: the emergency stop is over.')

@@ -9,10 +9,13 @@ from route_protocol.order_rules import RouteRefused
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from trajectory_graph import Graph, change_of
 
+REACTION = 1.0  # s until the robot begins to brake for a new goal
+
 
 def is_change(route: RouteRun, order: RouteOrder) -> bool:
-    """Whether the order has the id of a route that was not stopped."""
-    return route.order.route_id == order.route_id and route.phase is not Phase.STOPPED
+    """Whether an order without a number has the id of a route that was not stopped."""
+    return (not order.order and not route.order.order
+            and route.order.route_id == order.route_id and route.phase is not Phase.STOPPED)
 
 
 def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> None:
@@ -33,6 +36,23 @@ def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> Non
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} must go on with the edges done and the '
                        f'current one, {list(kept)}')
+
+
+def check_braking(route: RouteRun, edges: Tuple[int, ...], speed: float, braking: float) -> None:
+    """Raises RouteRefused if the robot cannot stop before the end of a shorter route.
+
+    edges   -- the whole route, from its first edge on
+    speed   -- of the robot, in m/s
+    braking -- its deceleration towards a goal, in m/s2
+    """
+    if len(edges) >= len(route.edges):
+        return
+    left = route.progress.distance_to_end(len(edges) - 1)
+    needed = speed * speed / (2.0 * braking) + speed * REACTION
+    if left < needed:
+        raise _refused(ReasonCode.CANNOT_BRAKE,
+                       f'at {speed:.2f} m/s the robot needs {needed:.1f} m to stop, but the route '
+                       f'would end in {max(left, 0.0):.1f} m')
 
 
 def check_start(order: RouteOrder, route: Optional[RouteRun], here: GraphLocation) -> None:

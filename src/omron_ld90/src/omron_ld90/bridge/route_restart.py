@@ -10,9 +10,9 @@ from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.goal_names import goal_name
-from route_protocol.order_rules import RouteRefused, check_edges
+from route_protocol.order_rules import wrong_route
 from route_protocol.values import Reason, ReasonCode
-from trajectory_graph import Graph
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
 
 def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
@@ -24,10 +24,10 @@ def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
     the position on it is restored. Raises RouteFailed if a running route cannot continue.
     """
     try:
-        check_edges(here.graph, record.edges)
-    except RouteRefused as refusal:
+        check_route(here.graph, record.edges)
+    except TrajectoryGraphError as error:
         if route.running:
-            raise RouteFailed(refusal.reason) from None
+            raise RouteFailed(wrong_route(error).reason) from None
         return ''
     if not route.running:
         route.progress = progress(record.edges, record.completed)

@@ -19,7 +19,8 @@ from node_lifecycle.worker import start_worker
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
-from route_protocol.values import Phase, reason_of
+from route_protocol.values import EpochCause, Phase, reason_of
+from route_protocol.vehicle import VehicleState
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s after which an unchanged record is written again
@@ -123,7 +124,20 @@ def _content_of(record: RouteRecord) -> Dict[str, Any]:
             'reason_code': int(record.reason.code), 'completed': record.completed,
             'target': -1 if record.target is None else record.target, 'goal': record.goal,
             'owes_stop': record.owes_stop, 'epoch': str(record.epoch),
-            'past': [[id, str(edges)] for id, edges in record.past]}
+            'past': [[id, str(edges)] for id, edges in record.past], 'base': record.base,
+            'protocol': None if record.protocol is None else _content_of_protocol(record.protocol)}
+
+
+def _content_of_protocol(state: VehicleState) -> Dict[str, Any]:
+    """Numbers have more than the 32 bits of a parameter."""
+    return {'epoch': str(state.epoch), 'cause': int(state.cause),
+            'master': '' if state.master is None else state.master,
+            'has_master': state.master is not None,
+            'order': str(state.order), 'refused': str(state.refused),
+            'refusal': state.refusal.text, 'refusal_code': int(state.refusal.code),
+            'done': state.done, 'route_id': state.route_id, 'first': state.first,
+            'edges': list(state.edges), 'phase': state.phase.value, 'reason': state.reason.text,
+            'reason_code': int(state.reason.code)}
 
 
 def _record_of(content: Dict[str, Any]) -> RouteRecord:
@@ -134,4 +148,18 @@ def _record_of(content: Dict[str, Any]) -> RouteRecord:
                        reason_of(content.get('reason_code', 0), str(content['reason'])),
                        int(content['completed']), None if target < 0 else target,
                        str(content['goal']), bool(content['owes_stop']), int(content['epoch']),
-                       tuple((int(id), int(edges)) for id, edges in content['past']))
+                       tuple((int(id), int(edges)) for id, edges in content['past']),
+                       int(content.get('base', 0)), _protocol_of(content.get('protocol')))
+
+
+def _protocol_of(content: Optional[Dict[str, Any]]) -> Optional[VehicleState]:
+    """The protocol's state in a record; None: the record is of a version without numbers."""
+    if content is None:
+        return None
+    return VehicleState(
+        int(content['epoch']), EpochCause(content['cause']),
+        str(content['master']) if content['has_master'] else None, int(content['order']),
+        int(content['refused']), reason_of(content['refusal_code'], str(content['refusal'])),
+        int(content['done']), int(content['route_id']), int(content['first']),
+        tuple(int(id) for id in content['edges']), Phase(content['phase']),
+        reason_of(content['reason_code'], str(content['reason'])))

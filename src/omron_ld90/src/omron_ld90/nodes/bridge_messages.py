@@ -18,6 +18,7 @@ from omron_ld90.bridge.events import (
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotStatus
+from route_protocol.values import EpochCause
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
@@ -33,6 +34,12 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
+# For the fleet manager, STOP is a stop on its own way that came past it.
+_CAUSES: Dict[int, EpochCause] = {
+    Motion.OTHER_GIVER: EpochCause.OTHER_GIVER, Motion.STOP: EpochCause.OTHER_GIVER,
+    Motion.CANCEL: EpochCause.CANCEL, Motion.OTHER_CLIENT: EpochCause.OTHER_CLIENT,
+    Motion.ROBOT: EpochCause.ROBOT, Motion.EMERGENCY_STOP: EpochCause.EMERGENCY_STOP,
+    Motion.RESTART: EpochCause.RESTART}
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 
 
@@ -57,7 +64,8 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
-                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT))
+                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
+                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER))
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

@@ -1,0 +1,304 @@
+"""The master's end of the route protocol: what one vehicle may still do by its orders.
+
+State
+    epoch, report  -- of the newest report
+    number         -- of the last order that was given
+    order, refused -- what the newest report says of this master's orders, in this epoch
+    done           -- number, in the route record, of the edge under way or of the next one
+    open           -- the orders that the vehicle follows, or may follow later
+    behind         -- edges that it has driven by them, and that it has not certainly left
+    held           -- edges that it may still be on until it stands
+    is_anywhere    -- another one moves it; only its location says where it is
+    commands       -- the vehicle counts this master's orders
+    unknown        -- by an older journal; it may be anywhere until it stands after order `unknown`
+    gap            -- numbers between these are in no journal that this run has read
+
+What a report does (`hear`)
+    | the report                                | what follows                                     |
+    |-------------------------------------------|--------------------------------------------------|
+    | is not newer than the newest              | nothing                                          |
+    | names another master                      | its `order`, `refused` and record count as 0     |
+    | shows order n                             | orders below n are not open any more             |
+    | shows that n was refused                  | orders up to n, above `order`, are not open      |
+    | shows that the route of order n is lost   | order n is not open                              |
+    | has a new epoch                           | no route is open; stops are                      |
+    | STANDING                                  | nothing is behind or held                        |
+    | on the route of an open order, same epoch | nothing is held                                  |
+    | anything else                             | edges of orders that are not open any more, and  |
+    |                                           | in a new epoch all edges, are held               |
+    | moved, or on the route of another master  | it is anywhere, until one of the two lines above |
+    | shows a number in the gap                 | it is unknown, until it is STANDING after a stop |
+    |                                           | that is given from now on                        |
+
+Invariants
+    - Where the vehicle is, or may come by orders of this master, is on an edge of `may_be_on`, or
+      at the place that the newest report tells, or the vehicle is anywhere or unknown.
+    - A route is given only if nothing is held, the vehicle is neither anywhere nor unknown, and it
+      counts this master's orders. A stop may be given at any time.
+
+`test/numbered_orders_model.py` searches all states of this table, together with the vehicle's.
+The state must be on the disk before an order is sent.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Optional, Tuple
+
+from route_protocol.messages import WrongReport
+from route_protocol.values import (
+    NO_REASON,
+    EpochCause,
+    Motion,
+    Reason,
+    ReasonCode,
+    RouteReport,
+)
+
+SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
+
+
+class Step(NamedTuple):
+    """An edge (signed id) at its place in the route record."""
+
+    number: int
+    edge: int
+
+
+class Order(NamedTuple):
+    """An order that was given.
+
+    epoch -- in which it was decided; a stop needs none
+    first -- record number of `edges[0]`
+    """
+
+    number: int
+    epoch: int
+    first: int
+    edges: Tuple[int, ...]
+    route_id: int = 0
+
+    @property
+    def end(self) -> int:
+        """Record number behind the last edge."""
+        return self.first + len(self.edges)
+
+    def steps(self, begin: int) -> Tuple[Step, ...]:
+        """The edges from record number `begin` on."""
+        skipped = max(begin - self.first, 0)
+        return tuple(Step(self.first + skipped + k, edge)
+                     for k, edge in enumerate(self.edges[skipped:]))
+
+
+@dataclass(frozen=True)
+class MasterState:
+    """All that a master knows of one vehicle; the head of the module says what it means."""
+
+    epoch: int = 0
+    report: int = 0
+    number: int = 0
+    order: int = 0
+    refused: int = 0
+    done: int = 0
+    open: Tuple[Order, ...] = ()
+    behind: Tuple[Step, ...] = ()
+    held: Tuple[Step, ...] = ()
+    is_anywhere: bool = False
+    commands: bool = False
+    unknown: int = 0
+    gap: Tuple[int, int] = (0, 0)
+
+    @property
+    def may_be_on(self) -> Tuple[Step, ...]:
+        """All edges on which the vehicle may be, or onto which orders may still bring it."""
+        found = dict.fromkeys((*self.behind, *self.held))
+        for order in self.open:
+            found.update(dict.fromkeys(order.steps(self.done)))
+        return tuple(found)
+
+    @property
+    def farthest(self) -> Optional[Order]:
+        """The open route that leads farthest; None: no route is open."""
+        routes = [order for order in self.open if order.edges]
+        return max(routes, key=lambda order: order.end) if routes else None
+
+    @property
+    def ahead(self) -> Tuple[int, ...]:
+        """The edges of that route from the one under way on."""
+        route = self.farthest
+        return () if route is None else tuple(step.edge for step in route.steps(self.done))
+
+    @property
+    def end(self) -> int:
+        """Record number behind that route."""
+        return self.done + len(self.ahead)
+
+    @property
+    def pending(self) -> Optional[Order]:
+        """The newest order, if no report shows it yet: it is repeated."""
+        last = self.open[-1] if self.open else None
+        return last if last is not None and last.number > self.order else None
+
+    @property
+    def is_stopping(self) -> bool:
+        """Was a stop given that no report shows yet?"""
+        return self.pending is not None and not self.pending.edges
+
+    @property
+    def takes_away(self) -> bool:
+        """Does the pending order stop the vehicle, or shorten its route?"""
+        return self.pending is not None and self.pending.end < self.end or self.is_stopping
+
+    @property
+    def is_ready(self) -> bool:
+        """May a route be given now?"""
+        return self.commands and not (self.held or self.is_anywhere or self.unknown
+                                      or self.takes_away)
+
+    @property
+    def may_drive(self) -> bool:
+        """May the vehicle drive now, or later, by an order of this master?"""
+        return bool(self.ahead or self.held)
+
+
+@dataclass(frozen=True)
+class News:
+    """What a report has changed.
+
+    is_new   -- it is newer than all before
+    cause    -- why the epoch is a new one; None: it is not
+    passed   -- edges that were driven since the report before, in order
+    took     -- an order is shown that was not shown before
+    failed   -- why the route is lost; no reason: it is not, or that was known
+    refused  -- why open orders were refused; no reason: none were
+    was_shorter -- the newest of these stopped the vehicle or shortened its route
+    stands   -- the vehicle stands, and tells where
+    is_older -- the journal is an older one: the report shows an order that is not in it
+    """
+
+    is_new: bool = False
+    cause: Optional[EpochCause] = None
+    passed: Tuple[int, ...] = ()
+    took: bool = False
+    failed: Reason = NO_REASON
+    refused: Reason = NO_REASON
+    was_shorter: bool = False
+    stands: bool = False
+    is_older: bool = False
+
+
+OLD_NEWS = News()
+
+
+def hear(state: MasterState, said: RouteReport, me: str, next_number: int,
+         is_located: bool = True) -> Tuple[MasterState, News]:
+    """Returns the state after a report, and what has changed. Raises WrongReport.
+
+    me          -- name of this master
+    next_number -- the number that the next order would have
+    is_located  -- the report tells where the vehicle is; otherwise STANDING does not count
+    """
+    if said.number <= state.report:
+        return state, OLD_NEWS
+    is_mine = said.master == me
+    order, refused = (said.order, said.refused) if is_mine else (0, 0)
+    is_new = said.epoch != state.epoch
+    is_older = is_mine and _is_in_gap(state, said)
+    shown = next((one for one in state.open if one.number == order), None)
+    _check(state, said, order, is_new, is_older, shown)
+    failed = is_mine and order > 0 and said.is_failed
+    still = tuple(one for one in state.open if (
+        (not one.edges or one.epoch == said.epoch)
+        and one.number >= order and not order < one.number <= refused
+        and not (one.number == order and failed)))
+    stands = said.motion is Motion.STANDING and is_located
+    knows_where = stands or bool(order and still) and not is_new and not failed and (
+        said.motion in (Motion.ON_ROUTE, Motion.STANDING))
+    passed: Tuple[Step, ...] = ()
+    done = state.end + 1 if is_new else state.done
+    if order:
+        if not is_new and shown is not None:
+            passed = tuple(step for step in shown.steps(state.done) if step.number < said.done)
+        done = said.done
+    held: Tuple[Step, ...] = ()
+    if not knows_where:
+        kept = {step for one in still for step in one.steps(done)}
+        gone = state.may_be_on if is_new else tuple(
+            step for one in state.open if one not in still for step in one.steps(state.done)
+            if step not in kept)
+        held = tuple(dict.fromkeys((*state.held, *gone)))
+    is_anywhere = state.is_anywhere and not knows_where
+    if not stands and (said.motion is Motion.MOVED or not is_mine and said.motion in (
+            Motion.ON_ROUTE, Motion.COMING_TO_REST)):
+        is_anywhere = True
+    unknown = state.unknown
+    if is_older:
+        unknown = unknown or next_number
+    elif unknown and stands and order >= unknown:
+        unknown = 0
+    behind = () if stands or is_new else (*state.behind, *passed)
+    refusals = [one for one in state.open if order < one.number <= refused]
+    lost = shown is not None and failed and bool(shown.edges)
+    news = News(
+        True, said.cause if is_new else None, tuple(step.edge for step in passed),
+        order > (0 if is_new else state.order), (said.reason or SAID_NONE) if lost else NO_REASON,
+        (said.refusal or SAID_NONE) if refusals else NO_REASON,
+        bool(refusals) and refusals[-1].end < state.end, stands, is_older)
+    return replace(
+        state, epoch=said.epoch, report=said.number, order=order, refused=refused, done=done,
+        open=still, behind=behind, held=held, is_anywhere=is_anywhere, commands=is_mine,
+        unknown=unknown), news
+
+
+def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
+    """Is a number that the journal lacks the newest that counts?
+
+    If a newer order was taken, the lost ones can do no more harm.
+    """
+    low, high = state.gap
+    return low < max(said.order, said.refused) and said.order < high and (
+        low < said.order or said.refused < high)
+
+
+def _check(state: MasterState, said: RouteReport, order: int, is_new: bool, is_older: bool,
+           shown: Optional[Order]) -> None:
+    """Raises WrongReport for a report that contradicts what was ordered or reported before."""
+    if is_older or is_new:
+        if order > state.number and not is_older:
+            raise WrongReport(f'it shows order {order}, but the last one was {state.number}')
+        return
+    if order > state.number:
+        raise WrongReport(f'it shows order {order}, but the last one was {state.number}')
+    if order < state.order:
+        raise WrongReport(f'it shows order {order} after order {state.order}')
+    if order and said.done < state.done:
+        raise WrongReport(f'it shows edge number {said.done} after number {state.done}')
+    if shown is not None and (said.first, said.edges) != (
+            (shown.first, shown.edges) if shown.edges else (said.first, ())):
+        raise WrongReport(f'its edges are not those of order {order}')
+
+
+def left(state: MasterState, number: int) -> MasterState:
+    """Returns the state after the vehicle has certainly left all edges before a record number."""
+    behind = tuple(step for step in state.behind if step.number >= number)
+    return state if behind == state.behind else replace(state, behind=behind)
+
+
+def give_route(state: MasterState, number: int, edges: Tuple[int, ...],
+               route_id: int) -> MasterState:
+    """Returns the state after the order to drive these edges, from the one under way on."""
+    order = Order(number, state.epoch, state.done, edges, route_id)
+    return replace(state, number=number, open=(*state.open, order))
+
+
+def give_stop(state: MasterState, number: int, route_id: int) -> MasterState:
+    """Returns the state after a stop."""
+    order = Order(number, 0, state.done, (), route_id)
+    return replace(state, number=number, open=(*state.open, order))
+
+
+def next_number(state: MasterState, clock: int) -> int:
+    """Returns the number of the next order.
+
+    clock -- ms since 1970: an older journal, or a restored machine, must not draw a number again
+    """
+    return max(state.number + 1, clock)
