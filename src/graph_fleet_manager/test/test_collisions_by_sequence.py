@@ -119,7 +119,8 @@ def test_a_robot_that_chooses_another_beginning_keeps_the_place_where_it_really_
     fleet.run_until(lambda: a.arc > 3.6)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(0.5)
-    a.arc, a.near = 3.72, 0.29  # it came to rest 0.28 m before the vertex, and counts as on it
+    a.come_to_rest_at(3.72)
+    a.near = 0.29  # it came to rest 0.28 m before the vertex, and counts as on it
     fleet.run(3.0)
     fleet.request(2, 6, robot='b')
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])

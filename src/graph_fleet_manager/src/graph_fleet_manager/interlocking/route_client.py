@@ -316,6 +316,11 @@ class RouteClient:
         number = self._next_number()
         self._set(give_stop(self.protocol, number, number % _LARGEST_LABEL + 1))
 
+    def drop_stops(self) -> None:
+        """The robot has no topics here any more: nothing can be sent to it."""
+        protocol = self.protocol
+        self._set(replace(protocol, open=tuple(one for one in protocol.open if one.edges)))
+
     def due(self, now: float) -> Optional[Sending]:
         """The order to send now, if there is one."""
         order = self.order

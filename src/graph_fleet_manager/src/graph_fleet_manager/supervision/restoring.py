@@ -48,6 +48,8 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
         memory = memories.get(robot.name)
         if memory is not None:
             _restore(managed, memory, graph, before, now)
+        else:  # a journal that was lost does not know its numbers
+            managed.client.restore(Memory(), now)
         if robot.absent and managed.outage is not Outage.ABSENT:
             managed.declare_absent(now)
         robots[robot.name] = managed
@@ -67,6 +69,7 @@ def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
             kept, areas = on_graph(memory.client, graph, before)
             client.restore(kept, now)
             client.lose(areas)
+            client.drop_stops()
             removed[name] = RemovedRobot(name, memory.kind, client)
     return removed
 

@@ -191,7 +191,8 @@ class ManagedRobot:
             self.notice(sign_of(heard.failed), heard.failed.text)
         elif not report.pose.edge and self.record.is_standing and self.client.is_confirmed:
             self.notice(Sign.LEFT_GRAPH, 'it reports that it is off the graph')
-        elif heard.left and not (self.outage is Outage.STOPPED and heard.is_near):
+        elif heard.left and (self.outage is None or self.outage is Outage.STOPPED
+                             and not heard.is_near):
             self.notice(Sign.TAKEN, 'it was moved without a route')
 
     def _follow_refusal(self, heard: Heard) -> None:
