@@ -70,7 +70,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     assert not robot(fleet).works and len(robot(fleet).record.held) >= 4
     agv.report = report
     if how != 'lost link':
-        agv.receive(owed)  # its computer has kept the stop for it
+        agv.receive(route_order(owed))  # its computer has kept the stop for it
     fleet.deaf.clear()
     fleet.run(15.0)
     assert not fleet.bring_in('a')
