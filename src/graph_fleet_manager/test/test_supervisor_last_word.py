@@ -7,7 +7,7 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_simulation.plain_agv import LOST_LINK
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked, route_order
 from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
@@ -59,8 +59,8 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
                        reason=Reason(ReasonCode.STOP_OWED, 'the link is down'))
 
     def repeat(_: float) -> RouteReport:
-        agv.told += 1
-        return replace(told, number=agv.told)
+        agv.knows['report'] += 1
+        return replace(told, number=agv.knows['report'])
     agv.report, report = repeat, agv.report
     fleet.run(4.0)
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
@@ -70,7 +70,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     assert not robot(fleet).works and len(robot(fleet).record.held) >= 4
     agv.report = report
     if how != 'lost link':
-        agv.receive(owed)  # its computer has kept the stop for it
+        agv.receive(route_order(owed))  # its computer has kept the stop for it
     fleet.deaf.clear()
     fleet.run(15.0)
     assert not fleet.bring_in('a')
@@ -175,7 +175,7 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     agv.fail(TAKEN_OVER)
     fleet.run(0.1)
     assert robot(fleet).outage is Outage.TAKEN_OVER
-    agv.receive(order.order)  # the order came late
+    agv.receive(route_order(order.order))  # the order came late
     before = agv.travelled
     fleet.run(20.0)
     assert agv.travelled - before < 0.5

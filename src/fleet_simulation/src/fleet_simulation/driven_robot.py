@@ -8,8 +8,6 @@ from typing import List, Optional, Tuple
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking.route_client import ME
-from route_protocol.master import Order
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
@@ -79,15 +77,16 @@ class DrivenRobot:
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
                  mechanics: Mechanics, delays: Delays, random: Random, charge: float) -> None:
-        self.graph, self.kind, self._random = graph, kind, random
-        self.vehicle = Vehicle(name, graph, vertex, mechanics.limits(kind), kind.obeys_edge_speed,
-                               kind.docks or (), 100.0 * charge,
-                               lambda: self._random.getrandbits(62) + 1)
+        self.graph, self.kind = graph, kind
+        self._now = self._stands_until = 0.0
+        epochs = Random(f'epochs of {name}')
+        self.vehicle = Vehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
+                               lambda: int(1000.0 * self._now), mechanics.limits(kind),
+                               kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
         self.travelled = 0.0
-        self._mechanics, self._delays = mechanics, delays
+        self._mechanics, self._delays, self._random = mechanics, delays, random
         self._refusals: List[RouteRefusal] = []
         self._edge: Tuple[Optional[int], int] = (None, -1)
-        self._now = self._stands_until = 0.0
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -140,11 +139,9 @@ class DrivenRobot:
             self._stands_until = self._now + seconds
             self.vehicle.stall(seconds)
 
-    def receive(self, order: Order) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives the robot an order; returns None, `late_refusals` returns its refusal."""
-        self.vehicle.handle(RouteOrder(
-            order.route_id, order.edges, known_epoch=order.epoch, order=order.number,
-            first=order.first, master=ME))
+        self.vehicle.handle(order)
         return None
 
     def late_refusals(self) -> List[RouteRefusal]:
@@ -152,14 +149,18 @@ class DrivenRobot:
         return [message for message in self.vehicle.take_messages()
                 if isinstance(message, RouteRefusal)]
 
+    def told(self, stamp: int) -> RouteReport:
+        """Returns the robot's next report, with this stamp (ns)."""
+        return replace(self.vehicle.report(), stamp=stamp)
+
     def report(self, stamp: float) -> RouteReport:
-        """Returns the robot's report, with this stamp (s)."""
-        return replace(self.vehicle.report(), stamp=round(stamp * _NANO))
+        """Returns the robot's next report, with this stamp (s)."""
+        return self.told(round(stamp * _NANO))
 
     @property
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        return replace(self.vehicle.state, report=0), self.vehicle.motion
+        return self.vehicle.news
 
     def __str__(self) -> str:
         drive = self.vehicle.drive

@@ -1,23 +1,22 @@
 """A simple AGV for tests of the supervisor. It obeys orders as the route protocol requires.
 
-It shares no code with `agv_sim`, nor with `route_protocol.vehicle`. Therefore a mistake in one
-cannot hide a mistake in the other.
+It shares no code with `agv_sim`, nor with `route_protocol.vehicle`: only values. Therefore a
+mistake in one cannot hide a mistake in the other.
 """
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 from itertools import count
-from typing import Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.reports import Pose
-from graph_fleet_manager.interlocking.route_client import ME
-from route_protocol.master import Order
 from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
     OVERRULED,
+    TAKEN_OVER,
     EdgeState,
     EpochCause,
     Location,
@@ -25,6 +24,7 @@ from route_protocol.values import (
     Phase,
     Reason,
     ReasonCode,
+    RouteOrder,
     RouteRefusal,
     RouteReport,
     SymbolicPose,
@@ -37,7 +37,10 @@ CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 _AT_END = 1e-6  # m
 _TREMBLE = 0.05  # m by which the location of a standing AGV may change
 _NEAR = 0.3     # m from a vertex within which a route may begin at the vertex
+_JUST_LEFT = 0.5  # m past a vertex within which a route may begin with the edge before the vertex
 _EPOCHS: Iterator[int] = count(10 ** 6)
+
+_NO_ORDERS: Dict[str, Any] = {'taken': 0, 'refused': 0, 'refusal': NO_REASON}
 
 
 class Agv:
@@ -51,8 +54,18 @@ class Agv:
     near      -- m from a vertex within which it counts as standing there; if a test changes it, a
                  route near a vertex must begin with an edge that leads away from the vertex
     braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
-    aside     -- x, y in m by which it stands beside its edge
-    moved     -- s for which it still counts as moved by somebody else
+    aside     -- m in x and y by which it stands beside its edge
+    moved     -- s for which it still reports that somebody else moves it
+    old       -- ns by which the location in its reports is old; None: they have no location
+
+    `knows` is what it knows of its orders:
+    epoch, cause   -- number of its epoch, and why that began
+    master         -- whose orders `taken` and `refused` count; None: nobody's yet
+    taken, refused -- numbers of the last order that it took, and of the highest that it refused
+    refusal        -- why it refused that
+    first          -- number of the first edge of its route
+    done           -- number of the edge under way, or of the next one
+    report         -- number of the last report
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
@@ -61,19 +74,20 @@ class Agv:
         """Signed id of the edge on which the AGV is."""
         self.arc = 0.0
         """m from the start of this edge to the AGV."""
-        self.epoch, self.cause = next(_EPOCHS), EpochCause.RESTART
-        self.taken = self.refused = 0
-        """Numbers of the last order that it took, and of the highest that it refused."""
-        self.refusal = NO_REASON
         self.route_id = 0
-        self.first = 0
-        """Number of the first of `edges` in its route record."""
         self.edges: Tuple[int, ...] = ()
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = NO_REASON
-        self.told = 0
-        """Number of its last report."""
+        self.knows: Dict[str, Any] = {'report': 0}
+        self._start_without_memory()
+        self._refused: Optional[RouteRefusal] = None  # the last one of an order without a number
+        self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
+        self._rolls = 0.0     # m that it rolls on after the loss of its route
+        self._rolls_along: Tuple[int, ...] = ()  # the edges behind the present one
+        self._giver: Optional[str] = None        # the master by whose route it moves
+        self._waits: Optional[RouteOrder] = None  # a route that waits until it stands
+        self._late_refusals: List[RouteRefusal] = []
         self.stalled = 0.0
         self.emergency = False
         self.off_graph = False
@@ -81,22 +95,19 @@ class Agv:
         self.refusing = 0
         self.near = _NEAR
         self.braking = 0.0
-        self.aside = (0.0, 0.0)
+        self.aside = 0.0, 0.0
         self.moved = 0.0
-        self.master = ''
+        self.old: Optional[int] = 0
         self.travelled = 0.0
-        self.visited: List[int] = [vertex]
-        """Ids of the visited vertices, in order."""
-        self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
-        self._rolls = 0.0     # m that it still rolls on without a route
         self._stayed: Optional[Tuple[float, float]] = None  # where it was at its last report
         self._drove = False
+        self.visited: List[int] = [vertex]
+        """Ids of the visited vertices, in order."""
 
     @property
     def position(self) -> Tuple[float, float]:
         """The position x, y in m, in the frame of the graph."""
-        curve = self.graph.curve(self.edge)
-        x, y = curve.point_at(self.arc)
+        x, y = self.graph.curve(self.edge).point_at(self.arc)
         return float(x) + self.aside[0], float(y) + self.aside[1]
 
     @property
@@ -107,88 +118,135 @@ class Agv:
     @property
     def motion(self) -> Motion:
         """What it does."""
-        if self.moved > 0.0:
-            return Motion.MOVED
         if self.phase is Phase.RUNNING:
             return Motion.ON_ROUTE
-        return Motion.COMING_TO_REST if self._rolls else Motion.STANDING
-
-    @property
-    def done(self) -> int:
-        """Number of the edge under way in its route record."""
-        return self.first + self.current
+        if self.moved > 0.0:
+            return Motion.MOVED
+        if self._rolls <= 0.0:
+            return Motion.STANDING
+        if self.knows['master'] is None:
+            return Motion.UNKNOWN
+        return (Motion.COMING_TO_REST if self._giver == self.knows['master'] else Motion.MOVED)
 
     @property
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
-        return (self.epoch, self.taken, self.refused, self.current, self.phase, self.reason,
-                self.motion, self.unready)
+        knows = self.knows
+        return (self.route_id, self.edges, self.current, self.phase, self.reason, self.motion,
+                knows['epoch'], knows['taken'], knows['refused'], self.unready)
 
     def late_refusals(self) -> List[RouteRefusal]:
-        """Returns no refusals: `receive` returns each refusal at once."""
-        return []
+        """Returns the refusals of routes that waited, since the last call."""
+        refusals, self._late_refusals = self._late_refusals, []
+        return refusals
 
     def __str__(self) -> str:
-        return (f'edge {self.edge} at {self.arc:.2f}, epoch {self.epoch} {self.cause.name} order '
-                f'{self.taken} {self.first} {self.edges} {self.current} {self.phase.value} '
-                f'{self.motion.name} refused {self.refused} {self.refusal}')
+        return (f'edge {self.edge} at {self.arc:.2f}, route {self.route_id} {self.edges} '
+                f'{self.current} {self.phase.value} {self.motion.name} {self.knows}')
 
     # -- orders -----------------------------------------------------------------------------------
 
-    def ignores(self, order: Order) -> bool:
-        """Whether it would neither obey nor drive this order if it came now."""
-        return bool(order.number) and order.number <= max(self.taken, self.refused) or bool(
-            order.edges) and order.epoch != self.epoch
-
-    def receive(self, order: Order) -> Optional[RouteRefusal]:
-        """Takes an order, or returns its refusal. A repeated order has no effect."""
-        is_mine = self.master in ('', ME)
-        if order.number and is_mine and order.number <= max(self.taken, self.refused):
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
+        """Takes an order, or returns its refusal. Returns None for an order that it ignores."""
+        if not order.order:
+            return self.order(order.route_id, order.edges)
+        knows = self.knows
+        is_mine = order.master == knows['master']
+        if is_mine and order.order <= max(knows['taken'], knows['refused']):
             return None
-        if not order.edges and not is_mine:
-            self.begin_epoch(EpochCause.OTHER_MASTER)
+        is_another = not is_mine and knows['master'] is not None
+        is_first = is_another or not knows['taken']
         if not order.edges:
-            self._lose_route()
-            first = self.done if self.taken or not order.number else order.first
-            self.route_id, self.first, self.edges, self.current = order.route_id, first, (), 0
-            self.phase, self.reason = Phase.STOPPED, NO_REASON
-            if order.number:
-                self.taken, self.master = order.number, ME
-            else:
-                self.begin_epoch(EpochCause.STOP)
+            self.stand(order.route_id)
+            self.count_stop(order)
+            number = order.first if is_first else knows['done']
+            knows.update(first=number, done=number)
             return None
-        if self._rolls:
-            return None  # it answers when it stands
-        if not is_mine:
-            return RouteRefusal(order.route_id, order.edges, OVERRULED, order.number)
-        reason = OVERRULED if order.epoch != self.epoch else self._take_up(order)
-        return self.refuse(order, reason) if reason else None
+        reason = self._why_not(order, is_first)
+        if reason is _ROLLS:
+            self._wait(order)
+            return None
+        if reason:
+            return self.refuse(order, reason)
+        if is_another:
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        done = order.first if is_first else knows['done']
+        knows.update(master=order.master, taken=order.order, first=order.first, done=done)
+        self._giver = order.master
+        self._set_route(order.route_id, order.edges, done - order.first)
+        return None
 
-    def refuse(self, order: Order, reason: Reason) -> RouteRefusal:
-        """Returns the refusal of an order by the AGV's computer; a repetition is refused, too."""
-        self.refused, self.refusal = max(self.refused, order.number), reason
-        self.master = ME
-        return RouteRefusal(order.route_id, order.edges, reason, order.number)
+    def _wait(self, order: RouteOrder) -> None:
+        """Keeps a route until the AGV stands. A newer one of the same master replaces it."""
+        before = self._waits
+        if before is None or order.master != before.master or order.order > before.order or (
+                not order.order):
+            self._waits = order
+
+    def refuse(self, order: RouteOrder, reason: Reason) -> RouteRefusal:
+        """Counts the refusal of a route, and returns it."""
+        knows = self.knows
+        refusal = RouteRefusal(order.route_id, order.edges, reason, order.order)
+        if not order.order:
+            self._refused = refusal
+        elif knows['master'] in (None, order.master) and order.order > knows['refused']:
+            knows.update(master=order.master, refused=order.order, refusal=reason)
+        return refusal
+
+    def count_stop(self, order: RouteOrder) -> None:
+        """Counts a stop as taken."""
+        knows = self.knows
+        if not order.order:
+            self.begin_epoch(EpochCause.STOP)
+            return
+        if knows['master'] not in (None, order.master):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        knows.update(master=order.master, taken=order.order)
 
     def obey_another(self, edges: Tuple[int, ...]) -> None:
         """Takes a route of another master, from where it is."""
-        self.begin_epoch(EpochCause.OTHER_MASTER)
-        self.taken, self.master = 1, 'another'
-        self.first, self.edges, self.current = 0, edges, 0
-        self.edge, self.arc = edges[0], self.arc if edges[0] == self.edge else 0.0
-        self.phase, self.reason = Phase.RUNNING, NO_REASON
+        self.receive(RouteOrder(1, edges, known_epoch=self.knows['epoch'], order=1,
+                                master='another'))
 
     def begin_epoch(self, cause: EpochCause) -> None:
         """Obeys no order any more that is on its way."""
-        self.epoch, self.cause = next(_EPOCHS), cause
-        self.taken = self.refused = 0
-        self.refusal = NO_REASON
+        self.knows.update(_NO_ORDERS, epoch=next(_EPOCHS), cause=cause)
 
-    def _lose_route(self) -> None:
-        if self.phase is Phase.RUNNING and not self.stalled:
-            self._rolls = self.braking
+    def ignores(self, order: RouteOrder) -> bool:
+        """Whether this order would neither stop it nor be driven if it came now."""
+        knows = self.knows
+        return bool(order.order) and (
+            order.master == knows['master']
+            and order.order <= max(knows['taken'], knows['refused'])
+            or bool(order.edges) and order.known_epoch != knows['epoch'])
 
-    def _take_up(self, order: Order) -> Reason:
+    def _why_not(self, order: RouteOrder, is_first: bool) -> Reason:
+        """Returns why it does not take a route with a number; places the AGV if it does."""
+        knows = self.knows
+        if not order.known_epoch or order.known_epoch != knows['epoch']:
+            return OVERRULED
+        skipped = 0 if is_first else knows['done'] - order.first
+        if not 0 <= skipped <= len(order.edges):
+            return Reason(ReasonCode.WRONG_CHANGE, 'its record numbers do not fit')
+        rest = order.edges[skipped:]
+        is_under_way = self.phase is Phase.RUNNING and not is_first
+        if is_under_way and rest[:1] != self.edges[self.current:self.current + 1]:
+            return Reason(ReasonCode.WRONG_CHANGE, 'it must go on with the edge under way')
+        if not rest and self.phase is not Phase.COMPLETE:
+            return Reason(ReasonCode.WRONG_CHANGE, 'it ends before the place where it stands')
+        reason = self._unable(order.edges)
+        if reason:
+            return reason
+        if self._rolls > 0.0:
+            return _ROLLS
+        if rest[:1] == (self.edge,) and len(rest) == 1 and self._cannot_brake():
+            return CANNOT_BRAKE
+        if rest and not is_under_way:
+            return self._begin_with(rest)
+        return NO_REASON
+
+    def _unable(self, edges: Tuple[int, ...]) -> Reason:
+        """Returns why it can drive no route now, or nobody this one."""
         if self.emergency:
             return EMERGENCY_STOP
         if self.off_graph:
@@ -197,52 +255,130 @@ class Agv:
             self.refusing -= 1
             return Reason(ReasonCode.OTHER, 'the test makes the robot refuse')
         try:
-            check_route(self.graph, order.edges)
+            check_route(self.graph, edges)
         except TrajectoryGraphError as error:
             return Reason(ReasonCode.WRONG_ROUTE, str(error))
-        skipped = self.done - order.first if self.taken else 0
-        if not 0 <= skipped <= len(order.edges):
-            return Reason(ReasonCode.WRONG_CHANGE, 'its record numbers do not fit')
-        rest = order.edges[skipped:]
-        if self.phase is Phase.RUNNING and self.taken:
-            if rest[:1] != self.edges[self.current:self.current + 1]:
-                return Reason(ReasonCode.WRONG_CHANGE, 'it must go on with the edge under way')
-            if len(rest) == 1 and self._cannot_brake():
-                return CANNOT_BRAKE
-        elif rest:
-            begun = self._beginning(rest)
-            if begun is None:
-                return Reason(ReasonCode.STARTS_ELSEWHERE,
-                              f'edge {rest[0]} does not start where the robot is')
-            edge, arc = begun
-            self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
-            if not self._to_begin:
-                self.edge, self.arc = edge, arc
-        elif self.phase is not Phase.COMPLETE:
-            return Reason(ReasonCode.WRONG_CHANGE, 'it ends before the place where it stands')
-        self.taken, self.master, self.route_id = order.number, ME, order.route_id
-        self.first, self.edges, self.current = order.first, order.edges, skipped
-        self.phase = Phase.RUNNING if rest else Phase.COMPLETE
-        self.reason = NO_REASON
-        self.drive(0.0)
         return NO_REASON
 
-    def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, float]]:
-        """Returns where a new route begins: the edge, and m from its start.
+    def _begin_with(self, rest: Tuple[int, ...]) -> Reason:
+        """Places the AGV at the beginning of `rest`, or returns why it does not begin there."""
+        begun = self._beginning(rest)
+        turns_back = (self.phase is Phase.RUNNING and self.braking > 0.0 and self.arc > _AT_END
+                      and rest[0] != self.edge)
+        if begun is None or begun[0] or turns_back:
+            return Reason(ReasonCode.STARTS_ELSEWHERE,
+                          f'edge {rest[0]} does not start where the robot is')
+        self._place(begun[1], begun[2])
+        return NO_REASON
+
+    def _place(self, edge: int, arc: float) -> None:
+        self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
+        if not self._to_begin:
+            self.edge, self.arc = edge, arc
+
+    def _set_route(self, route_id: int, edges: Tuple[int, ...], current: int) -> None:
+        self.route_id, self.edges, self.current = route_id, edges, current
+        self.phase = Phase.RUNNING if current < len(edges) else Phase.COMPLETE
+        self.reason = NO_REASON
+        self.drive(0.0)
+
+    def stand(self, route_id: int) -> None:
+        """Brakes, and has no route any more."""
+        self._lose_route()
+        self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
+        self.phase, self.reason = Phase.STOPPED, NO_REASON
+        self.knows['first'] = self.knows['done']
+
+    def _lose_route(self) -> None:
+        """Rolls on along the route that it had, as far as it needs to brake."""
+        if self.phase is Phase.RUNNING:
+            self._rolls = 0.0 if self.stalled or self._to_begin else self.braking
+            self._rolls_along = self.edges[self.current + 1:]
+
+    # -- orders without a number ------------------------------------------------------------------
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """Accepts a new route or a change of the route, or returns the refusal.
+
+        A repeated order gets the same answer again.
+        """
+        if not edges:
+            self.stand(route_id)
+            if self._waits is not None and not self._waits.order:
+                self._waits = None
+            self.count_stop(RouteOrder(route_id, ()))
+            return None
+        if (route_id, edges) == (self.route_id, self.edges):
+            return None
+        if not self.has_refused(route_id, edges):
+            reason = self._take_up(route_id, edges)
+            if reason is _ROLLS:
+                self._wait(RouteOrder(route_id, edges))
+                return None
+            self._refused = RouteRefusal(route_id, edges, reason) if reason else None
+        return self._refused
+
+    def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
+        """Whether this order is the last one that was refused; it would be refused again."""
+        refused = self._refused
+        return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
+
+    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> Reason:
+        reason = self._unable(edges)
+        if reason:
+            return reason
+        knows = self.knows
+        first, current = knows['first'], self.current
+        if route_id == self.route_id and self.phase is not Phase.STOPPED:
+            if self.phase is Phase.FAILED:
+                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} has failed')
+            kept = self.edges[:self.current + 1]
+            if edges[:len(kept)] != kept:
+                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} must begin with its '
+                                                       'completed edges and the current one')
+            if edges == kept and self._cannot_brake():
+                return CANNOT_BRAKE
+            if self.phase is Phase.COMPLETE and self.current < len(edges):
+                self.edge, self.arc = edges[self.current], 0.0
+        elif self._rolls > 0.0:
+            return _ROLLS
+        else:
+            begun = self._beginning(edges)
+            if begun is None:
+                return Reason(ReasonCode.STARTS_ELSEWHERE,
+                              f'edge {edges[0]} does not start where the robot is')
+            if edges[begun[0]:] == (self.edge,) and self._cannot_brake():
+                return CANNOT_BRAKE
+            current = begun[0]
+            first = knows['done'] - current
+            self._place(begun[1], begun[2])
+        if knows['master'] not in (None, _OLD):
+            self.begin_epoch(EpochCause.OTHER_MASTER)
+        number = max(knows['taken'], knows['refused']) + 1
+        knows.update(master=_OLD, taken=number, first=first, done=first + current)
+        self._giver = _OLD
+        self._set_route(route_id, edges, current)
+        return NO_REASON
+
+    def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, float]]:
+        """Returns where a new route begins: index of the edge, the edge, and m from its start.
 
         Returns None if the route does not begin where the AGV is.
         """
         first = edges[0]
         length = self.graph.curve(self.edge).length
         if first == self.edge and (length - self.arc > self.near or self.near == _NEAR):
-            return first, self.arc
+            return 0, first, self.arc
         if first == -self.edge and (self.arc > self.near or self.near == _NEAR):
-            return first, length - self.arc
+            return 0, first, length - self.arc
         start = self.graph.start_vertex(first).id
         if self.arc <= self.near and start == self.graph.start_vertex(self.edge).id:
-            return first, 0.0
+            return 0, first, 0.0
         if length - self.arc <= self.near and start == self.graph.end_vertex(self.edge).id:
-            return first, 0.0
+            return 0, first, 0.0
+        driven = self.edges[self.current - 1] if 0 < self.current < len(self.edges) else 0
+        if first == driven and edges[1:2] == (self.edge,) and self.arc <= _JUST_LEFT:
+            return 1, self.edge, self.arc
         return None
 
     def _cannot_brake(self) -> bool:
@@ -261,6 +397,10 @@ class Agv:
     def drive(self, seconds: float) -> None:
         """Advances the AGV by the given virtual time, in s."""
         self._drive(seconds)
+        waited, self._waits = self._waits, None
+        refusal = self.receive(waited) if waited is not None else None
+        if refusal is not None:
+            self._late_refusals.append(refusal)
         if self.arc <= _NEAR:
             self._visit(self.graph.start_vertex(self.edge).id)
         if self.graph.curve(self.edge).length - self.arc <= _NEAR:
@@ -278,6 +418,8 @@ class Agv:
         seconds -= stalled
         if self.emergency and self.phase is Phase.RUNNING:
             self.fail(EMERGENCY_STOP)
+        if self._rolls > 0.0:
+            self._roll(seconds)
         if self.phase is Phase.RUNNING and self._to_begin:
             back = min(seconds * self._speed(), self._to_begin)
             seconds -= back / self._speed()
@@ -285,8 +427,6 @@ class Agv:
             if self._to_begin > _AT_END:
                 return
             self._to_begin, self.edge, self.arc = 0.0, self.edges[self.current], 0.0
-        if self._rolls:
-            self._roll(seconds)
         while self.phase is Phase.RUNNING:
             self.edge = self.edges[self.current]
             length, speed = self.graph.curve(self.edge).length, self._speed()
@@ -299,6 +439,7 @@ class Agv:
             self._visit(self.graph.end_vertex(self.edge).id)
             seconds -= step / speed
             self.current += 1
+            self.knows['done'] = self.knows['first'] + self.current
             if self.current == len(self.edges):
                 self.phase = Phase.COMPLETE
                 return
@@ -310,47 +451,76 @@ class Agv:
         return self.pace * (self.kind.drives_at(speed) or self.kind.speed)
 
     def _roll(self, seconds: float) -> None:
-        """Rolls on along the edge, at most to its end, after the loss of its route."""
-        step = min(seconds * self._speed(), self._rolls,
-                   self.graph.curve(self.edge).length - self.arc)
-        self.arc, self.travelled = self.arc + step, self.travelled + step
-        self._rolls = self._rolls - step if step else 0.0
-        if self._rolls < _AT_END:
-            self._rolls = 0.0
+        """Rolls on after the loss of its route."""
+        left = min(seconds * self._speed(), self._rolls)
+        self._rolls -= left
+        while left > 0.0:
+            step = min(left, self.graph.curve(self.edge).length - self.arc)
+            self.arc, left = self.arc + step, left - step
+            self.travelled += step
+            if left > 0.0:
+                self._visit(self.graph.end_vertex(self.edge).id)
+                if not self._rolls_along:
+                    self._rolls = 0.0
+                    return
+                self.edge, self.arc = self._rolls_along[0], 0.0
+                self._rolls_along = self._rolls_along[1:]
 
     def forget(self) -> None:
-        """Switches the AGV off and on again: it stands where it is and has no memory."""
+        """Switches the AGV off and on again: it stands where it is, and has no memory."""
         self.route_id, self.edges, self.current, self._to_begin = 0, (), 0, 0.0
-        self.first, self._rolls, self.master = 0, 0.0, ''
         self.phase, self.reason = Phase.STOPPED, NO_REASON
+        self._rolls, self._giver, self._refused, self._waits = 0.0, None, None, None
+        self._start_without_memory()
+
+    def _start_without_memory(self) -> None:
         self.begin_epoch(EpochCause.RESTART)
+        self.knows.update(master=None, first=0, done=0)
+
+    def restart(self) -> None:
+        """Starts the AGV again with its memory: nothing changes, except that it stands."""
+        self._rolls = 0.0
 
     def fail(self, reason: Reason) -> None:
-        """Lets a running route fail for this reason."""
+        """Lets a running route fail. Some reasons begin a new epoch, with or without a route."""
         if self.phase is Phase.RUNNING:
             self._lose_route()
-            self.phase, self.reason = Phase.FAILED, reason
-            self._to_begin = 0.0
+            self.phase, self.reason, self._to_begin = Phase.FAILED, reason, 0.0
         cause = _CAUSES.get(reason.code)
         if cause is not None:
             self.begin_epoch(cause)
 
+    def move_to(self, edge: int, arc: float) -> None:
+        """A person or another program moves it to this place; for 1 s it reports that."""
+        self.fail(TAKEN_OVER)
+        self.edge, self.arc, self._rolls, self.moved = edge, arc, 0.0, 1.0
+        self.drive(0.0)
+
     # -- reports ----------------------------------------------------------------------------------
 
-    def report(self, stamp: float) -> RouteReport:
-        """Returns the AGV's next report, with this stamp (s)."""
-        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
-        states = ((EdgeState.COMPLETE,) * self.current
-                  + (rest,) * (len(self.edges) - self.current))
-        self.told += 1
+    def told(self, stamp: int) -> RouteReport:
+        """Returns the AGV's next report, with this stamp (ns)."""
+        knows = self.knows
+        knows['report'] += 1
         self._notice_motion()
         pose = self._pose()
         return RouteReport(
-            round(1e9 * stamp), self.route_id, self.edges, states,
+            stamp - (self.old or 0), self.route_id, self.edges, self._states(),
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
-            None if self.off_graph else Location(*self.position, math.nan), self.epoch, self.cause,
-            self.master, self.taken, self.refused, self.refusal, self.first, self.motion, self.told,
+            None if self.old is None or self.off_graph else Location(*self.position, math.nan),
+            knows['epoch'], knows['cause'], knows['master'] or '', knows['taken'], knows['refused'],
+            knows['refusal'], knows['first'], self.motion, knows['report'],
             self.unready)
+
+    def report(self, stamp: float) -> RouteReport:
+        """Returns the AGV's next report, with this stamp (s)."""
+        return self.told(round(1e9 * stamp))
+
+    @property
+    def taken(self) -> int:
+        """Number of the last order that it took."""
+        taken: int = self.knows['taken']
+        return taken
 
     @property
     def unready(self) -> ReasonCode:
@@ -360,7 +530,7 @@ class Agv:
         return ReasonCode.OFF_GRAPH if self.off_graph else ReasonCode.NONE
 
     def _notice_motion(self) -> None:
-        """If it moves without its own drive, somebody moves it, until it stays for a second."""
+        """If it moved without its own drive since the last report, somebody moves it."""
         here = self.position
         if self._stayed is not None and not self._drove and (
                 math.dist(here, self._stayed) > _TREMBLE):
@@ -369,9 +539,10 @@ class Agv:
             return
         self._stayed, self._drove = here, self.is_driving
 
-    def come_to_rest_at(self, arc: float) -> None:
-        """It has come to rest on its edge by its own drive, `arc` m from the start of the edge."""
-        self.arc, self._stayed = arc, None
+    def _states(self) -> Tuple[EdgeState, ...]:
+        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
+        return ((EdgeState.COMPLETE,) * self.current
+                + (rest,) * (len(self.edges) - self.current))
 
     @property
     def ahead(self) -> Tuple[int, ...]:
@@ -393,11 +564,13 @@ class Agv:
             return Pose(self.edges[self.current], 0.0)
         if self.phase is Phase.RUNNING:
             return Pose(self.edge, min(fraction, 0.999))
-        if self.phase is Phase.COMPLETE and self.edges:
-            return Pose(self.edges[-1], 1.0)
+        if self.phase is Phase.COMPLETE and self.edge == self.edges[-1]:
+            return Pose(self.edge, fraction)
         return Pose(abs(self.edge), fraction if self.edge > 0 else 1.0 - fraction)
 
 
+_ROLLS = Reason(ReasonCode.NOT_READY, 'it has not come to rest yet')
+_OLD = ''  # all masters that do not number their orders
 _CAUSES = {
     ReasonCode.TAKEN_OVER: EpochCause.OTHER_GIVER, ReasonCode.LOST_LINK: EpochCause.LOST_LINK,
     ReasonCode.EMERGENCY_STOP: EpochCause.EMERGENCY_STOP}
@@ -406,59 +579,77 @@ _CAUSES = {
 class LostLink:
     """A robot's computer while the link between it and the robot is down.
 
+    It takes stops, and gives the last one to the robot when the link is back. A robot whose route
+    failed then has a new epoch.
+
     commands_only -- only the link for commands is down; locations still come by another link
     """
 
     def __init__(self, agv: Agv, now: float, commands_only: bool = False) -> None:
         self._agv = agv
         self._commands_only = commands_only
-        last = agv.report(now)
-        failed = (EdgeState.FAILED,) * (len(last.edges) - last.completed)
-        had_route = agv.phase is Phase.RUNNING
-        self._told = replace(
-            last, states=last.states[:len(last.states) - len(failed)] + failed if had_route
-            else last.states, reason=LOST_LINK if had_route else last.reason,
-            motion=Motion.COMING_TO_REST if had_route else Motion.UNKNOWN,
-            unready=ReasonCode.LOST_LINK)
-        if had_route:
-            self._told = replace(self._told, epoch=next(_EPOCHS), cause=EpochCause.LOST_LINK,
-                                 order=0, refused=0, refusal=NO_REASON)
-        self._stop: Optional[Order] = None
+        self._lost_route = agv.phase is Phase.RUNNING
+        last = agv.told(round(1e9 * now))
+        if self._lost_route:
+            self._said = replace(
+                last, reason=LOST_LINK, motion=Motion.UNKNOWN,
+                unready=ReasonCode.LOST_LINK,
+                states=tuple(state if state is EdgeState.COMPLETE else EdgeState.FAILED
+                             for state in last.states))
+        else:
+            self._said = replace(last, motion=Motion.UNKNOWN, unready=ReasonCode.LOST_LINK)
+        self._stop: Optional[RouteOrder] = None
+
+    def told(self, stamp: int) -> RouteReport:
+        """Returns the computer's next report on the robot."""
+        self._agv.knows['report'] += 1
+        said = replace(self._said, number=self._agv.knows['report'])
+        if self._commands_only:
+            pose = self._agv._pose()
+            said = replace(said, stamp=stamp, pose=SymbolicPose(pose.edge, 100.0 * pose.fraction),
+                           location=Location(*self._agv.position, math.nan))
+        return said
 
     def report(self, now: float) -> RouteReport:
-        """Returns the computer's report on the robot at the time `now`."""
-        self._agv.told += 1
-        told = replace(self._told, number=self._agv.told)
-        if not self._commands_only:
-            return told
-        seen = self._agv.report(now)
-        return replace(told, stamp=seen.stamp, pose=seen.pose, location=seen.location,
-                       number=self._agv.told)
+        """Returns the computer's next report at the time `now` (s)."""
+        return self.told(round(1e9 * now))
 
-    def receive(self, order: Order) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Keeps a stop until the link is back; refuses each other order."""
-        told = self._told
-        if order.number and order.number <= max(told.order, told.refused):
+        said = self._said
+        if order.order and order.master == said.master and (
+                order.order <= max(said.order, said.refused)):
             return None
-        if order.edges:
-            reason = Reason(ReasonCode.LOST_LINK, 'the link is down')
-            self._told = replace(told, refused=order.number, refusal=reason, master=ME)
-            return RouteRefusal(order.route_id, order.edges, reason, order.number)
-        self._stop = order
-        first = told.done if told.order else order.first
-        self._told = replace(told, order=order.number, master=ME, first=first, edges=(),
-                             states=(), reason=Reason(ReasonCode.STOP_OWED,
-                                                      'the robot has not obeyed the stop yet: '
-                                                      'the link is down'),
-                             motion=Motion.COMING_TO_REST)
-        return None
+        if not order.edges:
+            self._stop = order
+            self._agv.count_stop(order)
+            self._said = replace(
+                self._counted(), route_id=order.route_id, first=said.done, edges=(), states=(),
+                reason=Reason(ReasonCode.STOP_OWED,
+                              'the robot has not obeyed the stop yet: the link is down'))
+            return None
+        if not order.order and (order.route_id, order.edges) == (said.route_id, said.edges):
+            return None
+        reason = Reason(ReasonCode.LOST_LINK, 'the link is down')
+        refusal = self._agv.refuse(order, reason)
+        self._said = self._counted()
+        return refusal
+
+    def _counted(self) -> RouteReport:
+        """Returns what it said last, with the orders that are counted now."""
+        knows = self._agv.knows
+        return replace(self._said, epoch=knows['epoch'], cause=knows['cause'],
+                       master=knows['master'] or '', order=knows['taken'],
+                       refused=knows['refused'], refusal=knows['refusal'])
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """Takes an order of a master that does not number its orders."""
+        return self.receive(RouteOrder(route_id, edges))
 
     def end(self) -> None:
         """Restores the link: the robot's route fails, and the robot gets the owed stop."""
-        agv, told = self._agv, self._told
-        agv.fail(LOST_LINK)
-        agv.epoch, agv.cause = told.epoch, told.cause
-        agv.taken, agv.refused, agv.refusal = told.order, told.refused, told.refusal
+        if self._lost_route:
+            self._agv.fail(LOST_LINK)
         if self._stop is not None:
-            agv.first, agv.edges, agv.current = told.first, (), 0
-            agv.phase, agv.reason = Phase.STOPPED, NO_REASON
+            self._agv.receive(self._stop)  # counts it in the new epoch, if there is one
+            self._agv.stand(self._stop.route_id)

@@ -34,6 +34,7 @@ import numpy as np
 from fleet_simulation.plain_agv import Agv, LostLink
 from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from graph_fleet_manager.interlocking.reports import Report
+from graph_fleet_manager.interlocking.route_client import ME
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.actions import (
@@ -49,7 +50,7 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from graph_fleet_manager.supervision.switching import OrderSwitching
 from route_protocol.master import Order
-from route_protocol.values import RouteRefusal, RouteReport
+from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 STEP = 0.1  # s
@@ -101,7 +102,7 @@ class VirtualRobot(Protocol):
     def drive(self, seconds: float) -> None:
         """Advances the robot by the given virtual time, in s."""
 
-    def receive(self, order: Order) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives the robot an order; returns a refusal if the robot refuses it at once."""
 
     def late_refusals(self) -> List[RouteRefusal]:
@@ -118,7 +119,7 @@ class VirtualRobot(Protocol):
 class LinkedRobot(Protocol):
     """The end of the network at the robot: the robot, or its computer without a link to it."""
 
-    def receive(self, order: Order) -> Optional[RouteRefusal]:
+    def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives an order; returns a refusal if it is refused at once."""
 
     def report(self, now: float) -> RouteReport:
@@ -443,7 +444,7 @@ class VirtualFleet(Generic[Body]):
             return
         robot = self.lost.get(order.robot, self.agvs[order.robot])
         for _ in range(self._copies()):
-            refusal = robot.receive(order.order)
+            refusal = robot.receive(route_order(order.order))
             if refusal is not None:
                 self._refuse(order.robot, refusal)
 
@@ -567,3 +568,9 @@ def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int,
             vertices.update(near)
             edges.update(() if near else nearest[:1])
     return tuple(sorted(vertices)), tuple(sorted(edges))
+
+
+def route_order(order: Order) -> RouteOrder:
+    """Returns the supervisor's order as the robot receives it."""
+    return RouteOrder(order.route_id, order.edges, known_epoch=order.epoch, order=order.number,
+                      first=order.first, master=ME)

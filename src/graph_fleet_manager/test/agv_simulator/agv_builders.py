@@ -1,7 +1,8 @@
 """AGVs for several tests, and an object that records their messages."""
 from __future__ import annotations
 
-from typing import List, Optional, Sequence
+from random import Random
+from typing import Callable, List, Optional, Sequence
 
 from fleet_builders import graph_of
 
@@ -15,14 +16,26 @@ GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
                  {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (2, 5)})
 
 
+def vehicle_at(vertex: int, graph: Graph = GRAPH, clock: Callable[[], int] = lambda: 0,
+               **options: object) -> Vehicle:
+    """An AGV with random epochs."""
+    return Vehicle('agv_1', graph, vertex, numbers_of_epochs(), clock, **options)
+
+
+def numbers_of_epochs(seed: int = 1) -> Callable[[], int]:
+    """Draws the numbers of new epochs."""
+    random = Random(seed)
+    return lambda: random.getrandbits(63) or 1
+
+
 class Conversation:
     """An AGV and its messages."""
 
     def __init__(self, vertex: int = 1, graph: Graph = GRAPH, **options: object) -> None:
-        self.vehicle = Vehicle('agv_1', graph, vertex, **options)
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []
         self._stamp = 0
+        self.vehicle = vehicle_at(vertex, graph, lambda: self._stamp // 1_000_000, **options)
 
     def order(self, route_id: int, *edges: int, stamp: int = 0) -> None:
         self.vehicle.handle(RouteOrder(route_id, edges, stamp))

@@ -5,7 +5,7 @@ import json
 import socket
 
 import pytest
-from agv_builders import GRAPH, Conversation
+from agv_builders import GRAPH, Conversation, numbers_of_epochs
 from fleet_builders import AGV
 
 from graph_fleet_manager.agv_simulator.control_socket import LONGEST_LINE, ControlServer
@@ -125,7 +125,8 @@ def test_the_help_names_every_fault() -> None:
 
 @pytest.fixture
 def ask():
-    simulation = Simulation(GRAPH, [Robot('agv_1', AGV, 1), Robot('agv_2', AGV, 3)], speed=2.0)
+    simulation = Simulation(GRAPH, [Robot('agv_1', AGV, 1), Robot('agv_2', AGV, 3)],
+                            numbers_of_epochs(), lambda: 0, speed=2.0)
     simulation.advance(0.5, 1)
     server = ControlServer(0, simulation.inject, simulation.where)
     connection = socket.create_connection(('127.0.0.1', server.port), timeout=20.0)

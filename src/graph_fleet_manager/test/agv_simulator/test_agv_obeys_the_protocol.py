@@ -5,13 +5,12 @@ import math
 from random import Random
 from typing import List, Optional, Tuple
 
-from agv_builders import TICK
+from agv_builders import TICK, vehicle_at
 from fleet_builders import random_graph
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from route_protocol.values import EdgeState, Reason, ReasonCode, RouteOrder, RouteReport
 from trajectory_graph import split_edges
 
@@ -26,7 +25,7 @@ class ObedientAgv(RuleBasedStateMachine):
     def build(self, seed: int, vertices: int) -> None:
         self.random = Random(seed)
         self.graph = split_edges(random_graph(self.random, vertices, vertices, 3.0), 0.8)
-        self.vehicle = Vehicle('agv', self.graph, self.random.choice(list(self.graph.vertices)))
+        self.vehicle = vehicle_at(self.random.choice(list(self.graph.vertices)), self.graph)
         self.next_id, self.stamp = 1, 0
         self.last: RouteReport = self.vehicle.report()
         self.order: Optional[RouteOrder] = None
@@ -76,8 +75,10 @@ class ObedientAgv(RuleBasedStateMachine):
     def order_the_same_again(self) -> None:
         before = self.vehicle.report()
         self.vehicle.handle(self.order)
-        if self.order.edges and (self.order.route_id, self.order.edges) == (
-                before.route_id, before.edges):
+        if self.order.is_stop:
+            assert self.vehicle.report().epoch != before.epoch, (
+                'each stop without a number ends what is on its way')
+        elif (self.order.route_id, self.order.edges) == (before.route_id, before.edges):
             assert self.vehicle.take_messages() == []
         self._listen()
 

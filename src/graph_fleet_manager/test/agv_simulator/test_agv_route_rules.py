@@ -2,10 +2,9 @@
 from __future__ import annotations
 
 import pytest
-from agv_builders import GRAPH, Conversation
+from agv_builders import Conversation, vehicle_at
 from fleet_builders import graph_of
 
-from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from route_protocol.values import Reason, ReasonCode, RouteOrder, SymbolicPose
 
 
@@ -159,7 +158,7 @@ def test_an_order_that_came_late_is_left_out() -> None:
 
 
 def test_an_order_from_a_clock_that_is_ahead_is_refused() -> None:
-    agv = Vehicle('agv_1', GRAPH, 1)
+    agv = vehicle_at(1)
     agv.handle(RouteOrder(1, (1,), stamp=5_000_000_000, received=1_000_000_000))
     assert 'synchronise the clocks' in agv.take_messages()[0].reason.text
 

@@ -5,6 +5,7 @@ import math
 from typing import Callable, Dict, List, NamedTuple, Sequence
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
+from route_protocol.order_rules import RouteRefused
 from route_protocol.values import Reason, ReasonCode
 from trajectory_graph import UnknownVertex
 
@@ -46,6 +47,9 @@ FAULTS: Dict[str, Fault] = {
     'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
     'takeover': Fault('another program drives it: its route fails with "taken over"', [],
                       Vehicle.take_over),
+    'drive_by_hand': Fault('another program drives it to the end of EDGE; its route fails',
+                           [Argument('EDGE', -2 ** 31, 2 ** 31, math.nan)],
+                           lambda vehicle, edge: vehicle.drive_by_hand(int(edge))),
     'estop': Fault('emergency stop: brakes hard, the route fails', [],
                    Vehicle.press_emergency_stop),
     'release': Fault('ends the emergency stop', [], Vehicle.release_emergency_stop),
@@ -68,7 +72,7 @@ def inject(vehicle: Vehicle, line: str) -> None:
         raise UnknownFault(f'{word} takes {len(fault.arguments)} numbers, not {len(given)}')
     try:
         fault.act(vehicle, *_numbers(word, fault.arguments, given))
-    except UnknownVertex as error:
+    except (UnknownVertex, RouteRefused) as error:
         raise UnknownFault(str(error)) from None
 
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable
+from typing import Callable, Dict, Iterable
 
 from graph_fleet_manager.agv_simulator.faults import UnknownFault, inject
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
@@ -16,12 +16,13 @@ LONGEST_STEP = 1.0  # s of wall time that one step simulates at most; the rest o
 class Simulation:
     """AGVs on one graph. They do not detect each other; the fleet manager must keep them apart."""
 
-    def __init__(self, graph: Graph, robots: Iterable[Robot], speed: float = 1.0) -> None:
-        """`speed` is a factor on the clock."""
+    def __init__(self, graph: Graph, robots: Iterable[Robot], draw: Callable[[], int],
+                 clock: Callable[[], int], speed: float = 1.0) -> None:
+        """`speed` is a factor on the clock; `draw` and `clock` are those of each Vehicle."""
         self.time = 0.0
         self.speed = speed
         self.vehicles: Dict[str, Vehicle] = {
-            robot.name: Vehicle(robot.name, graph, robot.vertex,
+            robot.name: Vehicle(robot.name, graph, robot.vertex, draw, clock,
                                 DriveLimits(speed=robot.type.speed), robot.type.obeys_edge_speed,
                                 robot.type.docks or ())
             for robot in robots}

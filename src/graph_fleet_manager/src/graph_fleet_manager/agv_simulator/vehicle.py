@@ -2,26 +2,25 @@
 from __future__ import annotations
 
 import math
-import secrets
 from dataclasses import replace
-from typing import Callable, Collection, List, Optional, Tuple, Union
+from typing import Callable, Collection, List, NamedTuple, Optional, Tuple, Union
 
 from graph_fleet_manager.agv_simulator.battery import SimulatedBattery
 from graph_fleet_manager.agv_simulator.drive import ON_PLACE, Drive
 from graph_fleet_manager.agv_simulator.route_rules import (
-    NotYet,
-    check_braking,
     check_change,
     check_order,
     find_start,
+    has_just_left,
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from route_protocol import vehicle as protocol
-from route_protocol.old_masters import OldMasters
+from route_protocol.old_masters import OldMasters, is_late
 from route_protocol.order_rules import RouteRefused
 from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
+    NO_REASON,
     TAKEN_OVER,
     EdgeState,
     EpochCause,
@@ -35,61 +34,74 @@ from route_protocol.values import (
     RouteReport,
     SymbolicPose,
 )
-from route_protocol.vehicle import Answer, Judgement, VehicleState
+from route_protocol.vehicle import OLD_MASTER, Answer, Judgement, VehicleState
 from trajectory_graph import Graph, change_of, speed_of
 
-MOVED_FOR = 1.0  # s for which it reports that somebody moves it
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
+MOVED_FOR = 1.0  # s after a push during which it reports that somebody moves it
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')
 
 
-def draw_epoch() -> int:
-    """Returns the number of a new epoch."""
-    return secrets.randbits(63) + 1
+class NotYet(Exception):
+    """The route is not judged before the vehicle stands."""
+
+
+class WaitingRoute(NamedTuple):
+    """A route that came while the vehicle came to rest; `arrived` in s of the simulation."""
+
+    order: RouteOrder
+    arrived: float
 
 
 class Vehicle:
     """One AGV on a graph.
 
     `handle` takes orders, `advance` simulates time, and `take_messages` returns the AGV's messages.
-    Times are in s of the simulation; stamps are those of the caller.
+    Times are in s of the simulation; stamps are those of the caller. `route_protocol.vehicle` says
+    which orders count, this class where the AGV is, and whether it can drive them.
+
+    draw  -- returns the number of a new epoch, which was never used before
+    clock -- returns ms since 1970: numbers of reports are at least this
     """
 
-    def __init__(self, name: str, graph: Graph, vertex: int,
-                 limits: Optional[DriveLimits] = None, obeys_edge_speed: bool = True,
-                 chargers: Collection[int] = (), charge: float = 100.0,
-                 draw: Callable[[], int] = draw_epoch) -> None:
-        """`draw` returns the number of a new epoch."""
+    def __init__(self, name: str, graph: Graph, vertex: int, draw: Callable[[], int],
+                 clock: Callable[[], int], limits: Optional[DriveLimits] = None,
+                 obeys_edge_speed: bool = True, chargers: Collection[int] = (),
+                 charge: float = 100.0) -> None:
         self.name = name
         self.battery = SimulatedBattery(charge)
-        self._draw = draw
         self.stamp = 0
-        self.protocol = self._without_memory()
-        self._old_masters = OldMasters()
         self.emergency = False
+        self._draw, self._clock = draw, clock
         self._obeys_edge_speed = obeys_edge_speed
         self._limits = limits or DriveLimits()
         self._chargers = frozenset(chargers)
         self._off_graph: Optional[Tuple[float, float, float]] = None
         self._time = 0.0
-        self._stalled_until = self._slow_until = self._silent_until = 0.0
-        self._waiting: Optional[Tuple[RouteOrder, float]] = None
-        self._moved_until = -math.inf  # by somebody else
-        self._reported: object = None
-        self._completed = 0  # number of edges of the route before the path of the drive
+        self._stalled_until = self._slow_until = self._silent_until = self._moved_until = 0.0
         self._messages: List[Union[RouteReport, RouteRefusal]] = []
         self.drive = self._placed(graph, vertex)
-        self._reported = self._news
+        self._forget()
+        self._reported = self.news
+
+    def _forget(self) -> None:
+        """Begins without memory of any order."""
+        self._protocol = protocol.Vehicle(self._draw, self._clock)
+        self._old_masters = OldMasters()
+        self._waiting: Optional[WaitingRoute] = None
+        self._giver: Optional[str] = None  # the master by whose route it moves
+        self._driven_by_hand = False
+        self._path_begins = 0  # record number of the first edge of the drive's path
 
     # --- the interface to the fleet manager -------------------------------------------------------
 
     @property
     def state(self) -> VehicleState:
-        """Its end of the route protocol."""
-        return self.protocol.state
+        """The route, its progress, and which orders were taken and refused."""
+        return self._protocol.state
 
     @property
     def running(self) -> bool:
@@ -103,45 +115,47 @@ class Vehicle:
 
     @property
     def motion(self) -> Motion:
-        """What it does, as it reports."""
-        if self._time < self._moved_until:
-            return Motion.MOVED
+        """What it does."""
         if self.running:
             return Motion.ON_ROUTE
-        return Motion.STANDING if self.drive.at_rest else Motion.COMING_TO_REST
+        if self._driven_by_hand or self._time < self._moved_until:
+            return Motion.MOVED
+        if self.drive.at_rest:
+            return Motion.STANDING
+        if self.state.master is None:
+            return Motion.UNKNOWN
+        return Motion.COMING_TO_REST if self._giver == self.state.master else Motion.MOVED
+
+    @property
+    def _unready(self) -> ReasonCode:
+        """Why it would refuse each route now."""
+        if self.emergency:
+            return ReasonCode.EMERGENCY_STOP
+        if self._off_graph is not None:
+            return ReasonCode.OFF_GRAPH
+        return ReasonCode.TAKEN_OVER if self._driven_by_hand else ReasonCode.NONE
+
+    @property
+    def news(self) -> Tuple[VehicleState, Motion, ReasonCode]:
+        """What is reported at once when it changes."""
+        return replace(self.state, report=0), self.motion, self._unready
 
     def handle(self, order: RouteOrder) -> None:
         """Takes an order."""
         if self.silent:
             return
-        judged = self._judge(order)
-        if judged.answer is Answer.STOP:
-            self._waiting = None
-            self.protocol.stop(order)
-            self._old_masters.passed(order)
-        elif judged.answer is Answer.REFUSED:
-            self._refuse(order, judged.reason)
-        elif judged.answer is Answer.ROUTE and not (
-                self._waiting and order.is_repeat_of(self._waiting[0])):
-            self._waiting = order, self._time + ANSWERED_WITHIN
-            self._consider()
+        if order.is_stop:
+            self._stop(order)
+        elif not self._is_answered(order, self._time) and (
+                self._waiting is None or _replaces(order, self._waiting.order)):
+            self._waiting = WaitingRoute(order, self._time)
+        self._consider()
         self._report_change()
 
-    def _judge(self, order: RouteOrder) -> Judgement:
-        if order.order or order.is_stop:
-            return self.protocol.judge(order)
-        return self._old_masters.judge(order, self.state, self._time)
-
     def report(self) -> RouteReport:
-        """The present report to the fleet manager."""
-        return self.protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
-                                    self.motion, unready=self._unready)
-
-    @property
-    def _unready(self) -> ReasonCode:
-        if self.emergency:
-            return ReasonCode.EMERGENCY_STOP
-        return ReasonCode.NONE if self._off_graph is None else ReasonCode.OFF_GRAPH
+        """The next report to the fleet manager."""
+        return self._protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
+                                     self.motion, unready=self._unready)
 
     def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """Returns the refusals, and the reports of changes, since the last call."""
@@ -157,14 +171,16 @@ class Vehicle:
         """Simulates this time; `stamp` is the stamp of the pose after it."""
         self._time += seconds
         self.stamp = stamp
-        if self.running and self.battery.charge <= 0.0:
-            self._fail(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
+        if self.battery.charge <= 0.0:
+            self._lose_route(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
             self.drive.pace = 1.0
-        hold = not self.running or self._time < self._stalled_until
+        hold = not (self.running or self._driven_by_hand) or self._time < self._stalled_until
         self.drive.advance(seconds, hold, self.emergency)
         self.battery.advance(seconds, not self.drive.at_rest, self.drive.vertex in self._chargers)
-        self.protocol.complete(self._completed + self.drive.index)
+        if self.running:
+            self._protocol.complete(self._path_begins + self.drive.index - self.state.first)
+        self._driven_by_hand = self._driven_by_hand and not self.drive.at_end
         self._consider()
         self._report_change()
 
@@ -184,33 +200,47 @@ class Vehicle:
 
     def leave(self) -> None:
         """Is switched off: it stands still, and neither receives nor reports."""
-        self._waiting = None
-        self.protocol, self._old_masters = self._without_memory(), OldMasters()
+        self._forget()
         self._silent_until = FOREVER
 
     def join(self) -> None:
-        """Is switched on, without any memory of a route."""
+        """Is switched on; after `leave` it has no memory of a route."""
         self._silent_until = self._stalled_until = 0.0
         self._report_change()
 
     def fail(self, reason: Reason) -> None:
         """Lets the running route fail."""
-        self._fail(reason)
+        self._lose_route(reason)
         self._report_change()
 
-    def take_over(self) -> None:
-        """Another giver stops it: its route fails, and no order on its way is obeyed."""
-        self._begin_epoch(EpochCause.OTHER_GIVER, TAKEN_OVER)
-
     def press_emergency_stop(self) -> None:
-        """Brakes hard; the route fails, and orders are refused until the release."""
+        """Brakes hard; the route fails, and routes are refused until the release."""
         self.emergency = True
         self._begin_epoch(EpochCause.EMERGENCY_STOP, EMERGENCY_STOP)
         self._consider()
+        self._report_change()
 
     def release_emergency_stop(self) -> None:
-        """Ends the emergency stop: orders are accepted again."""
+        """Ends the emergency stop: routes are accepted again."""
         self.emergency = False
+        self._report_change()
+
+    def take_over(self) -> None:
+        """Another program takes it over, and lets it stand: a running route fails."""
+        self._begin_epoch(EpochCause.OTHER_GIVER, TAKEN_OVER)
+        self._report_change()
+
+    def drive_by_hand(self, edge: int) -> None:
+        """Another program drives it to the end of this edge (signed id); a running route fails.
+
+        Raises RouteRefused if it cannot drive this edge from where it is.
+        """
+        order = RouteOrder(0, (edge,))
+        self._check(order)
+        arc = find_start(order.edges, self.state, self.drive)
+        self._begin_epoch(EpochCause.OTHER_GIVER, TAKEN_OVER)
+        self.drive.follow(order.edges, 0, arc)
+        self._giver, self._driven_by_hand = None, True
         self._report_change()
 
     def push_off_graph(self, metres: float) -> None:
@@ -218,17 +248,12 @@ class Vehicle:
         x, y, heading = self.pose
         self.drive.speed = 0.0
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
-        self._begin_epoch(EpochCause.OTHER_GIVER, Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
-        self._moved_until = self._time + MOVED_FOR
-        self._report_change()
+        self._moved_by_person(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
 
     def put_on(self, vertex: int) -> None:
         """A person puts it onto a vertex; a running route fails. Raises UnknownVertex."""
-        drive = self._placed(self.drive.graph, vertex)
-        self.take_over()
-        self.drive, self._off_graph = drive, None
-        self._moved_until = self._time + MOVED_FOR
-        self._report_change()
+        self.drive, self._off_graph = self._placed(self.drive.graph, vertex), None
+        self._moved_by_person(TAKEN_OVER)
 
     def use_graph(self, graph: Graph) -> None:
         """Uses another graph from now on, at the present place.
@@ -239,13 +264,13 @@ class Vehicle:
         before, drive = self.drive.graph, self.drive
         ahead = drive.path[drive.index:]
         if any(change_of(before, graph, edge) or speed_of(graph, edge) <= 0.0 for edge in ahead):
-            self._fail(_GRAPH_CHANGED)
+            self._lose_route(_GRAPH_CHANGED)
             drive.path = drive.path[:drive.index + 1]
         if self._off_graph is None and drive.edge is not None and (
                 change_of(before, graph, drive.edge) is None):
             drive.graph, drive.speeds = graph, self._speeds(graph)
         else:
-            self._fail(_GRAPH_CHANGED)
+            self._lose_route(_GRAPH_CHANGED)
             self._place_again(graph)
         self._report_change()
 
@@ -266,92 +291,127 @@ class Vehicle:
     def _speeds(self, graph: Graph) -> SpeedLimits:
         return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
 
-    def _without_memory(self) -> protocol.Vehicle:
-        return protocol.Vehicle(self._draw, self._milliseconds)
+    def _judge(self, order: RouteOrder, arrived: float) -> Judgement:
+        """Returns what the protocol says about an order that arrived at this time."""
+        if order.order or order.is_stop:
+            return self._protocol.judge(order)
+        return self._old_masters.judge(order, self.state, arrived)
 
-    def _milliseconds(self) -> int:
-        return self.stamp // 1_000_000
-
-    def _begin_epoch(self, cause: EpochCause, reason: Reason) -> None:
-        self.protocol.begin_epoch(cause, reason)
-        self._old_masters.epoch_began(self._time)
-        self._consider()
-        self._report_change()
+    def _stop(self, order: RouteOrder) -> None:
+        if self._judge(order, self._time).answer is not Answer.STOP:
+            return
+        epoch = self.state.epoch
+        self._protocol.stop(order)
+        self._driven_by_hand = False
+        if not order.order:
+            self._old_masters.passed(order)
+        elif self.state.epoch != epoch:
+            self._old_masters.epoch_began(self._time)
+        if self._waiting is not None and not self._waiting.order.order:
+            self._waiting = None
 
     def _consider(self) -> None:
-        """Accepts or refuses the waiting order as soon as it can be judged or is too old."""
+        """Answers the waiting route as soon as that is possible; refuses it if it is too old."""
         if self._waiting is None:
             return
-        order, give_up = self._waiting
-        judged = self._judge(order)
-        try:
-            if judged.answer is Answer.REFUSED:
-                raise RouteRefused(judged.reason)
-            if judged.answer is Answer.ROUTE:
-                self._take_up(order, judged)
-        except NotYet:
-            if self._time < give_up:
+        order, arrived = self._waiting
+        if not self._is_answered(order, arrived):
+            if self._time < arrived + ANSWERED_WITHIN:
                 return
-            self._refuse(order, Reason(
-                ReasonCode.NOT_READY, 'the vehicle did not come to a stop'))
-        except RouteRefused as refusal:
-            self._refuse(order, refusal.reason)
+            self._refuse(order, Reason(ReasonCode.NOT_READY, 'the vehicle did not come to a stop'))
         self._waiting = None
 
-    def _take_up(self, order: RouteOrder, judged: Judgement) -> None:
+    def _is_answered(self, order: RouteOrder, arrived: float) -> bool:
+        """Takes, refuses or ignores a route. Returns False if it has to wait."""
+        judgement = self._judge(order, arrived)
+        if judgement.answer is Answer.REFUSED:
+            self._refuse(order, judgement.reason)
+        elif judgement.answer is Answer.ROUTE:
+            try:
+                self._take_up(order, judgement)
+            except NotYet:
+                return False
+            except RouteRefused as refusal:
+                self._refuse(order, refusal.reason)
+        return True
+
+    def _check(self, order: RouteOrder) -> None:
+        """Raises RouteRefused for what the vehicle cannot drive now, wherever it is on the graph.
+        """
         if self.emergency:
             raise RouteRefused(EMERGENCY_STOP)
         check_order(order, self.drive)
         if self._off_graph is not None:
             raise RouteRefused(Reason(ReasonCode.OFF_GRAPH, 'the vehicle is off the graph'))
-        state, rest, skipped = self.state, judged.rest, judged.done - order.first
-        if not order.order and OldMasters.changes_route(order, state):
-            if state.edges and not self.drive.path:
-                raise RouteRefused(_GRAPH_CHANGED)
-            check_change(order, state)
-            skipped = state.completed
-            rest = order.edges[skipped:]
-        if not order.order and not OldMasters.changes_route(order, state):
-            skipped = 0
-        if state.is_running and judged.goes_on:
-            arc = self.drive.arc
-            check_braking(rest, self.drive, 0, arc)
-            index = 0
-        elif rest:
-            index, arc = find_start(rest, state, self.drive)
-        else:
-            index, arc = 0, 0.0
-        numbered = order if order.order else self._old_masters.numbered(order, state)
+        if self._driven_by_hand:
+            raise RouteRefused(TAKEN_OVER)
+
+    def _take_up(self, order: RouteOrder, judgement: Judgement) -> None:
+        """Takes a route. Raises RouteRefused, or NotYet while the vehicle comes to rest."""
+        self._check(order)
+        numbered, done, rest = order, judgement.done, judgement.rest
+        if not order.order:
+            skipped = self._driven_of_old(order, judgement.goes_on)
+            numbered = self._old_masters.numbered(order, self.state)
+            done, rest = numbered.first + skipped, order.edges[skipped:]
+        if not (self.running or self.drive.at_rest):
+            raise NotYet
         if rest:
-            self.drive.follow(rest, index, arc)
-        self._completed = skipped
-        self.protocol.take(numbered, numbered.first + skipped + index)
-        self._old_masters.passed(order)
+            self.drive.follow(rest, 0, find_start(rest, self.state, self.drive))
+            self._path_begins = done
+        epoch = self.state.epoch
+        self._protocol.take(numbered, done)
+        self._giver = numbered.master
+        if not order.order:
+            self._old_masters.passed(order)
+        elif self.state.epoch != epoch:
+            self._old_masters.epoch_began(self._time)
+
+    def _driven_of_old(self, order: RouteOrder, changes_route: bool) -> int:
+        """Returns how many edges of an order without a number the vehicle has driven already."""
+        if not changes_route:
+            return int(has_just_left(order.edges, self.state))
+        if self.state.edges and not self.drive.path:
+            raise RouteRefused(_GRAPH_CHANGED)
+        check_change(self.state, order)
+        return self.state.completed
 
     def _refuse(self, order: RouteOrder, reason: Reason) -> None:
-        """Sends a refusal. A master without numbers gets a report with the order's id, too."""
-        if not order.order:
-            self._old_masters.refused(order, reason)
-        self._messages.append(self.protocol.refuse(order, reason))
-        if not order.order and self.state.route_id != order.route_id:
-            report = self.report()
-            self._messages.append(replace(
-                report, route_id=order.route_id, edges=order.edges, reason=reason,
-                states=(EdgeState.FAILED,) * len(order.edges)))
+        """Sends a refusal.
 
-    def _fail(self, reason: Reason) -> None:
-        self.protocol.fail(reason)
+        Masters that do not number their orders also get a report if the id is not that of the route
+        in the reports.
+        """
+        self._messages.append(self._protocol.refuse(order, reason))
+        if order.order:
+            return
+        self._old_masters.refused(order, reason)
+        if self.state.route_id != order.route_id and self.state.master in (None, OLD_MASTER):
+            self._messages.append(replace(
+                self.report(), route_id=order.route_id, edges=order.edges,
+                states=(EdgeState.FAILED,) * len(order.edges), reason=reason))
+
+    def _lose_route(self, reason: Reason) -> None:
+        """Ends what it drives."""
+        self._protocol.fail(reason)
+        self._driven_by_hand = False
+
+    def _begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
+        """Lets a running route fail; orders that are on their way are not obeyed any more."""
+        self._lose_route(reason)
+        self._protocol.begin_epoch(cause)
+        self._old_masters.epoch_began(self._time)
+
+    def _moved_by_person(self, reason: Reason) -> None:
+        self._moved_until = self._time + MOVED_FOR
+        self._begin_epoch(EpochCause.OTHER_GIVER, reason)
+        self._report_change()
 
     def _report_change(self) -> None:
-        """Appends a report if the route, its states or its reason have changed."""
-        if self._news != self._reported:
-            self._reported = self._news
+        """Appends a report if more than the place has changed."""
+        if self.news != self._reported:
+            self._reported = self.news
             self._messages.append(self.report())
-
-    @property
-    def _news(self) -> object:
-        """The part of the report that is sent at once when it changes."""
-        return replace(self.state, report=0), self.motion, self._unready
 
     def _symbolic_pose(self) -> SymbolicPose:
         """The edge and percentage: with a route the ordered direction, else the edge forwards."""
@@ -363,6 +423,15 @@ class Vehicle:
             leaving = next(iter(graph.edges_from(drive.vertex)), 0)
             return SymbolicPose(abs(leaving), 100.0 if leaving < 0 else 0.0)
         done = 100.0 if drive.at_end else 100.0 * drive.arc / graph.curve(drive.edge).length
-        if self.state.edges and self.state.phase in (Phase.RUNNING, Phase.COMPLETE):
+        if self.state.phase in (Phase.RUNNING, Phase.COMPLETE):
             return SymbolicPose(drive.edge, done if drive.at_end else min(done, MOST))
         return SymbolicPose(abs(drive.edge), done if drive.edge > 0 else 100.0 - done)
+
+
+def _replaces(order: RouteOrder, waiting: RouteOrder) -> bool:
+    """Does the order replace one that waits?"""
+    if order.master != waiting.master:
+        return True
+    if order.order or waiting.order:
+        return order.order > waiting.order
+    return not (order.is_repeat_of(waiting) or is_late(order, waiting))

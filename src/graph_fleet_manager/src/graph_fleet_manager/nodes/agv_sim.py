@@ -22,6 +22,7 @@ Parameters
 from __future__ import annotations
 
 import re
+import secrets
 import threading
 import time
 from typing import Any, Dict, List, Mapping, Optional
@@ -75,7 +76,7 @@ class AgvSim:
                 raise ConfigurationError(
                     f'Robot {robot.name} of the fleet file stands on vertex {robot.vertex}, which '
                     f'{source} does not have; choose another.')
-        simulation = Simulation(graph, self._robots, self._speed)
+        simulation = Simulation(graph, self._robots, _new_epoch, _milliseconds, self._speed)
         self._topics = {name: AgvTopics(vehicle, self._lock)
                         for name, vehicle in simulation.vehicles.items()}
         self._simulation = simulation
@@ -118,6 +119,14 @@ class AgvSim:
                     frames = [topics.tell(now) for topics in self._topics.values()]
                     self._frames.sendTransform([frame for frame in frames if frame is not None])
             before = now
+
+
+def _new_epoch() -> int:
+    return secrets.randbits(63) or 1
+
+
+def _milliseconds() -> int:
+    return time.time_ns() // 1_000_000
 
 
 def _read_robots() -> List[Robot]:
