@@ -4,14 +4,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, at_place, corridor
 
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
-from graph_fleet_manager.interlocking.reports import Pose, Report
+from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from route_protocol.values import NO_REASON, EdgeState, Reason, ReasonCode, RouteRefusal
+from route_protocol.values import EdgeState, Reason, ReasonCode, SymbolicPose
 
 
 @pytest.fixture
@@ -24,10 +24,10 @@ def fleet():
     return fleet
 
 
-def hear(fleet, report):
+def hear(fleet, said, age=0.0):
     """The supervisor receives an unexpected report; returns the orders that follow."""
     sent = len(fleet.sent)
-    fleet.do(fleet.supervisor.report('a', report, fleet.now))
+    fleet.do(fleet.supervisor.report('a', Report(said, age), fleet.now))
     return fleet.sent[sent:]
 
 
@@ -39,7 +39,8 @@ def ends_well(fleet):
 
 
 @pytest.mark.parametrize('wrong', [
-    Pose(1, float('nan')), Pose(1, float('inf')), Pose(1, -0.5), Pose(1, 1.5), Pose(99, 0.5)])
+    SymbolicPose(1, float('nan')), SymbolicPose(1, float('inf')), SymbolicPose(1, -50.0),
+    SymbolicPose(1, 150.0), SymbolicPose(99, 50.0)])
 def test_a_place_that_cannot_be_is_ignored_in_one_sentence(fleet, wrong):
     assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), pose=wrong)) == []
     assert fleet.notes[-1].startswith('A report of a is ignored: it is ')
@@ -47,10 +48,17 @@ def test_a_place_that_cannot_be_is_ignored_in_one_sentence(fleet, wrong):
 
 
 @pytest.mark.parametrize('wrong', [
-    {'stamp': float('nan')}, {'age': float('nan')}, {'edges': (1,), 'states': ()},
+    {'edges': (1,), 'states': ()}, {'number': 0}, {'order': 2 ** 63}, {'refused': 2 ** 64 - 1},
+    {'order': 2 ** 62}, {'edges': (2, 3), 'states': (EdgeState.PROCESSING,) * 2},
     {'edges': (2,) * 2000, 'states': (EdgeState.COMPLETE,) * 2000}])
 def test_a_report_that_makes_no_sense_is_ignored_in_one_sentence(fleet, wrong):
     assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), **wrong)) == []
+    assert fleet.notes[-1].startswith('A report of a is ignored: ')
+    assert ends_well(fleet)
+
+
+def test_a_location_of_no_known_age_is_ignored_in_one_sentence(fleet):
+    assert hear(fleet, fleet.agvs['a'].report(fleet.now), age=float('nan')) == []
     assert fleet.notes[-1].startswith('A report of a is ignored: ')
     assert ends_well(fleet)
 
@@ -70,11 +78,8 @@ def test_reports_that_come_again_late_and_out_of_order_change_nothing(fleet):
 
 def test_one_location_elsewhere_ends_no_mission_but_blocks_that_place_until_two_disprove_it(fleet):
     fleet.run_until_done(1)
-    other = Report(fleet.agvs['a'].route_id, fleet.agvs['a'].edges,
-                   (EdgeState.COMPLETE,) * len(fleet.agvs['a'].edges), Pose(2, 0.5), NO_REASON,
-                   fleet.now)
     robot = fleet.supervisor.robots['a']
-    hear(fleet, other)
+    hear(fleet, at_place(fleet.agvs['a'].report(fleet.now), fleet.graph, 2, 0.5))
     assert robot.outage is None and 2 in blocked(fleet, 'a')[1]
     fleet.step()
     assert 2 in blocked(fleet, 'a')[1], 'one later location must not be enough'
@@ -87,35 +92,36 @@ def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
     agv = fleet.agvs['a']
     fleet.silent['a'] = fleet.now + 2.0
     for later in (0.1, 0.2):
-        hear(fleet, Report(agv.route_id, agv.edges, (EdgeState.COMPLETE,) * len(agv.edges),
-                           Pose(2, 0.5), NO_REASON, fleet.now + later))
+        hear(fleet, at_place(agv.report(fleet.now + later), fleet.graph, 2, 0.5))
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
 
 
 def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
-    fleet.step()
-    for later in (0.0, 0.1):
-        hear(fleet, Report(0, stamp=fleet.now + later))
-    fleet.silent['a'] = fleet.now + 4.0
+    fleet.run(1.0)
+    fleet.agvs['a'].off_graph = True
     fleet.request(1, 6)
     fleet.run(3.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
-    assert fleet.statuses[-1].reason == 'a: it reports that it is off the graph' and not fleet.sent
+    assert fleet.statuses[-1].reason == 'a: it reports that it is off the graph'
+    assert not [sending for sending in fleet.sent if sending.edges]
 
 
 def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_there(fleet):
-    hear(fleet, Report(77, (4, 5), (EdgeState.PROCESSING,) * 2, Pose(4, 0.5), NO_REASON, fleet.now))
+    fleet.agvs['a'].obey_another((4, 5))
+    fleet.step()
     robot = fleet.supervisor.robots['a']
     assert robot.outage is Outage.TAKEN_OVER
     assert 'a route that was not given to it here' in robot.why
+    fleet.step()
+    assert blocked(fleet, 'a')[1], 'where it is must be blocked'
+    assert not robot.client.is_ready
 
 
-def test_a_refusal_of_what_was_never_ordered_changes_nothing(fleet):
-    told, commits = len(fleet.notes), fleet.journal.commits
-    refusal = RouteRefusal(4711, (3,), Reason(ReasonCode.OTHER, 'no'))
-    fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now))
-    assert (len(fleet.notes), fleet.journal.commits) == (told, commits)
+def test_a_refusal_of_what_was_never_ordered_ends_nothing(fleet):
+    told, said = len(fleet.notes), fleet.agvs['a'].report(fleet.now)
+    hear(fleet, replace(said, refused=1, refusal=Reason(ReasonCode.OTHER, 'no')))
+    assert len(fleet.notes) == told
     assert fleet.supervisor.robots['a'].works and ends_well(fleet)
 
 

@@ -1,14 +1,12 @@
 """Robots fail, stand at an unexpected place, or come back: which robots then move, and how."""
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
-from fleet_builders import AGV, corridor, graph_of
+from fleet_builders import AGV, at_place, corridor, graph_of
 
-from fleet_simulation.plain_agv import CANNOT_BRAKE, LOST_LINK
+from fleet_simulation.plain_agv import LOST_LINK
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
-from graph_fleet_manager.interlocking.reports import CLOCK_ERROR, Pose
+from graph_fleet_manager.interlocking.reports import CLOCK_ERROR
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
@@ -66,7 +64,7 @@ def test_who_was_driven_elsewhere_while_it_had_nothing_to_do_needs_a_person(befo
         fleet.run_until_done(1)
     fleet.run(1.0)
     carry(fleet.agvs['a'], 5, 1.0)
-    fleet.run(1.0)
+    fleet.run(2.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     fleet.request(2, 4, robot='b')
     fleet.run(20.0)
@@ -199,7 +197,7 @@ def test_who_is_elsewhere_once_its_link_is_back_needs_a_person():
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     why = fleet.supervisor.robots['a'].why
-    assert 'it was expected on the edges 1, but is at 50 % of edge 7' in why
+    assert 'it was expected at vertex 1, but is at 50 % of edge 7' in why
 
 
 def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
@@ -221,34 +219,46 @@ def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_w
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     carry(fleet.agvs['a'], 5, 1.0)
-    fleet.run(1.0)
+    fleet.run(2.0)
     fleet.agvs['a'].off_graph = True
     fleet.run(1.0)
     if is_restarted:
         fleet.restart()
         fleet.run(1.0)
-    assert blocked(fleet, 'a') == ((1,), (5,))
+    assert blocked(fleet, 'a') == ((), (5,))
     carry(fleet.agvs['a'], 7, 1.0)
     fleet.agvs['a'].off_graph = False
-    fleet.run(1.0)
-    assert blocked(fleet, 'a') == ((1,), (7,))
+    fleet.run(2.0)
+    assert blocked(fleet, 'a') == ((), (7,))
 
 
 @pytest.mark.parametrize('how', ['it reports', 'it refuses'])
-def test_what_an_emergency_stop_kept_a_robot_from_driving_stays_its_own(how):
-    """All edges that it was given, or was about to get, are tried again as a whole."""
+def test_an_emergency_stop_makes_orders_void_and_what_they_gave_is_held_until_the_robot_stands(how):
+    """Nothing is ordered in vain meanwhile, and the mission goes on when the stop is over."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=3.0))
+    robot, agv = fleet.supervisor.robots['a'], fleet.agvs['a']
+    agv.braking = 0.5
+    fleet.run(1.0)
     fleet.request(1, 8)
     if how == 'it reports':
         fleet.run(2.0)
     else:
         fleet.run_until(lambda: bool(fleet._to_robots))
-    held = fleet.supervisor.robots['a'].record.held
-    fleet.agvs['a'].emergency = True
+    held = robot.client.protocol.may_be_on
+    agv.emergency = True
+    fleet.step()
+    if how == 'it reports':
+        assert agv.is_driving and held and set(held) <= set(robot.client.protocol.may_be_on)
+    fleet.run(2.0)
+    assert robot.outage is Outage.STOPPED and robot.client.protocol.may_be_on == ()
+    assert fleet.supervisor.interlocking.is_free(robot, robot.position), 'it keeps its place'
+    sent = len(fleet.sent)
     fleet.run(10.0)
-    robot = fleet.supervisor.robots['a']
-    assert robot.outage is Outage.STOPPED and robot.record.held == held != ()
+    assert fleet.sent[sent:] == []
+    agv.emergency = False
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
 
 
 def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
@@ -262,17 +272,19 @@ def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
     assert fleet.supervisor.robots['a'].record.held == held
 
 
-def test_a_lost_link_is_not_back_while_the_locations_are_old():
+@pytest.mark.parametrize('commands_only', [False, True])
+def test_a_lost_link_is_not_back_before_the_robot_is_known_to_stand(commands_only):
+    """It still drives its route, and keeps all of it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.now = 1e6
-    agv, report = fleet.agvs['a'], fleet.agvs['a'].report
     fleet.request(1, 8)
     fleet.run(2.5)
-    agv.fail(LOST_LINK)
-    frozen = fleet.now + 1.0
-    agv.report = lambda stamp: report(min(stamp, frozen))
+    ahead = fleet.agvs['a'].ahead
+    fleet.lose_link('a', commands_only)
     fleet.run(20.0)
-    assert fleet.supervisor.robots['a'].outage is Outage.LOST_LINK
+    robot = fleet.supervisor.robots['a']
+    assert robot.outage is Outage.LOST_LINK
+    assert ahead and set(ahead) <= {step.edge for step in robot.client.protocol.may_be_on}
 
 
 @pytest.mark.parametrize('deafness', [0.0, 2.0])
@@ -286,35 +298,54 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
     if not deafness:
         agv.forget()
         fleet.run(1.0)
+        assert fleet.supervisor.robots['a'].works, 'it had no route'
     fleet.deaf['a'] = fleet.now + deafness
     fleet.request(2, 1, robot='b')
     fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].record.ahead))
     agv.forget()
     fleet.run(10.0)
-    if deafness:  # it is unknown how much of the route it has driven
-        assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
-        assert agv.travelled == before
-        assert not fleet.bring_in('a'), 'after a stop, because the order may still be on its way'
+    # It is unknown how much of the route it has driven.
+    assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
+    assert agv.travelled == before
+    assert not fleet.bring_in('a')
     fleet.run_until_done(2)
     assert agv.travelled - before == pytest.approx(6.0)
 
 
-def test_who_is_silent_is_ordered_nothing_but_to_stop():
-    """It may be switched off, and then an order for the time before could reach it."""
+def test_who_is_silent_is_ordered_nothing_new_but_to_stop():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     fleet.silent['a'] = 1e9
     fleet.request(1, 8)
     fleet.run(6.0)
-    sent = len(fleet.sent)
+    sent, last = len(fleet.sent), fleet.sent[-1].order
     fleet.run(10.0)
-    assert fleet.sent[sent:] == []
+    assert {sending.order for sending in fleet.sent[sent:]} <= {last}
+    sent = len(fleet.sent)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(3.5)
-    assert [order.edges for order in fleet.sent[sent:]] == [()] * 4
+    assert [sending.edges for sending in fleet.sent[sent:]] == [()] * 4
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.silent.clear()
     fleet.run_until_done(1)
+
+
+def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_meanwhile():
+    """It is an order for the time before: the robot may have been moved since then."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.silent['a'] = 1e9
+    fleet.request(1, 8)
+    fleet.run(6.0)
+    fleet.agvs['a'].forget()
+    fleet.deaf['a'], fleet.silent['a'] = 0.0, 0.0
+    fleet.hangs = True  # the repetition comes before the supervisor hears of the restart
+    fleet._to_robots = fleet.sent[-1:]
+    fleet.step()
+    fleet.hangs = False
+    fleet.run(10.0)
+    assert fleet.sent[-1].edges and fleet.agvs['a'].travelled == 0.0
+    assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
 
 
 def trembling(fleet, name, metres):
@@ -323,9 +354,9 @@ def trembling(fleet, name, metres):
 
     def tremble(stamp):
         told = report(stamp)
-        length = fleet.graph.curve(told.pose.edge).length
-        fraction = told.pose.fraction + fleet.random.uniform(-metres, metres) / length
-        return replace(told, pose=Pose(told.pose.edge, min(max(fraction, 0.0), 1.0)))
+        edge, length = told.pose.edge, fleet.graph.curve(told.pose.edge).length
+        fraction = told.pose.percentage / 100.0 + fleet.random.uniform(-metres, metres) / length
+        return at_place(told, fleet.graph, edge, min(max(fraction, 0.0), 1.0))
     agv.report = tremble
 
 
@@ -361,7 +392,7 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     assert fleet.supervisor.robots['a'].works
     carry(fleet.agvs['a'], edge, arc)
-    fleet.run(0.5)
+    fleet.run(2.0)
     assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left
 
 
@@ -370,14 +401,8 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
 def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(command, before):
     fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=6.0))
-    agv, take_up = fleet.agvs['a'], fleet.agvs['a']._take_up
-
-    def brakes_within_a_metre(route_id, edges):
-        length = fleet.graph.curve(agv.edge).length
-        if agv.is_driving and edges[-1] == agv.edge and length - agv.arc < 1.0:
-            return CANNOT_BRAKE
-        return take_up(route_id, edges)
-    agv._take_up = brakes_within_a_metre
+    agv = fleet.agvs['a']
+    agv.braking = 1.0
     fleet.request(1, 9)
     fleet.run_until(lambda: agv.travelled >= 4.0 - before)
     fleet.do(fleet.supervisor.command(1, command, fleet.now))

@@ -7,6 +7,7 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
+from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
 from graph_fleet_manager.planning.precedence import Constraint
 from graph_fleet_manager.planning.tasks import Outcome
@@ -135,7 +136,7 @@ def test_what_reports_change_shares_a_commit_with_what_follows_within_40_ms():
 
     def complete_edge() -> None:
         agv.drive(2.0)
-        assert supervisor.report('a', agv.report(fleet.now), fleet.now) == []
+        assert supervisor.report('a', Report(agv.report(fleet.now)), fleet.now) == []
     complete_edge()
     complete_edge()
     assert fleet.journal.commits == before, 'a report must wait for the tick'
@@ -148,10 +149,11 @@ def test_what_reports_change_shares_a_commit_with_what_follows_within_40_ms():
 
 def test_a_stop_does_not_wait_for_what_else_is_to_be_stored():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
     fleet.request(1, 8)
     fleet.run(1.0)
     fleet.agvs['a'].drive(3.0)
-    fleet.supervisor.report('a', fleet.agvs['a'].report(fleet.now), fleet.now)
+    fleet.supervisor.report('a', Report(fleet.agvs['a'].report(fleet.now)), fleet.now)
     actions = fleet.supervisor.stop_fleet(fleet.now)
     assert any(isinstance(action, SendRoute) and not action.edges for action in actions)
 
@@ -168,6 +170,8 @@ def test_a_disk_that_fails_makes_nobody_look_at_the_clock_more_often():
 def test_robots_get_edges_while_the_planner_works_for_others():
     fleet = SupervisedFleet(corridor(12, spacing=1.0), {'a': (AGV, 1), 'b': (AGV, 12)},
                             planning=1.5)
+    fleet.run(1.0)
+    before = len(fleet.plans)
     fleet.request(1, 6, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     fleet.request(2, 8, robot='b')
@@ -177,12 +181,13 @@ def test_robots_get_edges_while_the_planner_works_for_others():
     fleet.run_until(lambda: record.end > granted, 5.0)
     assert executor.is_planning, 'the report had to wait for the planner'
     fleet.run_until_done(1, 2)
-    assert len(fleet.plans) <= 3, 'grants made meanwhile made plans useless'
+    assert len(fleet.plans) - before <= 3, 'grants made meanwhile made plans useless'
 
 
 def test_an_answer_by_which_another_robot_goes_first_is_not_used():
     """Meanwhile robot a got a grant for a place that b leaves first by the new plan."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, planning=0.0)
+    fleet.run(1.0)
     fleet.request(1, 4, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     supervisor = fleet.supervisor

@@ -1,17 +1,22 @@
 """The fleet manager restarts: with another graph, another fleet, or in the middle of its work."""
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import pytest
 from fleet_builders import AGV, corridor, ladder
 
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.interlocking.interlocking import Interlocking
-from graph_fleet_manager.interlocking.reports import Pose, Report
+from graph_fleet_manager.interlocking.reports import Report
+from graph_fleet_manager.interlocking.route_client import MANUAL_REACH
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage, Sign
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.settings import RobotSettings
-from route_protocol.values import NO_REASON, EdgeState
+from route_protocol.master import Order
+from route_protocol.values import EdgeState, Motion
 from trajectory_graph import Graph
 
 
@@ -63,8 +68,9 @@ def test_allocations_in_the_journal_never_exclude_each_other():
         fleet.request(id, vertex, robot=robot)
     while fleet.supervisor.book.open:
         fleet.step()
-        robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.journal.robots(), None, fleet.now)
-        stored = Interlocking(fleet.supervisor.network.geometry, fleet.clearance, robots, int)
+        robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.journal.robots(), None, fleet.now,
+                           int)
+        stored = Interlocking(fleet.supervisor.network.geometry, fleet.clearance, robots)
         assert [stored.excluding(name) for name in robots] == [(), (), ()], fleet.picture()
 
 
@@ -135,25 +141,31 @@ def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
 @pytest.mark.parametrize('state', [EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED])
 def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, state):
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 12)})
-    foreign = Report(7, edges, (state,) * len(edges), Pose(1, 0.0), NO_REASON, fleet.now)
+    motion = Motion.ON_ROUTE if state is EdgeState.PROCESSING else Motion.STANDING
+    foreign = replace(fleet.agvs['a'].report(fleet.now), edges=edges, states=(state,) * len(edges),
+                      master='another', order=7, motion=motion)
     fleet.silent['a'] = 1e9
-    fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
+    fleet.do(fleet.supervisor.report('a', Report(foreign), fleet.now))
     fleet.request(1, 11, robot='b')  # far from the robot that may be driving unseen
     fleet.run_until_done(1)
-    told = fleet.notes[:1] if state is EdgeState.PROCESSING else []
-    assert fleet.notes[:1] == told and all('the journal does not know' in note for note in told)
+    protocol = fleet.supervisor.robots['a'].client.protocol
+    assert protocol.is_anywhere == (motion is Motion.ON_ROUTE) and not protocol.may_be_on
 
 
-def test_a_route_of_another_giver_over_an_edge_that_only_the_new_graph_has_is_held():
+def test_who_drives_a_route_of_another_master_may_be_far_from_its_last_place_after_a_restart():
+    """Nobody knows the way of that route, and the new graph may have edges where it leads."""
     whole = corridor(12)
     fleet = SupervisedFleet(cut_short(whole, 4), {'a': (AGV, 1)})
-    fleet.silent['a'] = 1e9
-    foreign = Report(7, (1, 10), (EdgeState.PROCESSING,) * 2, Pose(1, 0.0), NO_REASON, fleet.now)
-    fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
     fleet.run(1.0)
+    fleet.agvs['a'].obey_another((1, 2))
+    fleet.run(1.0)
+    x, y = fleet.agvs['a'].position
+    fleet.silent['a'] = 1e9
     restart_on(fleet, whole)
-    assert {1, 10} <= {hold.edge for hold in
-                       fleet.supervisor.robots['a'].client.allocation.holds}
+    allocation = fleet.supervisor.robots['a'].client.allocation
+    assert any(area.radius >= MANUAL_REACH and math.dist(area.line[0], (x, y)) <= 1.0
+               for area in allocation.areas), allocation
+    assert not fleet.supervisor.robots['a'].client.is_ready
 
 
 @pytest.mark.parametrize('crash', [True, False])
@@ -252,8 +264,11 @@ def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)
     fleet.agvs['a'].off_graph = True
-    fleet.agvs['a'].order(77, ())
+    fleet.agvs['a'].receive(Order(0, 0, 0, ()))
     fleet.restart()
+    fleet.run(1.0)
+    assert fleet.supervisor.is_stopped and blocked(fleet, 'a') == ((3,), ())
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
     assert blocked(fleet, 'a') == ((3,), ())

@@ -5,7 +5,8 @@ reported pose what certainly lies behind the robot.
 """
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
+from collections import deque
+from typing import Deque, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.allocation import Hold
@@ -20,6 +21,7 @@ from trajectory_graph import Graph
 
 # the fraction of an edge that is driven except for a tiny remainder
 _NOT_OVER = 1.0 - 1e-9
+_REMEMBERED = 100  # number of driven edges that are kept; far more than while the planner works
 
 
 class RouteRecord:
@@ -44,14 +46,9 @@ class RouteRecord:
         self.cleared: Tuple[int, float] = (0, 0.0)
         """Number and fraction of the edge before which all certainly lies behind the robot."""
         self._slack = slack
+        self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
 
     # -- state ------------------------------------------------------------------------------------
-
-    @property
-    def first(self) -> int:
-        """Number of the first edge that the robot may still be on."""
-        behind = self.protocol.behind
-        return behind[0].number if behind else self.done
 
     @property
     def done(self) -> int:
@@ -106,8 +103,11 @@ class RouteRecord:
         return nearness(self.kind)
 
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
-        """The edges from number `begin` to before `end`, as far as the record has them."""
-        path = (*self.protocol.behind, *(Step(self.done + k, edge)
+        """The edges from number `begin` to before `end`, as far as the record has them.
+
+        It still has the last edges that the robot has left: a plan was made before that.
+        """
+        path = (*self._driven, *(Step(self.done + k, edge)
                                          for k, edge in enumerate(self.ahead)))
         return tuple(step.edge for step in path if begin <= step.number < end)
 
@@ -141,9 +141,15 @@ class RouteRecord:
     def begin_anew(self) -> None:
         """The robot lost its route, or another giver moved it: no plan fits any more."""
         self.generation += 1
+        self._driven.clear()
 
     def passed(self, edges: Tuple[int, ...]) -> List[int]:
-        """The robot has driven these edges to their ends. Returns the vertices, in order."""
+        """The robot has driven these edges to their ends. Returns the vertices, in order.
+
+        They are the last edges before the one under way.
+        """
+        begin = self.done - len(edges)
+        self._driven.extend(Step(begin + k, edge) for k, edge in enumerate(edges))
         vertices = [self.graph.end_vertex(edge).id for edge in edges
                     if abs(edge) in self.graph.edges]
         if vertices:

@@ -43,8 +43,7 @@ class Question:
             record = world.robots[name].record
             end = self.assumptions.robots[name].end
             drives = outcome.drives.get(name, ())[end - base:record.end - base]
-            if record.first > base or tuple(d.edge for d in drives) != record.part(
-                    end, record.end):
+            if tuple(d.edge for d in drives) != record.part(end, record.end):
                 return None  # it was granted other edges meanwhile, or more than the plan has
         plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
         return plan if self._is_in_turn(plan, world) else None
