@@ -544,6 +544,10 @@ class Agv:
         return ((EdgeState.COMPLETE,) * self.current
                 + (rest,) * (len(self.edges) - self.current))
 
+    def come_to_rest_at(self, arc: float) -> None:
+        """It has come to rest on its edge by its own drive, `arc` m from the start of the edge."""
+        self.arc, self._stayed = arc, None
+
     @property
     def ahead(self) -> Tuple[int, ...]:
         """The edges that it drives, or on which it rolls on without a route."""

@@ -15,7 +15,7 @@ from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked
+from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked, route_order
 from graph_fleet_manager.interlocking.reports import CLOCK_ERROR
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
@@ -272,7 +272,7 @@ class Promises:
 
     def _left_of(self, order: SendRoute) -> Sequence[int]:
         """Returns the edges of an order that the robot has not completed and may still drive."""
-        agv, sent = self.fleet.agvs[order.robot], order.order
+        agv, sent = self.fleet.agvs[order.robot], route_order(order.order)
         if agv.ignores(sent):
             return ()
         return sent.edges[max(agv.done - sent.first, 0) if agv.taken else 0:]
