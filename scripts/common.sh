@@ -70,7 +70,7 @@ deb_packages=(
   "dh-python           dh-python"
   "lintian             lintian"
 )
-pure_libraries=(file_replacement omron_arcl omron_ld90_sim omron_map route_protocol trajectory_graph)  # they need no ROS
+pure_libraries=(browser_guard file_replacement omron_arcl omron_ld90_sim omron_map route_protocol trajectory_graph)  # they need no ROS
 wheel_packages="build==1.2.2 setuptools==75.3.2 wheel==0.45.1"  # from PyPI, for scripts/make_wheels.sh
 docs_packages="mkdocs==1.6.1 mkdocs-material==9.6.23"  # from PyPI, for scripts/docs.sh
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it

@@ -5,6 +5,7 @@ import errno
 import socket
 import threading
 import time
+from contextlib import suppress
 
 import pytest
 from arcl_builders import STATUS, Noted, lines, wait_for
@@ -252,3 +253,18 @@ def test_many_strangers_wait_for_nothing_while_the_name_server_is_silent(names):
         for stranger in strangers:
             stranger.close()
         names.answers.set()
+
+
+@pytest.mark.parametrize('first', [b'POST / HTTP/1.1', b'GET /' + (1 << 18) * b'a' + b' HTTP/1.1',
+                                   b'Status: / HTTP/1.1'], ids=len)
+def test_no_line_of_a_web_page_is_taken_for_the_robots(received, links, first):
+    """A page can let a browser on the robot's computer send any body, e.g. in a simulation."""
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links) as listener, \
+            dial(listener) as page:
+        links.wait(lambda link: link.phase is LinkPhase.CONNECTED, 'the connection')
+        with suppress(ConnectionError):
+            page.sendall(first + b'\r\nHost: 127.0.0.1\r\nOrigin: null\r\n\r\n' + lines(*STATUS))
+        assert is_closed(page)
+        links.wait(lambda link: link.phase is LinkPhase.DISCONNECTED and link.reason !=
+                   links.all[0].reason, 'the end of the connection')
+    assert received.all == []

@@ -16,6 +16,7 @@ import rospy
 from rospy.impl.paramserver import get_param_server_cache
 
 from node_lifecycle import bounded_messages, topic_connections
+from xmlrpc_guard import guard_servers
 
 _FILE_HANDLER = 'RotatingFileHandler'  # the class of logging.handlers that rospy's log uses
 _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
@@ -24,10 +25,11 @@ _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 def init_node(name: str, **options: Any) -> None:
     """Calls rospy.init_node; without a log file if there can be none.
 
-    From now on the node leaves out messages that are too large.
+    From now on the node refuses web browsers, and messages that are too large.
     """
     topic_connections.mend()
     bounded_messages.limit_messages()
+    guard_servers()
     with _possible_log_file():
         rospy.init_node(name, **options)
     _ask_once()
