@@ -1,6 +1,6 @@
 """rosmaster: the ROS master, with the arguments of ROS's own; web browsers cannot use it.
 
-roslaunch, roscore and rostest find this program in PATH before ROS's own.
+roslaunch and roscore find this program in PATH before ROS's own.
 """
 from __future__ import annotations
 
