@@ -7,6 +7,7 @@ from typing import Any, Dict, Iterable, List, Optional
 
 from fleet_page.core.records import HOUR, Records
 from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine
+from node_program.inert_text import cell
 
 HOTTEST = 200  # most edges in the heat map
 
@@ -48,17 +49,12 @@ def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
     for line in lines:
         if line.accepted >= since:
             writer.writerow([
-                line.request_id, ' '.join(map(str, line.destinations)), _cell(line.robot_type),
-                line.priority, line.state.name, _cell(line.robot), line.reached,
+                line.request_id, ' '.join(map(str, line.destinations)), cell(line.robot_type),
+                line.priority, line.state.name, cell(line.robot), line.reached,
                 _seconds(line.accepted, 3), _seconds(line.started, 3), _seconds(line.ended, 3),
-                _seconds(line.waited, 1), _seconds(line.took, 1), _cell(line.reason),
-                _cell(line.requested_by)])
+                _seconds(line.waited, 1), _seconds(line.took, 1), cell(line.reason),
+                cell(line.requested_by)])
     return text.getvalue()
-
-
-def _cell(text: str) -> str:
-    """The text in a form that no spreadsheet reads as a formula."""
-    return f"'{text}" if text[:1] in ('=', '+', '-', '@', '\t', '\r') else text
 
 
 def _seconds(time: Optional[float], digits: int) -> str:

@@ -6,6 +6,7 @@ from typing import Optional, Tuple
 
 from graph_fleet_manager.agv_simulator.drive import Drive
 from trajectory_graph import order_rules
+from trajectory_graph.id_lists import listed
 from trajectory_graph.order_rules import RouteRefused, check_edges, edge_states
 from trajectory_graph.route_protocol import (
     NO_REASON,
@@ -69,7 +70,7 @@ def check_change(route: Route, order: RouteOrder, drive: Drive) -> None:
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(Reason(
             ReasonCode.WRONG_CHANGE, f'route {order.route_id} must go on with the edges done and '
-                                     f'the current one, {list(kept)}'))
+                                     f'the current one: {listed(kept)}'))
     _check_braking(order, drive, drive.index, drive.arc)
 
 

@@ -24,6 +24,7 @@ from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
 from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
+from trajectory_graph.id_lists import listed
 from trajectory_graph.route_protocol import RouteRefusal
 
 TRIAL = 2.0        # s between two attempts to go on after an emergency stop
@@ -315,7 +316,7 @@ class ManagedRobot:
             return True
         whereabouts = f'at {position}' if position else 'off the graph'
         self.notice(Sign.TAKEN, 'it was expected on the edges '
-                                f'{", ".join(map(str, held))}, but is {whereabouts}')
+                                f'{listed(held)}, but is {whereabouts}')
         return False
 
     # -- commands of people -----------------------------------------------------------------------

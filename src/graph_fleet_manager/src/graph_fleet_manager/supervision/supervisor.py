@@ -58,6 +58,7 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
+from trajectory_graph.id_lists import listed
 from trajectory_graph.route_protocol import RouteRefusal
 
 
@@ -199,7 +200,7 @@ class Supervisor:
         mission = self.book.add(request, acceptance)
         if mission is not None and request.requested_by:
             self._out.note(f'{request.requested_by} requests mission {request.id} to '
-                           f'{", ".join(map(str, request.destinations))}.')
+                           f'{listed(request.destinations)}.')
         if mission is None and before is not None and before.serial not in self.book.changed:
             self._out.put(TellStatus(before.status))
         return mission

@@ -6,6 +6,7 @@ from typing import Optional, Tuple
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.route_run import RouteRun
 from trajectory_graph import Graph, change_of
+from trajectory_graph.id_lists import listed
 from trajectory_graph.order_rules import RouteRefused
 from trajectory_graph.route_protocol import Phase, Reason, ReasonCode, RouteOrder
 
@@ -32,7 +33,7 @@ def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> Non
     if order.edges[:len(kept)] != kept:
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} must go on with the edges done and the '
-                       f'current one, {list(kept)}')
+                       f'current one: {listed(kept)}')
 
 
 def check_start(order: RouteOrder, route: Optional[RouteRun], here: GraphLocation) -> None:
