@@ -24,7 +24,14 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from omron_ld90_msgs.msg import LinkState
 from ports import free_port
-from system_support import Launched, Recorder, run_cases, wait_until
+from system_support import (
+    Launched,
+    Recorder,
+    connected_publisher,
+    drive_to,
+    run_cases,
+    wait_until,
+)
 
 CHROMIUM = shutil.which('chromium')
 PAGE = """<!doctype html><title>a foreign page</title><script>
@@ -143,6 +150,14 @@ class Browsers(unittest.TestCase):
             with xmlrpc.client.ServerProxy(f'http://127.0.0.1:{port}/', headers=[
                     ('Host', f'{host}:{port}')]) as master:
                 self.assertEqual(master.getPid('/browsers')[0], 1, host)
+
+    def test_a_node_leaves_out_a_message_that_is_too_large_and_obeys_the_next_one(self) -> None:
+        with Launched('full_stack.launch', robot_name='full', rviz='false', sim_speed=10,
+                      arcl_port=free_port(), outgoing_port=free_port()) as stack:
+            commands = connected_publisher('/full/send_command', String)
+            commands.publish('goto ' + 1_000_000 * 'x')
+            stack.wait_for_line('A message on /full/send_command is left out: it has 1000009 bytes')
+            drive_to('full', '12')
 
     @unittest.skipUnless(CHROMIUM, 'there is no chromium')
     def test_a_foreign_page_changes_nothing(self) -> None:
