@@ -19,8 +19,11 @@ LIST = 256 * _KIB
 """One entry for every edge, vertex or goal of a graph."""
 FLEET = _MIB
 """One entry for every robot, or one picture of a scanner."""
-PLAN = 8 * _MIB
+PLAN = 4 * _MIB
 """All drives of all robots."""
+
+MAP = 100_000_000 + POINT
+"""The largest map that `map_visualisation` publishes, one byte for each cell."""
 
 OTHER = FLEET
 """Types that are not listed: only a site's own configuration names such types."""
@@ -43,7 +46,7 @@ LIMITS: Dict[str, int] = {
     'itrci_nav_msgs/FleetState': FLEET,
     'itrci_nav_msgs/GetMissionStatusRequest': POINT,
     'itrci_nav_msgs/GetMissionStatusResponse': TEXT,
-    'itrci_nav_msgs/Graph': 4 * _MIB,
+    'itrci_nav_msgs/Graph': 4 * _MIB,  # some 60,000 vertices and edges
     'itrci_nav_msgs/MissionCommand': TEXT,
     'itrci_nav_msgs/MissionRequest': TEXT,
     'itrci_nav_msgs/MissionStatus': TEXT,
@@ -56,10 +59,10 @@ LIMITS: Dict[str, int] = {
     'move_base_msgs/MoveBaseActionGoal': POINT,
     'move_base_msgs/MoveBaseActionResult': TEXT,
     'nav_msgs/GetMapRequest': POINT,
-    'nav_msgs/GetMapResponse': 32 * _MIB,
+    'nav_msgs/GetMapResponse': MAP,
     'nav_msgs/LoadMapRequest': TEXT,
-    'nav_msgs/LoadMapResponse': 32 * _MIB,
-    'nav_msgs/OccupancyGrid': 32 * _MIB,  # 280 m x 280 m in cells of 5 cm
+    'nav_msgs/LoadMapResponse': MAP,
+    'nav_msgs/OccupancyGrid': MAP,
     'nav_msgs/Odometry': POINT,
     'omron_ld90_msgs/CommandRefused': TEXT,
     'omron_ld90_msgs/ExecuteCommandActionFeedback': LIST,  # a line of the robot has up to 128 KiB

@@ -6,6 +6,7 @@ these. Types that are only called, published or named in annotations are not rec
 from __future__ import annotations
 
 import ast
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Dict, Iterator, Set, Tuple
@@ -21,6 +22,7 @@ _OF_LIBRARIES = {
 }
 
 
+@lru_cache(None)
 def received_types() -> Dict[str, str]:
     """The types (`package/Name`) with a module that receives each."""
     found: Dict[str, str] = {}

@@ -4,7 +4,8 @@ from __future__ import annotations
 import io
 import socket
 import struct
-from typing import Any, List, Tuple
+from itertools import chain
+from typing import Any, Iterable, Iterator, List, Tuple
 
 import pytest
 from hypothesis import given
@@ -24,6 +25,7 @@ from node_lifecycle.message_limits import LIMITS, OTHER, limit_of
 
 TOPIC = '/topic'
 SHARES = (0.5, 1, 10)
+PIECE = 2 ** 16  # bytes that a socket delivers at once
 #: Passed on as values, but only as parts of messages, or to be published.
 NOT_RECEIVED = {'itrci_nav_msgs/Edge', 'itrci_nav_msgs/EdgeState', 'itrci_nav_msgs/Vertex',
                 'nav_msgs/MapMetaData', 'visualization_msgs/Marker',
@@ -52,19 +54,26 @@ def class_of(message_type: str) -> Any:
 
 def framed(message: Any, size: int) -> bytes:
     """A message on the wire, made longer so that it has `size` bytes."""
+    return b''.join(wire(message, size))
+
+
+def wire(message: Any, size: int) -> Iterator[bytes]:
+    """The same in pieces, as a socket delivers it."""
     content = io.BytesIO()
     message.serialize(content)
-    assert content.tell() <= size, f'{message._type} is larger than {size} bytes while it is empty'
-    return struct.pack('<I', size) + content.getvalue().ljust(size, b'\0')
+    rest = size - content.tell()
+    assert rest >= 0, f'{message._type} is larger than {size} bytes while it is empty'
+    yield struct.pack('<I', size) + content.getvalue()
+    for begin in range(0, rest, PIECE):
+        yield bytes(min(PIECE, rest - begin))
 
 
-def received(cls: Any, stream: bytes, pieces: int = 1 << 16) -> Tuple[List[Any], int]:
+def received(cls: Any, pieces: Iterable[bytes]) -> Tuple[List[Any], int]:
     """The messages that a subscriber reads from a stream, and the most bytes that it collects."""
     protocol = TCPROSSub(TOPIC, cls)
     buffer, messages, most = io.BytesIO(), [], 0
-    view = memoryview(stream)
-    for begin in range(0, len(stream), pieces):
-        buffer.write(view[begin:begin + pieces])
+    for piece in pieces:
+        buffer.write(piece)
         if buffer.tell() >= 4:
             read_topic(protocol, buffer, messages, None)
         most = max(most, buffer.tell())
@@ -77,9 +86,9 @@ def test_every_type_is_read_up_to_its_limit_and_not_above(message_type, share, w
     cls, limit = class_of(message_type), LIMITS[message_type]
     size = int(limit * share)
     small = framed(cls(), 4096 if limit > 4096 else 1024)
-    messages, most = received(cls, small + framed(cls(), size) + small)
+    messages, most = received(cls, chain([small], wire(cls(), size), [small]))
     assert len(messages) == (3 if share <= 1 else 2)
-    assert most <= limit + 4 + len(small)
+    assert most <= limit + 4 + PIECE + len(small)
     assert len(warnings) == (0 if share <= 1 else 1)
     assert all(f'{size} bytes' in text and TOPIC in text for text in warnings)
 
@@ -117,7 +126,7 @@ def test_arrays_are_bounded_before_their_elements_are_made():
     content = io.BytesIO()
     cls(destination_vertices_id=[1] * 100_000).serialize(content)
     data = content.getvalue()
-    assert received(cls, struct.pack('<I', len(data)) + data)[0] == []
+    assert received(cls, [struct.pack('<I', len(data)) + data])[0] == []
 
 
 @given(sizes=st.lists(st.integers(4, 3000), max_size=12), pieces=st.integers(1, 900))
@@ -127,7 +136,8 @@ def test_exactly_the_messages_within_the_limit_arrive_in_any_pieces(sizes, piece
         patch.setattr(bounded_messages, 'warn', lambda *_: None)
         texts = [chr(97 + number) * (size - 4) for number, size in enumerate(sizes)]
         stream = b''.join(framed(String(text), len(text) + 4) for text in texts)
-        messages, most = received(String, stream, pieces)
+        messages, most = received(String, (stream[begin:begin + pieces]
+                                           for begin in range(0, len(stream), pieces)))
     assert [one.data for one in messages] == [one for one in texts if len(one) <= 996]
     assert most <= 1004 + pieces
 
@@ -147,7 +157,7 @@ def test_a_node_can_say_itself_what_it_misses(monkeypatch, warnings):
     reasons: List[str] = []
     monkeypatch.setitem(bounded_messages._told, TOPIC, reasons.append)
     monkeypatch.setitem(LIMITS, 'std_msgs/String', 100)
-    received(String, framed(String(), 101))
+    received(String, [framed(String(), 101)])
     assert reasons == ['it has 101 bytes, and at most 100 are read'] and not warnings
 
 
