@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fleet_page.core.admissions import MOST, MOST_OF_ADDRESS, Admissions, place_of
+from fleet_page.core.admissions import EACH_SECOND, MOST, MOST_OF_ADDRESS, Admissions, place_of
 
 EVENTS = st.lists(st.tuples(st.integers(0, 20), st.integers(1, 60), st.booleans()), max_size=60)
 
@@ -17,14 +17,11 @@ def test_the_limits_hold_and_who_has_few_loses_none_to_who_has_many(events):
         for _ in range(count):
             number += 1
             before = {other: admissions.of_address(str(other)) for other in range(21)}
-            arrival = admissions.arrive(number, str(address), float(number))
-            if arrival.displaced is not None:
-                loser = open_.pop(arrival.displaced)
+            displaced = admissions.arrive(number, str(address))
+            if displaced is not None:
+                loser = open_.pop(displaced)
                 assert before[loser] == max(before.values()) or loser == address
-            if arrival.admitted:
-                open_[number] = address
-            else:
-                assert before[address] > 0  # only an address that has others is refused
+            open_[number] = address
             assert len(admissions) == len(open_) <= MOST
             assert admissions.of_address(str(address)) <= MOST_OF_ADDRESS
         if leaves and open_:
@@ -36,12 +33,26 @@ def test_the_limits_hold_and_who_has_few_loses_none_to_who_has_many(events):
                for address in range(21))
 
 
-def test_an_address_whose_newcomers_displace_each_other_quickly_is_refused_some():
+def test_an_address_that_fills_its_places_must_bring_requests_and_the_others_need_not():
     admissions = Admissions()
-    arrivals = [admissions.arrive(number, 'a', 0.0) for number in range(1000)]
-    assert sum(arrival.admitted for arrival in arrivals) == 2 * MOST_OF_ADDRESS
-    assert admissions.arrive(1000, 'b', 0.0).admitted
-    assert admissions.arrive(1001, 'a', 1.0).admitted
+    for number in range(MOST_OF_ADDRESS):
+        assert not admissions.must_bring_request('a', 0.0)
+        admissions.arrive(number, 'a')
+    refused = [admissions.must_bring_request('a', 0.0) for _ in range(3 * int(EACH_SECOND))]
+    assert refused.count(False) == EACH_SECOND
+    assert not admissions.must_bring_request('b', 0.0)
+
+
+def test_many_addresses_that_fill_all_places_leave_the_door_open_to_another():
+    admissions = Admissions()
+    for number in range(2 * MOST):
+        admissions.arrive(number, f'a{number % 200}')
+    refused = [admissions.must_bring_request(f'a{number % 200}', 0.0) for number in range(3 * int(EACH_SECOND))]
+    assert refused.count(False) == EACH_SECOND
+    assert not admissions.must_bring_request('b', 0.0)
+    assert admissions.arrive('honest', 'b') is not None
+    for number in range(2 * MOST, 4 * MOST):
+        assert admissions.arrive(number, f'a{number % 200}') != 'honest'
 
 
 @pytest.mark.parametrize('one, other, same', [

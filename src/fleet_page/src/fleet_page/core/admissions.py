@@ -1,32 +1,25 @@
-"""The limits on connections before a login: who may stay, and who must give way to a newcomer.
+"""The limits on connections before a login: who is let in, and who must give way.
 
 A connection counts here while it waits for a request, or is served without a login. While it
 carries out a request of a known person it does not count, and cannot be displaced.
 
-A newcomer is let in although there is no room: the oldest connection of the address that has the
-most gives way. So nobody can take all places and keep them, and an address with few connections
-loses none as long as another has more.
+If there is no room, the oldest connection of the address that has the most gives way. So nobody can
+take all places and keep them, and an address with few connections loses none as long as another has
+more. If half requests come faster than they can be kept, newcomers of such an address must bring a
+whole request at once: to refuse a half request costs least.
 """
 from __future__ import annotations
 
 import ipaddress
 from collections import OrderedDict
-from dataclasses import dataclass
+from functools import lru_cache
 from typing import Dict, Hashable, Optional
 
 from fleet_page.core.rate_limits import RateLimit
 
-MOST_OF_ADDRESS = 32
-MOST = 300
-EACH_SECOND = 50.0  # newcomers per second that displace a connection of their own address
-
-
-@dataclass(frozen=True)
-class Arrival:
-    """The decision about a newcomer: whether it may stay, and who must give way to it."""
-
-    admitted: bool
-    displaced: Optional[Hashable] = None
+MOST_OF_ADDRESS = 96
+MOST = 512
+EACH_SECOND = 2000.0  # half requests per second that displace others, of an address and in all
 
 
 class Admissions:
@@ -35,7 +28,9 @@ class Admissions:
     def __init__(self) -> None:
         self._addresses: Dict[Hashable, str] = {}
         self._of: Dict[str, OrderedDict[Hashable, None]] = {}
-        self._changes = RateLimit(MOST_OF_ADDRESS, EACH_SECOND)
+        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # addresses by their connections
+        self._largest = 0
+        self._halves = RateLimit(EACH_SECOND, EACH_SECOND)
 
     def __len__(self) -> int:
         return len(self._addresses)
@@ -44,40 +39,57 @@ class Admissions:
         """The number of connections of an address that count."""
         return len(self._of.get(address, ()))
 
-    def arrive(self, key: Hashable, address: str, now: float) -> Arrival:
-        """Decides about a new connection.
-
-        An address that changes its connections quickly is refused newcomers, because that is
-        cheaper than to end a connection for each.
-        """
-        crowded = None
+    def must_bring_request(self, address: str, now: float) -> bool:
+        """Returns whether a newcomer of an address is let in only with a whole request."""
         if self.of_address(address) >= MOST_OF_ADDRESS:
-            crowded = address
-        elif len(self) >= MOST:
-            crowded = max(self._of, key=lambda other: len(self._of[other]))
-        if crowded == address and not self._changes.allows(address, now):
-            return Arrival(False)
+            return not self._halves.allows(address, now)
+        if len(self) >= MOST and self.of_address(address) >= self._largest - 1:
+            return not self._halves.allows(None, now)
+        return False
+
+    def arrive(self, key: Hashable, address: str) -> Optional[Hashable]:
+        """Counts a new connection. Returns the one that must give way to it, if there is no room.
+        """
         displaced = None
-        if crowded is not None:
-            displaced = next(iter(self._of[crowded]))
+        if self.of_address(address) >= MOST_OF_ADDRESS:
+            displaced = next(iter(self._of[address]))
+        elif len(self) >= MOST:
+            displaced = next(iter(self._of[next(iter(self._by_size[self._largest]))]))
+        if displaced is not None:
             self.leave(displaced)
         self.count(key, address)
-        return Arrival(True, displaced)
+        return displaced
 
     def count(self, key: Hashable, address: str) -> None:
-        """Counts a connection from now on, as the newest."""
+        """Counts a connection as the newest of its address."""
+        self.leave(key)
         self._addresses[key] = address
-        self._of.setdefault(address, OrderedDict())[key] = None
+        connections = self._of.setdefault(address, OrderedDict())
+        connections[key] = None
+        self._resized(address, len(connections) - 1, len(connections))
 
     def leave(self, key: Hashable) -> None:
         """No longer counts a connection."""
         address = self._addresses.pop(key, None)
-        if address is not None:
-            del self._of[address][key]
-            if not self._of[address]:
-                del self._of[address]
+        if address is None:
+            return
+        connections = self._of[address]
+        del connections[key]
+        self._resized(address, len(connections) + 1, len(connections))
+        if not connections:
+            del self._of[address]
+
+    def _resized(self, address: str, before: int, now: int) -> None:
+        if before:
+            del self._by_size[before][address]
+        if now:
+            self._by_size.setdefault(now, OrderedDict())[address] = None
+        self._largest = max(self._largest, now)
+        while self._largest and not self._by_size.get(self._largest):
+            self._largest -= 1
 
 
+@lru_cache(maxsize=4096)
 def place_of(address: str) -> str:
     """The address under which connections are counted: of IPv6 the network of one subscriber."""
     try:

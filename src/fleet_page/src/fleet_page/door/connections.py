@@ -8,16 +8,19 @@ import re
 import socket
 import ssl
 import time
-from typing import Any, Callable, Dict, Optional, cast
+from typing import Any, Callable, Dict, Optional, Set, cast
 
 from fleet_page.core.admissions import Admissions, place_of
 
-HEAD_WITHIN = 5.0      # s for the TLS handshake, and again for a request's head and body
-IDLE = 60.0            # s for the next request of a connection
+HEAD_WITHIN = 5.0       # s for the head of a request, the TLS handshake and the body, each
+IDLE = 60.0             # s for the next request of a connection
 STRANGER_WITHIN = 20.0  # s for the answer to a request without a login
-BACKLOG = 1024         # connections that wait in the kernel until they are accepted
-_AT_ONCE = 8           # connections accepted before those that are open have their turn
-_PAUSE = 0.2           # s without accepting, if the operating system gives no connection
+BACKLOG = 4096          # connections that wait in the kernel until they are accepted
+LONGEST_HEAD = 16384    # bytes
+_AT_ONCE = 256          # connections accepted before those that are open have their turn,
+_ADMITTED_AT_ONCE = 16  # and the most of these that are let in
+_PAUSE = 0.2            # s without accepting, if the operating system gives no connection
+_TLS_HANDSHAKE = b'\x16'  # the type of a record, its first byte; bytes 4 and 5: its length
 _ENCODING = re.compile(rb'\n[ \t]*content-encoding[ \t]*:', re.IGNORECASE)
 _KEPT = 64             # bytes of the text before, in which the name may have begun
 _REFUSED_ENCODING = (
@@ -29,9 +32,12 @@ _LOG = logging.getLogger(__name__)
 class Connection(asyncio.Protocol):
     """One connection: passes the bytes to aiohttp's protocol, and ends it if they do not come.
 
-    A head and body that do not come in time end the connection. The header `Content-Encoding` ends
-    it too, before aiohttp expands the content: no version of aiohttp can be told not to. In a JSON
-    body these bytes cannot occur, because a line end in a string is escaped.
+    At first it is a bare socket, until the head of a request (with TLS the first record) is there.
+    So half a request costs little. Later, a head and body that do not come in time end it.
+
+    The header `Content-Encoding` ends it too, before aiohttp expands the content: old versions of
+    aiohttp cannot be told not to. In a JSON body these bytes cannot occur, because a line end in a
+    string is escaped.
     """
 
     def __init__(self, listener: Listener, sock: socket.socket, place: str) -> None:
@@ -39,9 +45,47 @@ class Connection(asyncio.Protocol):
         self.inner: Any = None
         self._transport: Optional[asyncio.Transport] = None
         self._timer: Optional[asyncio.TimerHandle] = None
+        self._begun: Optional[asyncio.Future[None]] = None
         self._is_idle = True  # no byte of the next request has come
         self._tail = b''
         self._work: Optional[asyncio.Future[Any]] = None
+
+    # -- a bare socket -----------------------------------------------------------------------------
+
+    def wait_for_head(self) -> None:
+        """Begins as soon as the head is there. Until then its bytes stay with the kernel."""
+        self._end_after(HEAD_WITHIN)
+        self._look(0)
+
+    def _look(self, seen: int) -> None:
+        """Looks at the bytes; `seen`: their number at the last look."""
+        data = _peek(self._sock)
+        if data is None:
+            asyncio.get_event_loop().add_reader(self._sock, self._look, 0)
+        elif self._listener.is_whole(data):
+            self._stop_timer()
+            self._look_no_more()
+            self._begun = asyncio.ensure_future(self._begin())
+        elif len(data) <= seen or len(data) >= LONGEST_HEAD:
+            self.end()  # the other side has ended it, or sends too much
+        else:
+            # The kernel tells when there are more bytes than these.
+            self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, len(data) + 1)
+            asyncio.get_event_loop().add_reader(self._sock, self._look, len(data))
+
+    def _look_no_more(self) -> None:
+        asyncio.get_event_loop().remove_reader(self._sock)
+        self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
+
+    async def _begin(self) -> None:
+        """Makes the transport: with TLS, this is the handshake."""
+        self._listener.admissions.count(self, self.place)  # others give way before it
+        loop = cast(asyncio.BaseEventLoop, asyncio.get_event_loop())
+        try:
+            await loop.connect_accepted_socket(lambda: self, self._sock, **self._listener.options)
+        except (OSError, asyncio.TimeoutError):  # ssl.SSLError is an OSError
+            self._listener.left(self)
+            self._sock.close()
 
     # -- the protocol of asyncio -------------------------------------------------------------------
 
@@ -116,9 +160,14 @@ class Connection(asyncio.Protocol):
         """Ends the connection at once, even in its TLS handshake."""
         if self._transport is not None:
             self._transport.abort()
-        else:
+        elif self._begun is not None:
             with contextlib.suppress(OSError):  # it may have ended by itself
                 self._sock.shutdown(socket.SHUT_RDWR)
+        else:
+            self._stop_timer()
+            self._listener.left(self)
+            asyncio.get_event_loop().remove_reader(self._sock)
+            self._sock.close()
 
     def _end_after(self, seconds: float) -> None:
         self._stop_timer()
@@ -135,11 +184,14 @@ class Listener:
 
     def __init__(self, protocol: Callable[[], asyncio.Protocol],
                  certificates: Optional[ssl.SSLContext]) -> None:
-        self.protocol, self._certificates = protocol, certificates
+        self.protocol = protocol
+        self.is_whole = _is_head if certificates is None else _is_record
+        self.options: Dict[str, Any] = {} if certificates is None else {
+            'ssl': certificates, 'ssl_handshake_timeout': HEAD_WITHIN}
         self.admissions = Admissions()
         self.by_protocol: Dict[Any, Connection] = {}
+        self._open: Set[Connection] = set()
         self._socket: Optional[socket.socket] = None
-        self._tasks: Dict[asyncio.Future[None], Connection] = {}
 
     def listen(self, host: str, port: int) -> int:
         """Begins to accept; returns the port. Raises OSError."""
@@ -163,16 +215,18 @@ class Listener:
             asyncio.get_event_loop().remove_reader(self._socket)
             self._socket.close()
             self._socket = None
-        for connection in (*self._tasks.values(), *self.by_protocol.values()):
+        for connection in tuple(self._open):
             connection.end()
 
     def left(self, connection: Connection) -> None:
         """A connection has ended."""
         self.admissions.leave(connection)
+        self._open.discard(connection)
 
     def _accept(self) -> None:
+        admitted = 0
         for _ in range(_AT_ONCE):
-            if self._socket is None:
+            if self._socket is None or admitted == _ADMITTED_AT_ONCE:
                 return
             try:
                 sock, address = self._socket.accept()
@@ -181,32 +235,22 @@ class Listener:
             except OSError as error:
                 self._pause(error)
                 return
-            self._arrived(sock, place_of(address[0]))
+            admitted += self._arrived(sock, place_of(address[0]))
 
-    def _arrived(self, sock: socket.socket, place: str) -> None:
-        connection = Connection(self, sock, place)
-        arrival = self.admissions.arrive(connection, place, time.monotonic())
-        if isinstance(arrival.displaced, Connection):
-            arrival.displaced.end()
-        if not arrival.admitted:
-            sock.close()
-            return
+    def _arrived(self, sock: socket.socket, place: str) -> bool:
+        """Returns whether the connection was let in."""
         sock.setblocking(False)
-        task = asyncio.ensure_future(self._begin(connection, sock))
-        self._tasks[task] = connection
-        task.add_done_callback(self._tasks.pop)
-
-    async def _begin(self, connection: Connection, sock: socket.socket) -> None:
-        """Makes the transport: with TLS, this is the handshake."""
-        options: Dict[str, Any] = {}
-        if self._certificates is not None:
-            options = {'ssl': self._certificates, 'ssl_handshake_timeout': HEAD_WITHIN}
-        loop = cast(asyncio.BaseEventLoop, asyncio.get_event_loop())
-        try:
-            await loop.connect_accepted_socket(lambda: connection, sock, **options)
-        except (OSError, asyncio.TimeoutError):  # ssl.SSLError is an OSError
-            self.left(connection)
+        if self.admissions.must_bring_request(place, time.monotonic()) and not (
+                self.is_whole(_peek(sock) or b'')):
             sock.close()
+            return False
+        connection = Connection(self, sock, place)
+        self._open.add(connection)
+        displaced = self.admissions.arrive(connection, place)
+        if isinstance(displaced, Connection):
+            displaced.end()
+        connection.wait_for_head()
+        return True
 
     def _pause(self, error: OSError) -> None:
         """Accepts nothing for a moment: the operating system has no room for connections."""
@@ -219,3 +263,25 @@ class Listener:
     def _resume(self) -> None:
         if self._socket is not None:
             asyncio.get_event_loop().add_reader(self._socket, self._accept)
+
+
+def _peek(sock: socket.socket) -> Optional[bytes]:
+    """The bytes that have come, which stay there; None: no byte yet; empty: the end."""
+    try:
+        return sock.recv(LONGEST_HEAD, socket.MSG_PEEK)
+    except (BlockingIOError, InterruptedError):
+        return None
+    except OSError:
+        return b''
+
+
+def _is_head(data: bytes) -> bool:
+    """Whether the head of a request is complete."""
+    return b'\r\n\r\n' in data or b'\n\n' in data
+
+
+def _is_record(data: bytes) -> bool:
+    """Whether the first record of TLS is complete, or is none, which the library then refuses."""
+    if data[:1] != _TLS_HANDSHAKE:
+        return bool(data)
+    return len(data) >= 5 and len(data) >= 5 + int.from_bytes(data[3:5], 'big')

@@ -26,7 +26,7 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 COOKIE = 'fleet_page'
 LARGEST_REQUEST = 20_000
-MOST_RELAYED = 200       # requests that the page's process answers at the same time
+MOST_RELAYED = 150       # requests that the page's process answers at the same time
 MOST_OF_PERSON = 60      # of these, for one person
 TOKENS_PERIOD = 1.0      # s between two looks at the token file
 _LOG = logging.getLogger(__name__)

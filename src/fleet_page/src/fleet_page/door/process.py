@@ -88,7 +88,8 @@ class DoorProcess:
 
 def _be_the_door(channel: socket.socket, stop: Callable[[], Outcome]) -> NoReturn:
     """The whole life of the door's process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the page's process, and so the door
+    for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, and so the door
+        signal.signal(number, signal.SIG_IGN)
     # A direct stop makes this process a ROS node, which must not take the name of the page.
     sys.argv[1:] = [word for word in sys.argv[1:] if word.startswith('__master:=')]
     logging.basicConfig(level=logging.INFO, format=_FORMAT)
