@@ -44,6 +44,8 @@ ROOT = Path(__file__).resolve().parents[2]
 TOKENS = {'operate': 'a-token-that-operates', 'see': 'a-token-that-only-sees'}
 OWN = '127.0.0.1'
 HALF_OPEN = 20_000
+HALF_REQUESTS = {False: b'POST /api/act HTTP/1.1\r\nHost: 127.0.0.1',
+                 True: b'\x16\x03\x01\x02\x00\x01\x00'}  # the begin of a TLS handshake
 OPENED_EACH_SECOND = 2000  # half requests, by all attackers
 IP_BIND_ADDRESS_NO_PORT = 24  # of Linux; the module socket has no name for it
 ATTACKERS = 2         # processes, because each may open only so many files
@@ -102,7 +104,8 @@ def stop_times(page: Page, cookie: str) -> List[float]:
 
 # -- what is in the way ----------------------------------------------------------------------------
 
-def hold_half_open(port: int, count: int, addresses: Sequence[str], opened: Any) -> None:
+def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequence[str],
+                   opened: Any) -> None:
     """Holds half requests open, and opens others in place of those that are ended, at a rate."""
     os.nice(10)  # it stands for other computers, whose processors are not these
     selector = selectors.EpollSelector()
@@ -127,7 +130,7 @@ def hold_half_open(port: int, count: int, addresses: Sequence[str], opened: Any)
             assert isinstance(half, socket.socket)
             try:
                 if events & selectors.EVENT_WRITE:
-                    half.send(b'POST /api/act HTTP/1.1\r\nHost: 127.0.0.1')
+                    half.send(half_request)
                     selector.modify(half, selectors.EVENT_READ, key.data)
                     with opened.get_lock():
                         opened.value += 1
@@ -146,8 +149,8 @@ def half_open(page: Page, addresses: Sequence[str]) -> Iterator[Callable[[], str
     """Attackers at these addresses, in processes of their own."""
     opened = multiprocessing.Value('q', 0)
     programs = [multiprocessing.Process(
-        target=hold_half_open, args=(page.port, HALF_OPEN // ATTACKERS, addresses, opened),
-        daemon=True) for _ in range(ATTACKERS)]
+        target=hold_half_open, daemon=True,
+        args=(page.port, HALF_REQUESTS[bool(page.trust)], HALF_OPEN // ATTACKERS, addresses, opened)) for _ in range(ATTACKERS)]
     for program in programs:
         program.start()
     try:

@@ -62,6 +62,14 @@ class ServedPage:
         """The fleet manager stops to publish."""
         self._alive = False
 
+    def hang(self) -> None:
+        """The page's process takes requests no more."""
+        asyncio.run_coroutine_threadsafe(self._site.hang(), self._loop).result(PATIENCE)
+
+    def go_on(self) -> None:
+        """The page's process works again."""
+        asyncio.run_coroutine_threadsafe(self._site.go_on(), self._loop).result(PATIENCE)
+
     def close(self) -> None:
         asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(PATIENCE)
         self._loop.call_soon_threadsafe(self._loop.stop)

@@ -47,7 +47,8 @@ def test_many_addresses_that_fill_all_places_leave_the_door_open_to_another():
     admissions = Admissions()
     for number in range(2 * MOST):
         admissions.arrive(number, f'a{number % 200}')
-    refused = [admissions.must_bring_request(f'a{number % 200}', 0.0) for number in range(3 * int(EACH_SECOND))]
+    refused = [admissions.must_bring_request(f'a{number % 200}', 0.0)
+               for number in range(3 * int(EACH_SECOND))]
     assert refused.count(False) == EACH_SECOND
     assert not admissions.must_bring_request('b', 0.0)
     assert admissions.arrive('honest', 'b') is not None

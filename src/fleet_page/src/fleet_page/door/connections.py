@@ -62,12 +62,12 @@ class Connection(asyncio.Protocol):
         data = _peek(self._sock)
         if data is None:
             asyncio.get_event_loop().add_reader(self._sock, self._look, 0)
-        elif self._listener.is_whole(data):
+        elif self._listener.is_whole(data) and not self._listener.is_foreign(data):
             self._stop_timer()
             self._look_no_more()
             self._begun = asyncio.ensure_future(self._begin())
-        elif len(data) <= seen or len(data) >= LONGEST_HEAD:
-            self.end()  # the other side has ended it, or sends too much
+        elif len(data) <= seen or len(data) >= LONGEST_HEAD or self._listener.is_foreign(data):
+            self.end()  # the other side has ended it, sends too much, or something else
         else:
             # The kernel tells when there are more bytes than these.
             self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, len(data) + 1)
@@ -185,7 +185,8 @@ class Listener:
     def __init__(self, protocol: Callable[[], asyncio.Protocol],
                  certificates: Optional[ssl.SSLContext]) -> None:
         self.protocol = protocol
-        self.is_whole = _is_head if certificates is None else _is_record
+        self.is_whole, self.is_foreign = (_is_head, _is_never) if certificates is None else (
+            _is_record, _cannot_be_record)
         self.options: Dict[str, Any] = {} if certificates is None else {
             'ssl': certificates, 'ssl_handshake_timeout': HEAD_WITHIN}
         self.admissions = Admissions()
@@ -280,8 +281,14 @@ def _is_head(data: bytes) -> bool:
     return b'\r\n\r\n' in data or b'\n\n' in data
 
 
+def _is_never(_: bytes) -> bool:
+    return False
+
+
 def _is_record(data: bytes) -> bool:
-    """Whether the first record of TLS is complete, or is none, which the library then refuses."""
-    if data[:1] != _TLS_HANDSHAKE:
-        return bool(data)
+    """Whether the first record of TLS is complete."""
     return len(data) >= 5 and len(data) >= 5 + int.from_bytes(data[3:5], 'big')
+
+
+def _cannot_be_record(data: bytes) -> bool:
+    return data[:1] != _TLS_HANDSHAKE
