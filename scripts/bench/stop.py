@@ -27,12 +27,13 @@ import time
 import zlib
 from collections import deque
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 import rospy
-from measuring.processes import resident
+from measuring.processes import descendants, proportional
 from measuring.ros_master import own_ros_master
 from measuring.tables import Row, print_table
 from nav_msgs.msg import OccupancyGrid
@@ -148,9 +149,10 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
 def half_open(page: Page, addresses: Sequence[str]) -> Iterator[Callable[[], str]]:
     """Attackers at these addresses, in processes of their own."""
     opened = multiprocessing.Value('q', 0)
-    programs = [multiprocessing.Process(
-        target=hold_half_open, daemon=True,
-        args=(page.port, HALF_REQUESTS[bool(page.trust)], HALF_OPEN // ATTACKERS, addresses, opened)) for _ in range(ATTACKERS)]
+    args = (page.port, HALF_REQUESTS[page.trust is not None], HALF_OPEN // ATTACKERS, addresses,
+            opened)
+    programs = [multiprocessing.Process(target=hold_half_open, args=args, daemon=True)
+                for _ in range(ATTACKERS)]
     for program in programs:
         program.start()
     try:
@@ -164,29 +166,40 @@ def half_open(page: Page, addresses: Sequence[str]) -> Iterator[Callable[[], str
             program.join()
 
 
-@contextmanager
-def threads(works: Sequence[Callable[[], None]]) -> Iterator[Callable[[], str]]:
-    """Repeats each work in a thread of its own; counts how often one was done."""
-    ending, done = threading.Event(), [0]
+def repeat_all(makers: Sequence[Callable[[], Callable[[], None]]], done: Any) -> None:
+    """Makes clients, and repeats the work of each in a thread of its own without end."""
+    os.nice(10)  # as above
 
     def repeat(work: Callable[[], None]) -> None:
-        while not ending.is_set():
+        while True:
             try:
                 work()
-                done[0] += 1
+                with done.get_lock():
+                    done.value += 1
             except (OSError, http.client.HTTPException):
                 pass  # the door ends and refuses some of them
-            ending.wait(0.02)
-    running = [threading.Thread(target=repeat, args=(work,), daemon=True) for work in works]
+            time.sleep(0.02)
+    running = [threading.Thread(target=repeat, args=(make(),)) for make in makers]
     for thread in running:
         thread.start()
-    begun = time.monotonic()
+    for thread in running:
+        thread.join()
+
+
+@contextmanager
+def clients(makers: Sequence[Callable[[], Callable[[], None]]]) -> Iterator[Callable[[], str]]:
+    """Clients in a process of their own; counts what they did."""
+    done = multiprocessing.Value('q', 0)
+    program = multiprocessing.Process(target=repeat_all, args=(makers, done), daemon=True)
+    program.start()
     try:
-        yield lambda: f'{done[0] / (time.monotonic() - begun):.0f} requests a second'
+        while not done.value:
+            time.sleep(0.05)
+        begun, before = time.monotonic(), done.value
+        yield lambda: f'{(done.value - before) / (time.monotonic() - begun):.0f} rounds a second'
     finally:
-        ending.set()
-        for thread in running:
-            thread.join(30.0)
+        program.kill()
+        program.join()
 
 
 def seer(page: Page, cookie: str, number: int) -> Callable[[], None]:
@@ -289,11 +302,6 @@ def certificate(folder: Path) -> Tuple[str, str]:
     return files
 
 
-def door_of(program: int) -> int:
-    """The process id of the door."""
-    return int(Path(f'/proc/{program}/task/{program}/children').read_text().split()[0])
-
-
 def figures(page: Page, program: int, map_topic: rospy.Publisher) -> Iterator[Row]:
     """All figures of one way to serve the page."""
     operator, see = page.login('operate'), page.login('see')
@@ -306,10 +314,10 @@ def figures(page: Page, program: int, map_topic: rospy.Publisher) -> Iterator[Ro
         (f'{HALF_OPEN} half requests of 200 addresses', lambda: half_open(page, many)),
         (f'{HALF_OPEN} half requests of the own address',
          lambda: half_open(page, [OWN])),
-        (f'{SEERS} clients of role see', lambda: threads(
-            [seer(page, see, number) for number in range(SEERS)])),
-        ('20 clients with compressed bodies', lambda: threads(
-            [bomber(page, number) for number in range(20)])),
+        (f'{SEERS} clients of role see', lambda: clients(
+            [partial(seer, page, see, number) for number in range(SEERS)])),
+        ('20 clients with compressed bodies', lambda: clients(
+            [partial(bomber, page, number) for number in range(20)])),
         ('a huge map', lambda: huge_map(map_topic)),
         ('the page hangs', lambda: hanging(program))]
     floor = ''
@@ -325,8 +333,9 @@ def figures(page: Page, program: int, map_topic: rospy.Publisher) -> Iterator[Ro
             yield Row(f'{scheme}: {name}' + (f', {told()}' if told() else ''), figure, floor,
                       f'< {WITHIN:.0f} ms{missed}')
             floor = floor or figure
-    yield Row(f'{scheme}: memory of the door, at the end',
-              f'{resident(door_of(program)) / 1e6:.0f} MB')
+    door, = descendants(program)
+    yield Row(f'{scheme}: memory (PSS) of the door, at the end',
+              f'{proportional(door) / 1e6:.0f} MB')
 
 
 def main() -> None:

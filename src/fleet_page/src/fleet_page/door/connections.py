@@ -185,8 +185,9 @@ class Listener:
     def __init__(self, protocol: Callable[[], asyncio.Protocol],
                  certificates: Optional[ssl.SSLContext]) -> None:
         self.protocol = protocol
-        self.is_whole, self.is_foreign = (_is_head, _is_never) if certificates is None else (
-            _is_record, _cannot_be_record)
+        self.is_whole: Callable[[bytes], bool] = _is_head if certificates is None else _is_record
+        self.is_foreign: Callable[[bytes], bool] = (
+            _is_never if certificates is None else _cannot_be_record)
         self.options: Dict[str, Any] = {} if certificates is None else {
             'ssl': certificates, 'ssl_handshake_timeout': HEAD_WITHIN}
         self.admissions = Admissions()
