@@ -1,12 +1,12 @@
-"""The limits on connections before a login: who is let in, and who must give way.
+"""The limits on connections before a login: which are let in, and which must give way.
 
 A connection counts here while it waits for a request, or is served without a login. While it
 carries out a request of a known person it does not count, and cannot be displaced.
 
-If there is no room, the oldest connection of the address that has the most gives way. So nobody can
-take all places and keep them, and an address with few connections loses none as long as another has
-more. If half requests come faster than they can be kept, newcomers of such an address must bring a
-whole request at once: to refuse a half request costs least.
+If there is no room, the oldest connection of the address that has the most gives way. So no client
+can take all places and keep them, and an address with few connections loses none as long as another
+has more. If half requests come faster than they can be kept, newcomers of such an address must
+bring a whole request at once: to refuse a half request costs least.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Listens, and limits connections before anything is known about who is there."""
+"""Listens, and limits connections before their persons are known."""
 from __future__ import annotations
 
 import asyncio
@@ -136,7 +136,7 @@ class Connection(asyncio.Protocol):
 
     @contextlib.contextmanager
     def serving(self, is_known: bool) -> Any:
-        """Serves one request; `is_known`: of a person, who is not displaced meanwhile."""
+        """Serves one request; `is_known`: of a person, so that it is not displaced meanwhile."""
         self._is_idle = False
         if is_known:
             self._stop_timer()

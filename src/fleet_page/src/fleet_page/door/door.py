@@ -158,7 +158,7 @@ class Door:
         if self._access.tokens is not None and isinstance(token, str):
             person = self._access.tokens.tokens.person(token)
         if person is None or not isinstance(token, str):
-            # Only failures count: nobody can keep others out by guessing.
+            # Only failures count: guesses never keep a valid token out.
             if not self._failures.allows(_place(request), time.monotonic()):
                 return refused(429, 'Too many attempts: wait a minute.')
             _LOG.warning('A login from %s was refused.', request.remote)

@@ -1,4 +1,4 @@
-"""Carries out stops: one runs, and one waits for all who ask meanwhile."""
+"""Carries out stops: one runs, and one waits for all requests that come meanwhile."""
 from __future__ import annotations
 
 import asyncio

@@ -101,7 +101,7 @@ async def _pass_back(request: web.Request, answer: aiohttp.ClientResponse, heade
         else:
             _abort(request)
     except (ConnectionError, asyncio.TimeoutError, aiohttp.ClientError):
-        _abort(request)  # else data that nobody reads would be kept, or a half answer look whole
+        _abort(request)  # else unread data would be kept, or a half answer look whole
     return response
 
 

@@ -1,4 +1,4 @@
-"""Answers that take time to make: one thread makes them, and all who ask meanwhile share them."""
+"""Answers that take time to make: one thread makes them, all requests of that time share them."""
 from __future__ import annotations
 
 import asyncio

@@ -1,6 +1,6 @@
 """The server of the page's process, behind the door: events, site, history and acts.
 
-The door has checked who asks, and says so in two headers. This server decides nothing else.
+The door has checked the person, and names it in two headers. This server decides nothing else.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SILENCE = 5.0         # s without a change after which an empty update is sent
 STALLED = 30.0        # s after which a client that reads nothing is disconnected
 MOST_CLIENTS = 100
 MOST_CLIENTS_OF_ONE = 40
-KEPT_FOR_OPERATORS = 20  # of these, places that no one has who only sees
+KEPT_FOR_OPERATORS = 20  # of these, places that the role `see` cannot have
 FRESH = 2.0           # s for which an answer from the journal counts as new
 MOST_HOURS = 24 * 90
 
