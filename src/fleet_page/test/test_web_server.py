@@ -299,6 +299,25 @@ def test_one_who_only_sees_cannot_take_all_streams(tmp_path):
     served(tmp_path, test, secured=True)
 
 
+def test_a_flood_of_views_with_one_token_is_held_back_whatever_its_addresses(tmp_path):
+    async def test(_site, client, new_client):
+        await client.login('see')
+        seen = []
+        for number in range(40):
+            other = new_client(f'127.0.1.{number + 1}')
+            other.session.cookie_jar.update_cookies(client.session.cookie_jar.filter_cookies(
+                URL(client.origin)), URL(client.origin))
+            for _ in range(30):
+                async with other.get('/api/me') as answer:
+                    seen.append(answer.status)
+        assert seen[0] == 200 and seen[-1] == 429 and seen.count(200) >= 600
+        operator = new_client()
+        await operator.login('operate')
+        async with operator.get('/api/site') as answer:
+            assert answer.status == 200
+    served(tmp_path, test, secured=True)
+
+
 def test_a_stay_of_401_digits_is_refused_in_words(tmp_path):
     async def test(site, client, _new):
         status, answer = await client.act(
@@ -435,6 +454,18 @@ def test_files_come_compressed_and_only_once(tmp_path):
             tag = answer.headers['ETag']
         async with client.get('/page/main.js', headers={'If-None-Match': tag}) as answer:
             assert answer.status == 304
+    served(tmp_path, test)
+
+
+@pytest.mark.parametrize('path', [path for path in NEED_LOGIN if path not in (
+    '/api/events', '/api/map.png')])
+def test_a_program_that_does_not_ask_for_compression_gets_none(tmp_path, path):
+    async def test(_site, client, _new):
+        async with client.get(path, skip_auto_headers=['Accept-Encoding']) as answer:
+            assert 'Content-Encoding' not in answer.headers and answer.status == 200
+            (await answer.read()).decode('ascii')
+        async with client.get('/api/audit') as answer:
+            assert 'Content-Encoding' in answer.headers
     served(tmp_path, test)
 
 

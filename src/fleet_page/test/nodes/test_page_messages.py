@@ -159,6 +159,18 @@ def test_a_stop_that_did_not_work_is_told_with_its_reason(monkeypatch):
     assert not outcome.ok and 'NO ROBOT' in outcome.text
 
 
+def test_a_direct_stop_does_not_take_the_name_of_the_page(monkeypatch):
+    """A ROS master ends a node as soon as another one registers with its name."""
+    arguments = ['page', '__name:=fleet_page', '_port:=8080', '__master:=http://a:1', 'b:=c']
+    monkeypatch.setattr('sys.argv', arguments)
+    rospy.names.reload_mappings(arguments)
+    try:
+        fleet_stop.forget_node_arguments()
+        assert rospy.names.get_mappings() == {'__master': 'http://a:1'}
+    finally:
+        rospy.names.reload_mappings([])
+
+
 def asked_by(name: str, message: Any) -> Any:
     """The message as it arrives from a node with this name."""
     message._connection_header = {'callerid': name}

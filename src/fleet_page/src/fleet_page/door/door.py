@@ -50,7 +50,8 @@ class Door:
         self._stops = Stops(stop)
         self._sessions = Sessions()
         self._headers = {**HEADERS, **(TRANSPORT if access.secure else {})}
-        self._requests = RateLimit(200.0, 50.0)
+        self._of_strangers = RateLimit(200.0, 50.0)
+        self._of_persons = RateLimit(600.0, 100.0)
         self._stop_requests = RateLimit(20.0, 5.0)
         self._failures = RateLimit(5.0, 0.1)
         self._relayed: Counter[Person] = Counter()
@@ -130,8 +131,10 @@ class Door:
                 return refused(415, 'The request must be JSON.')
         elif request.method not in ('GET', 'HEAD'):
             return refused(405, 'GET and POST only.')
-        if request.method != 'POST' and not self._requests.allows(
-                (_place(request), person), time.monotonic()):
+        now = time.monotonic()
+        if request.method != 'POST' and not (
+                self._of_strangers.allows(_place(request), now) if person is None else
+                self._of_persons.allows(person, now)):
             return refused(429, 'Too many requests.')
         try:
             return await handler(request)

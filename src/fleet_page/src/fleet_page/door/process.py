@@ -12,7 +12,6 @@ import os
 import resource
 import signal
 import socket
-import sys
 from dataclasses import asdict, dataclass
 from typing import Any, Callable, Dict, NoReturn, Tuple
 
@@ -54,13 +53,17 @@ class DoorSettings:
 class DoorProcess:
     """The door, seen from the page's process."""
 
-    def __init__(self, stop: Callable[[], Outcome]) -> None:
-        """Forks the door. `stop` stops the fleet in the door's process, and may take seconds."""
+    def __init__(self, stop: Callable[[], Outcome],
+                 begin: Callable[[], None] = lambda: None) -> None:
+        """Forks the door, which calls `begin` first.
+
+        `stop` stops the fleet in the door's process, and may take seconds.
+        """
         here, there = socket.socketpair()
         self._pid = os.fork()
         if not self._pid:
             here.close()
-            _be_the_door(there, stop)
+            _be_the_door(there, stop, begin)
         there.close()
         self._channel = here
 
@@ -86,15 +89,15 @@ class DoorProcess:
         self._channel.close()
 
 
-def _be_the_door(channel: socket.socket, stop: Callable[[], Outcome]) -> NoReturn:
+def _be_the_door(channel: socket.socket, stop: Callable[[], Outcome],
+                 begin: Callable[[], None]) -> NoReturn:
     """The whole life of the door's process."""
     for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, and so the door
         signal.signal(number, signal.SIG_IGN)
-    # A direct stop makes this process a ROS node, which must not take the name of the page.
-    sys.argv[1:] = [word for word in sys.argv[1:] if word.startswith('__master:=')]
     logging.basicConfig(level=logging.INFO, format=_FORMAT)
     status = 1
     try:
+        begin()
         _allow_connections()
         with channel.makefile('rb') as stream:
             line = stream.readline()

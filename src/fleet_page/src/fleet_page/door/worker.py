@@ -22,6 +22,7 @@ CHECKED = 1.0          # s between two checks of the session of an open stream
 _RETRY = 1.0           # s
 _MOST_REPORTS = 1000   # stops that are kept until the page's process takes them
 _PASSED_ON = ('Accept-Encoding', 'If-None-Match', 'Last-Event-ID', 'Content-Type')
+_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # of aiohttp: the client's own words count
 _LEFT_OUT = frozenset(name.lower() for name in (
     'Connection', 'Transfer-Encoding', 'Keep-Alive', 'Date', 'Server'))
 _LOG = logging.getLogger(__name__)
@@ -51,7 +52,8 @@ class Worker:
         try:
             answer = await asyncio.wait_for(self._session.request(
                 request.method, URL('http://page' + request.raw_path, encoded=True),
-                data=body or None, headers=passed, allow_redirects=False), ANSWER_WITHIN)
+                data=body or None, headers=passed, skip_auto_headers=_OWN_HEADERS,
+                allow_redirects=False), ANSWER_WITHIN)
         except (aiohttp.ClientError, asyncio.TimeoutError, ValueError) as error:
             return web.json_response({'ok': False, 'text': 'The page does not answer '
                                       f'({type(error).__name__}). STOP ALL works.'}, status=503)

@@ -52,7 +52,7 @@ from fleet_page.door.process import DoorError, DoorProcess, DoorSettings
 from fleet_page.door.security import is_loopback
 from fleet_page.nodes import messages
 from fleet_page.nodes.fleet_commands import FleetCommands
-from fleet_page.nodes.fleet_stop import stop_fleet
+from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
 from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.supervision.journal import HistoryLine, history
@@ -83,7 +83,7 @@ class FleetPageNode:
     """The node. Callbacks pass messages to the thread of the event loop, which owns the page."""
 
     def __init__(self, door: DoorProcess) -> None:
-        self._door = door
+        self._door, self._is_ending = door, threading.Event()
         self._sockets = tempfile.mkdtemp(prefix='fleet_page_')  # only this user can open it
         worker = os.path.join(self._sockets, 'page')
         settings = _door_settings(worker)
@@ -121,6 +121,7 @@ class FleetPageNode:
 
     def close(self) -> None:
         """Ends all connections."""
+        self._is_ending.set()
         self._door.close()
         asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop)
         shutil.rmtree(self._sockets, ignore_errors=True)
@@ -128,7 +129,7 @@ class FleetPageNode:
     def _end_with_door(self) -> None:
         """Ends this process with the door, so that roslaunch or systemd starts both again."""
         self._door.wait()
-        if not rospy.is_shutdown():
+        if not self._is_ending.is_set():
             rospy.logfatal('The door of the page has ended: the page ends too.')
             os._exit(1)
 
@@ -276,5 +277,5 @@ def _journal() -> str:
 
 def main() -> None:
     """Runs the node and its door."""
-    door = DoorProcess(stop_fleet)
+    door = DoorProcess(stop_fleet, forget_node_arguments)
     run('fleet_page', lambda: FleetPageNode(door))
