@@ -28,6 +28,7 @@ COOKIE = 'fleet_page'
 LARGEST_REQUEST = 20_000
 MOST_RELAYED = 150       # requests that the page's process answers at the same time
 MOST_OF_PERSON = 60      # of these, for one person
+HELD_BACK = 1.0          # s until a request beyond the limits is refused
 TOKENS_PERIOD = 1.0      # s between two looks at the token file
 _LOG = logging.getLogger(__name__)
 
@@ -107,8 +108,14 @@ class Door:
             if connection is None:
                 raise asyncio.CancelledError  # it ended before its request was read
             person = self._person(request)
-            with connection.serving(person is not None):
-                answer = await self._guarded(request, handler, person)
+            if self._may_ask(request, person):
+                with connection.serving(person is not None):
+                    answer = await self._guarded(request, handler)
+            else:
+                with connection.serving(False):
+                    # A client that asks too much waits, else it would ask the more.
+                    await asyncio.sleep(HELD_BACK)
+                    answer = refused(429, 'Too many requests.')
             if not answer.prepared:
                 answer.headers.update({name: value for name, value in self._headers.items()
                                        if name not in answer.headers})
@@ -118,8 +125,16 @@ class Door:
     def _connection(self, request: web.Request) -> Optional[Connection]:
         return None if self._listener is None else self._listener.by_protocol.get(request.protocol)
 
-    async def _guarded(self, request: web.Request, handler: Handler,
-                       person: Optional[Person]) -> web.StreamResponse:
+    def _may_ask(self, request: web.Request, person: Optional[Person]) -> bool:
+        """Limits the requests to see something. Acts and logins have their own limits."""
+        now = time.monotonic()
+        if request.method == 'POST':
+            return True
+        if person is None:
+            return self._of_strangers.allows(_place(request), now)
+        return self._of_persons.allows(person, now)
+
+    async def _guarded(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         hosts = request.headers.getall('Host', [])
         if len(hosts) != 1 or not self._access.addresses.allow_host(hosts[0]):
             return refused(421, 'This host name is not one of the page: add it to ~names.')
@@ -131,11 +146,6 @@ class Door:
                 return refused(415, 'The request must be JSON.')
         elif request.method not in ('GET', 'HEAD'):
             return refused(405, 'GET and POST only.')
-        now = time.monotonic()
-        if request.method != 'POST' and not (
-                self._of_strangers.allows(_place(request), now) if person is None else
-                self._of_persons.allows(person, now)):
-            return refused(429, 'Too many requests.')
         try:
             return await handler(request)
         except web.HTTPException as error:

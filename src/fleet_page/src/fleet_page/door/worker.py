@@ -10,7 +10,6 @@ from typing import Any, Callable, Deque, Dict, Optional
 
 import aiohttp
 from aiohttp import web
-from yarl import URL
 
 from fleet_page.core.roles import Person
 
@@ -51,7 +50,7 @@ class Worker:
         passed.update({PERSON: person.name, ROLE: person.role.name})
         try:
             answer = await asyncio.wait_for(self._session.request(
-                request.method, URL('http://page' + request.raw_path, encoded=True),
+                request.method, request.url.with_scheme('http').with_host('page').with_port(80),
                 data=body or None, headers=passed, skip_auto_headers=_OWN_HEADERS,
                 allow_redirects=False), ANSWER_WITHIN)
         except (aiohttp.ClientError, asyncio.TimeoutError, ValueError) as error:
