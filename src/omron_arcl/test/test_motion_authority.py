@@ -6,7 +6,7 @@ obeyed it.
 from __future__ import annotations
 
 from itertools import count
-from typing import Any, List, Optional
+from typing import Any, List, Optional, Tuple
 
 import pytest
 from arcl_builders import Conversation
@@ -29,6 +29,7 @@ from omron_arcl.motion_authority import (
 
 ROUTE, PERSON, OTHER = Giver('/bridge', 'a'), Giver('/rviz', 'b'), Giver('/adapter', 'c')
 DOCKING = 'DockingState: Docking ForcedState: Unforced ChargeState: Not'
+DOCKED = 'DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
 UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 
 
@@ -318,6 +319,75 @@ class TestAnotherClientOfTheRobot:
         bench.robot(UNDOCKED)
         bench.robot(DOCKING)
         assert bench.memory.cause is Cause.ROBOT
+
+
+class TestAfterAnOutage:
+    """D1: nobody drives on a robot that a person stopped while there was no link."""
+
+    @staticmethod
+    def after(outage: str, text: str = 'goto 12', *said: str) -> Tuple[Bench, int]:
+        """A drive, an outage, and a new connection; and the epoch that the driver knows."""
+        bench = Bench()
+        bench.status('Stopped')
+        bench.drive(ROUTE, text)
+        bench.robot(*said)
+        if outage == 'restart':
+            again = Bench(bench.kept[-1])
+            assert again.memory.previous_epoch == bench.epoch
+            return again, again.epoch
+        bench.lose()
+        bench.pass_time(10.0)
+        bench.connect()
+        return bench, bench.epoch
+
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    @pytest.mark.parametrize('shown', [
+        'Stopped', 'Stopping', 'Arrived at 5', 'Going to 5', 'Teleop driving', DOCKED, 'Parked',
+        'Failed going to 12', 'Robot lost', 'Motors disabled', 'Interrupted: Going to 12',
+        'EStop pressed', 'a text of no known kind'])
+    def test_a_robot_that_does_not_show_our_drive_has_a_new_epoch(self, outage, shown):
+        bench, known = self.after(outage, 'goto 12', 'Going to 12')
+        bench.status(shown)
+        assert bench.epoch != known
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, 'goto 14', known_epoch=known)
+
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    @pytest.mark.parametrize(('text', 'line', 'shown'), [
+        ('goto 12', 'Going to 12', 'Going to 12'), ('goto 12', 'Going to 12', 'Arrived at 12'),
+        ('gotoPoint 1 2', 'Going to point', 'Going to point'), ('dock', DOCKING, DOCKED),
+        ('dock', DOCKING, DOCKING), ('patrolOnce a', 'Patrolling route a once',
+                                     'Finished patrolling route a')])
+    def test_one_that_shows_it_under_way_or_completed_goes_on(self, outage, text, line, shown):
+        bench, known = self.after(outage, text, line)
+        bench.status(shown)
+        assert bench.epoch == known
+        bench.drive(ROUTE, 'goto 14', known_epoch=known)
+
+    def test_one_that_we_stopped_does_not_drive_to_our_goal_because_of_us(self):
+        bench, _ = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.status('Going to 12')
+        bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        bench.lose()
+        bench.connect()
+        known = bench.epoch
+        bench.status('Going to 12')
+        assert (bench.epoch != known, bench.memory.cause) == (True, Cause.OTHER_CLIENT)
+
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    def test_no_program_drives_before_the_robot_has_said_what_it_does(self, outage):
+        bench, known = self.after(outage, 'goto 12', 'Going to 12')
+        with pytest.raises(Unclear):
+            bench.drive(ROUTE, 'goto 14', known_epoch=known)
+
+    @pytest.mark.parametrize('command', ['goto 14', 'stop'])
+    def test_a_command_for_any_epoch_does_not_hide_what_others_did(self, command):
+        bench, known = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.give(command, giver=ROUTE)
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, 'goto 15', known_epoch=known)
+        assert bench.memory.giver == ROUTE
 
 
 class TestOwedStop:

@@ -247,8 +247,8 @@ class Client(Transport):
             with self._lock:
                 self.help = event.help
                 self._dispatcher.on_connected(now)
-            # The first status shows whether an owed stop must still be sent.
-            self._pulsed_at = -math.inf if self.motion.memory.stop_owed else now
+            # The first status shows what happened meanwhile, and whether to send an owed stop.
+            self._pulsed_at = -math.inf
             self._set_link(LinkPhase.CONNECTED, self.peer)
             self._answered.set()
             self._call(self._on_login, event.help)

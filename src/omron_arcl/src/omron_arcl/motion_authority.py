@@ -4,7 +4,9 @@ Every command that moves or stops the robot passes `take`, in the order in which
 The robot's lines pass `on_reply`. Both determine the *epoch*, a random number. A new epoch begins
 when
 - another giver than the present one drives, stops or cancels,
-- the robot acts on the command of another client.
+- the robot acts on the command of another client,
+- the robot, after a start or a new connection, is not visibly carrying out our last drive, and has
+  not visibly completed it: a person may have stopped it meanwhile.
 A drive names the epoch that its giver knows. So it cannot overtake a stop or a drive that its giver
 does not know of. No timer decides on the order of two commands that were taken here.
 
@@ -115,7 +117,10 @@ _STATES = {
 
 
 _OF_THE_ROBOT = (Cause.OTHER_CLIENT, Cause.ROBOT)
+# A robot that is found like this has ended its drive by itself; otherwise, another client did.
+_GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
 _DOCK = 'dock'
+_UNSEEN = 'during an outage of the link another client may have driven or stopped the robot'
 
 
 def _goals_of(command: Command) -> Tuple[str, ...]:
@@ -148,6 +153,8 @@ class MotionAuthority:
         self._stop_passed = False  # a drive that reaches the robot after `_stop` was taken
         self._stop_too_old = False  # a further stop is needed for that drive
         self._connected = False
+        # Whether nothing shows yet what happened to the robot before this connection.
+        self._unseen = stored is not None
         self._activity: Optional[Activity] = None  # from the last status of this connection
         self._emergency = False
         self._stopped_at = self._powered_at = self._strange_since = -math.inf
@@ -181,6 +188,8 @@ class MotionAuthority:
         if command.spec.drives:
             if not self.knows(giver, known_epoch):
                 raise Overruled(self._memory.reason)
+            if self._unseen:  # the first status may begin a new epoch
+                raise Unclear('Not sent, the robot has not said yet what it does.')
             if self._memory.drives and self._is_in_doubt(self._drive):
                 raise Unclear('Not sent, the robot may have been stopped by another client.')
         elif command.spec.stops:
@@ -191,6 +200,9 @@ class MotionAuthority:
     def take(self, execution: Execution) -> None:
         """Takes a command that `check` has accepted, before it is sent."""
         command, giver = execution.command, execution.giver
+        if self._unseen and (command.spec.drives or command.spec.stops):
+            self._unseen = False
+            self._begin_epoch(None, Cause.OTHER_CLIENT, _UNSEEN, False)
         if command.spec.drives:
             memory, goals = self._memory, _goals_of(command)
             self._memory = replace(
@@ -269,6 +281,8 @@ class MotionAuthority:
     def on_link(self, connected: bool, now: float) -> None:
         """The link to the robot came up, or broke."""
         self._connected = connected
+        if not connected:
+            self._unseen, self._emergency = True, False
         self._activity = None
         self._strange_since = self._replaces_since = -math.inf
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
@@ -312,11 +326,14 @@ class MotionAuthority:
         elif kind not in (ActivityKind.UNKNOWN, ActivityKind.MOTORS_DISABLED):
             self._emergency = False
         elsewhere = kind in MOVING and not self._may_be_ours(activity)
-        if before is None and self._memory.stop_owed:
-            if elsewhere:
-                self._foreign(Cause.OTHER_CLIENT, True, text)
-            elif self._memory.drives and activity.goal.casefold() in self._memory.newer_goals:
-                self._keep(replace(self._memory, stop_owed=False))
+        if self._unseen:
+            self._unseen = False
+            if not self._shows_our_drive(activity) and not self._emergency:
+                self._foreign(Cause.ROBOT if kind in _GAVE_UP else Cause.OTHER_CLIENT,
+                              kind in MOVING, f'after an outage the robot shows "{text}"')
+        if (before is None and self._memory.stop_owed and self._memory.drives and not elsewhere
+                and activity.goal.casefold() in self._memory.newer_goals):
+            self._keep(replace(self._memory, stop_owed=False))
         self._look_until = -math.inf
         if self._stands_by():
             self._look_at_idle(before, activity, elsewhere, text, now)
@@ -457,6 +474,18 @@ class MotionAuthority:
         if is_named and activity.goal.casefold() in goals:
             return True
         return self._may_go_on() and (not is_named or '' in goals or _DOCK in goals)
+
+    def _shows_our_drive(self, activity: Activity) -> bool:
+        """Whether the robot visibly carries out our last drive, or has visibly completed it."""
+        goals, goal = self._memory.goals, activity.goal.casefold()
+        if activity.kind in MOVING:
+            return ((self._memory.drives or self._memory.stop_owed)
+                    and self._may_be_ours(activity))
+        return self._memory.drives and {
+            ActivityKind.ARRIVED_AT_GOAL: goal in goals, ActivityKind.ARRIVED_AT_POINT: '' in goals,
+            ActivityKind.DOCKED: _DOCK in goals,
+            ActivityKind.STOPPED: bool(goal) and goal in goals,  # the end of a route or macro
+        }.get(activity.kind, False)
 
     def _may_go_on(self) -> bool:
         """Whether the last drive is under way, or its outcome is unknown."""
