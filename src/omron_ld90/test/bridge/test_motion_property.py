@@ -22,7 +22,7 @@ from motion_witness import YARD, Witness
 from simulated_robot import DIALECTS
 
 from omron_arcl import ArclError, Giver
-from omron_arcl.motion_authority import Cause
+from omron_arcl.drives import Cause
 from omron_ld90.bridge import events as p
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])
@@ -195,7 +195,8 @@ class Robots(RuleBasedStateMachine):
         note(str(world.words))
         assert not world.broken
         assert not world._controller.motion.memory.stop_owed
-        if world.words and not world.words[-1].drives and (
+        last = world._last_word()
+        if last and not last.drives and (
                 world._controller.motion.memory.cause is not Cause.OTHER_CLIENT):
             assert world.robot.goal is None, 'the robot drives on'
 

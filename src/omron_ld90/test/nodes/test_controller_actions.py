@@ -7,7 +7,7 @@ import pytest
 import rospy
 
 from omron_arcl import ArclError, Giver, NotConnected, Outcome, Result
-from omron_arcl.motion_authority import Overruled, Unclear
+from omron_arcl.drives import Overruled, Unclear
 from omron_ld90.nodes import controller_actions
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.support.old_messages import LATCHED, WAITED
