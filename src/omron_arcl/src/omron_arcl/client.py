@@ -23,6 +23,7 @@ from omron_arcl.errors import (
     ConnectionLost,
     LinkError,
     NotConnected,
+    StopOwed,
     WrongPassword,
 )
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
@@ -124,7 +125,8 @@ class Client(Transport):
                 link = self.link
                 if not link.connected:
                     self._dispatcher.start_without_link(command, giver, known_epoch)
-                    raise NotConnected(link.reason or link.phase.value)
+                    error = StopOwed if command.spec.stops else NotConnected
+                    raise error(link.reason or link.phase.value)
                 execution = self._dispatcher.start(command, timeout, on_line, on_end,
                                                    stop_on_timeout, giver, known_epoch)
         finally:

@@ -72,7 +72,8 @@ class LoggedIn(NamedTuple):
 class Received(NamedTuple):
     """A line of the robot: exactly as received, and its meaning.
 
-    `late`: the line may be old, because it waited here while this process was suspended.
+    `late`: the line may be old, because it waited while this process was suspended, or while the
+    network stalled.
     """
 
     raw: bytes

@@ -21,6 +21,7 @@ from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotSt
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
+    ExecuteCommandResult.NONE: Ending.NEVER_SENT,
     ExecuteCommandResult.SUCCEEDED: Ending.SUCCEEDED,
     ExecuteCommandResult.FAILED: Ending.FAILED,
     ExecuteCommandResult.INTERRUPTED: Ending.INTERRUPTED,

@@ -17,6 +17,7 @@ RETRY = 2.0                 # s between two attempts to find a path
 PROGRESS = 1000.0           # mm of progress after which the timeout begins again
 ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, within which it is reached
 SETTLE = 0.5                # s between two docking states
+AFTER_UNDOCKING = 0.2       # s between `Undocked`, `Stopping` and `Stopped`
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
                        ChargeState.NOT)
@@ -196,7 +197,8 @@ def undock(robot: Robot) -> Activity:
             robot.announce(robot.docking.line)
         else:
             yield from leave_dock(robot, _WAVERING_ON_UNDOCK)
-        robot.announce_stopping()
+        yield AFTER_UNDOCKING
+        robot.announce_stopping(at_least=AFTER_UNDOCKING)
 
     return Activity('Undocking', 'Undocking', script())
 

@@ -28,6 +28,7 @@ class ArclServer:
     def __init__(self, clock: Clock, robot: Robot, password: str, interpreter: Interpreter,
                  configuration: Optional[Configuration] = None,
                  map_folder: Optional[Path] = None) -> None:
+        self._jobs = 0
         """`interpreter` executes command lines: `commands.execute`.
 
         `map_folder`: folder of the maps that `configAdd Map` may name.
@@ -54,6 +55,11 @@ class ArclServer:
     def robot_name(self) -> str:
         """The robot's own name."""
         return self.configuration.text(FLEET, 'Identifier')
+
+    def next_job(self) -> int:
+        """The number of the next job in the robot's own queue."""
+        self._jobs += 1
+        return self._jobs
 
     @property
     def date_time(self) -> str:

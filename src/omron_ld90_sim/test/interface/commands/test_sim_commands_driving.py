@@ -119,3 +119,24 @@ def test_a_cleared_fault_lets_a_docked_robot_stay() -> None:
     client = Rig(start=None).client()
     lines = client.ask('afs jam "Jam" "Too sweet" 1 0', 'afc jam')
     assert 'Stopping' not in lines and lines[-1] == 'ApplicationFaultClear cleared jam'
+
+
+def test_a_queued_drive_tells_its_end_and_an_interrupted_one_does_not() -> None:
+    client = Rig().client()
+    client.send('queueDropoff west 22 y4rt')
+    done = client.until('QueueUpdate: DROPOFF1 y4rt 22 Completed')
+    assert done[-2] == 'Arrived at West'
+    client.ask('queueDropoff "East side"')
+    client.send('stop')
+    assert not [line for line in client.until('Stopped') if 'Completed' in line]
+
+
+def test_undocked_stopping_and_stopped_come_apart_in_time() -> None:
+    rig = Rig()
+    client = rig.client()
+    times = []
+    client.send('undock')
+    for line in ('DockingState: Undocked', 'Stopping', 'Stopped'):
+        client.until(line)
+        times.append(rig.clock.now)
+    assert times[0] < times[1] < times[2]
