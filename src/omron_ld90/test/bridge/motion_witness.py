@@ -10,7 +10,7 @@ from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Outcome, Result
-from omron_arcl.drives import LOOK, RETRY, Motion, MotionState
+from omron_arcl.drives import LOOK, RETRY, Cause, Motion, MotionState
 from omron_ld90.bridge import events as p
 
 YARD = yard()
@@ -84,6 +84,7 @@ class Witness(DelayedDrive):
         self._powered_at = -100.0
         self._another_gave = '', -100.0  # the last command of another client, and its time
         self._dialect = dialect
+        self.is_alone = True  # no other client, outage or person at the robot has acted
         # time since when a stop is owed and the robot can be reached
         self._owed_since: Optional[float] = None
         self._stop_came_at = -100.0
@@ -175,6 +176,7 @@ class Witness(DelayedDrive):
         """
         if not self.spared and self._controller.connected:
             self._forgotten = set(self.words_of_epoch)
+            self.is_alone = False
             self._unheard_until = self.now + seconds
         super().restart_controller()
 
@@ -210,6 +212,7 @@ class Witness(DelayedDrive):
     def cut(self, link: p.Link, seconds: float) -> None:
         """Cuts a link as the base class does; messages on their way are lost."""
         if link is p.Link.COMMANDS:
+            self.is_alone = False
             self._arrived = Counter(self._taken)
         super().cut(link, seconds)
 
@@ -222,7 +225,7 @@ class Witness(DelayedDrive):
 
     def another_client(self, command: str) -> None:
         """A client of the robot's own server gives a command."""
-        self.foreign = True
+        self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
         self._another_gave = command, self.now
         self.robot.hear_another(command)
@@ -230,6 +233,8 @@ class Witness(DelayedDrive):
 
     def _on_motion(self, motion: Motion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
+        if self.is_alone and motion.memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT):
+            self.broken.append(f'there is no other client: {motion.memory.reason}')
         super()._on_motion(motion)
 
     def _say(self, line: str) -> None:

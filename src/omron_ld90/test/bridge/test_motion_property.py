@@ -194,7 +194,10 @@ class Robots(RuleBasedStateMachine):
         note('\n'.join(world.trace))
         note(str(world.words))
         assert not world.broken
-        assert not world._controller.motion.memory.stop_owed
+        memory = world._controller.motion.memory
+        assert not memory.stop_owed
+        if world.robot.goal is not None and not world._anothers:
+            assert memory.giver.name, f'the robot drives to {world.robot.goal} without an owner'
         last = world._last_word()
         if last and not last.drives and (
                 world._controller.motion.memory.cause is not Cause.OTHER_CLIENT):
@@ -211,10 +214,12 @@ class SimulatedRobots(Robots):
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()
     def emergency_stop(self) -> None:
+        self.world.is_alone = False
         self.world.robot.inject('estop press')
 
     @rule()
     def help(self) -> None:
+        self.world.is_alone = False
         self.world.robot.inject('estop release')
         self.world.robot.hear_another('enableMotors')
 
