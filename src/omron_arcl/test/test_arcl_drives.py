@@ -369,6 +369,15 @@ class TestAfterAnOutage:
         assert bench.epoch == known
         bench.drive(ROUTE, 'goto 14', known_epoch=known)
 
+    def test_the_drive_that_the_robot_shows_is_the_one_under_way(self):
+        bench, known = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.status('Going to 12')
+        bench.drive(ROUTE, 'goto 14')
+        bench.lose()
+        bench.connect()
+        bench.status('Going to 12')
+        assert (bench.epoch, bench.memory.goal, bench.memory.giver) == (known, '12', ROUTE)
+
     def test_one_that_we_stopped_does_not_drive_to_our_goal_because_of_us(self):
         bench, _ = self.after('lost link', 'goto 12', 'Going to 12')
         bench.status('Going to 12')

@@ -669,13 +669,12 @@ class Drives:
         name = {ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.GOING_TO_GOAL: goal,
                 ActivityKind.DOCKED: _DOCK, ActivityKind.ARRIVED_AT_POINT: '',
                 ActivityKind.STOPPED: goal or None}.get(activity.kind)
-        for record in reversed(self._records):
-            if record.kind is Kind.STOP and record.fate is Fate.OVER:
-                return None
-            if record.kind is Kind.DRIVE and (name in record.names or activity.kind in MOVING):
-                return record if record.fate is not Fate.OVER or (
-                    activity.kind not in MOVING) else None
-        return None
+        over = max((i for i, r in enumerate(self._records)
+                    if r.kind is Kind.STOP and r.fate is Fate.OVER), default=-1)
+        drives = [r for r in reversed(self._records[over + 1:]) if r.kind is Kind.DRIVE and (
+            r.fate is not Fate.OVER or activity.kind not in MOVING)]
+        named = [r for r in drives if name in r.names]
+        return next(iter(named or (drives if activity.kind in MOVING else [])), None)
 
     def _may_be_ours(self, activity: Activity) -> bool:
         """Whether a command of ours may have caused this motion of the robot.

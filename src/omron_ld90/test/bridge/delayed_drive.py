@@ -298,7 +298,8 @@ class DelayedDrive:
                 memory.epoch, memory.previous_epoch,
                 memory.giver.name == BRIDGE or memory.cause is Cause.EMERGENCY_STOP,
                 memory.cause is Cause.RESTART, memory.stop_owed, memory.reason,
-                memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT)))
+                memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT),
+                memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER))
 
     # --- the receiver -----------------------------------------------------------------------------
 

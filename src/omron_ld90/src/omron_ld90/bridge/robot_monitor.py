@@ -31,6 +31,8 @@ class RobotMonitor:
         self._settings = settings
         self.epoch = 0
         """The last known epoch; 0: none is known yet."""
+        self.drives_for_us = False
+        """Whether the present epoch began because the robot obeys a drive of ours."""
         self._own_epochs: Tuple[int, ...] = ()  # epochs since which no other giver did anything
         self._taken_over: Optional[TakenOver] = None
         self._count = 0  # number of commands given
@@ -149,6 +151,9 @@ class RobotMonitor:
         self.stop_duty.owed_by_controller = event.stop_owed
         if event.epoch == self.epoch:
             return
+        self.drives_for_us = event.obeys_us
+        if event.obeys_us:
+            self.tracker.obeyed()
         goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
         if goes_on:
             self.tracker.goes_on(now)

@@ -58,7 +58,8 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
-                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT))
+                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
+                      message.giver == own_name and message.cause == Motion.OTHER_GIVER)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

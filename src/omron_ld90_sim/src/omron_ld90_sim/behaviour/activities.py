@@ -46,6 +46,18 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
     return Activity(f'Going to {name}', f'Going to {name}', script(), (x, y), goal)
 
 
+def park(robot: Robot, goal: MapObject) -> Activity:
+    """Drives to a goal by the robot's own decision, and stays there."""
+    def script() -> Script:
+        yield from leave_dock(robot)
+        robot.announce('Parking')
+        yield from _reach(robot, goal.name, *_place(goal))
+        robot.status = robot.extended = 'Parked'
+        robot.announce('Parked')
+
+    return Activity('Parking', 'Parking', script())
+
+
 def pass_goal(robot: Robot, goal: MapObject) -> Script:
     """Drives to a goal on the way; only the extended status shows it."""
     robot.extended = f'Going to {goal.name}'

@@ -43,6 +43,7 @@ class ArclServer:
         self.online = True              # False: no listener and no outgoing connection
         self.accepting = True           # False: new connections are refused
         self.outgoing_wanted = True     # False: there is no outgoing connection
+        self.outgoing_asked: Callable[[], None] = lambda: None   # tells its next success
         self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
         self.outgoing_begins: Callable[[Session], object] = lambda session: None
         self.wall_time = time.localtime
@@ -77,6 +78,8 @@ class ArclServer:
         """Begins the outgoing session: it has no login, and gets every broadcast."""
         session = Session(self, 0, outgoing=True)
         self.sessions.append(session)
+        asked, self.outgoing_asked = self.outgoing_asked, lambda: None
+        asked()
         self.outgoing_begins(session)
         return session
 

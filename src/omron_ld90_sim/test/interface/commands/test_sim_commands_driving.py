@@ -5,6 +5,7 @@ import pytest
 from sim_builders import Rig
 from transcripts_driving import UNDOCKED
 
+from omron_ld90_sim.interface.faults import Faults
 from omron_ld90_sim.motion.space import Disc
 
 
@@ -140,3 +141,23 @@ def test_undocked_stopping_and_stopped_come_apart_in_time() -> None:
         client.until(line)
         times.append(rig.clock.now)
     assert times[0] < times[1] < times[2]
+
+
+def test_connect_outgoing_tells_its_success_only_when_the_connection_stands() -> None:
+    rig = Rig()
+    client = rig.client()
+    assert client.ask('connectOutgoing 127.0.0.1 7179') == []
+    rig.server.connect_outgoing()
+    assert client.lines() == ['Outgoing connected to 127.0.0.1 7179']
+    rig.server.connect_outgoing()
+    assert client.lines() == []
+
+
+def test_a_robot_that_parks_by_itself_says_so() -> None:
+    rig = Rig()
+    client = rig.client()
+    Faults(rig.server).inject('park West')
+    client.until('Parking')
+    assert client.ask('oneLineStatus')[0].startswith('Status: Parking ')
+    client.until('Parked')
+    assert client.ask('oneLineStatus')[0].startswith('Status: Parked ')
