@@ -378,6 +378,14 @@ class TestAfterAnOutage:
         bench.status('Going to 12')
         assert (bench.epoch, bench.memory.goal, bench.memory.giver) == (known, '12', ROUTE)
 
+    @pytest.mark.parametrize('end', ['Arrived at 12', 'Stopped'])
+    def test_the_statuses_show_the_end_of_a_drive_whose_command_was_lost(self, end):
+        bench, known = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.status('Going to 12')
+        for _ in range(3):
+            bench.status(end, 1.0)
+        assert (bench.epoch == known, bench.state) == (end != 'Stopped', MotionState.STANDING)
+
     def test_one_that_we_stopped_does_not_drive_to_our_goal_because_of_us(self):
         bench, _ = self.after('lost link', 'goto 12', 'Going to 12')
         bench.status('Going to 12')
@@ -708,6 +716,12 @@ class TestWhoseStopping:
         bench.pass_time(3.0)
         self.obeys(bench, 'Stopping', 'Stopped')
 
+    def test_a_stop_of_ours_as_the_motors_come_on_gets_a_pair_of_its_own(self, bench):
+        bench.stop(ROUTE)
+        known = bench.epoch
+        bench.robot('Motors enabled', 'Stopping', 'Stopped', 'Stopping', 'Stopped')
+        assert bench.epoch == known
+
     @pytest.mark.parametrize('before', [
         [], ['Motors enabled', 'Stopping', 'Stopped'],
         ['FaultCleared: Fault_Driving_Application f "s" "l" true false true', 'Stopping']])
@@ -774,6 +788,18 @@ class TestEachRowOfTheTable:
     def test_without_it_the_stopping_counts_as_another_clients(self, row, monkeypatch):
         monkeypatch.delitem(STOPPINGS, row)
         assert self.is_attributed_to_another_client(row)
+
+
+    def test_a_drive_between_stops_is_ours_although_an_older_stop_is_answered_late(self, bench):
+        bench.status('Stopped')
+        bench.stop(PERSON)
+        bench.stop(PERSON)
+        bench.drive(PERSON, 'goto 3')
+        bench.stop(PERSON)
+        known = bench.epoch
+        bench.robot('Stopping', 'Stopped', 'Stopping', 'Stopped', 'Going to 3',
+                    'Interrupted: Going to 3', 'Stopping', 'Stopped')
+        assert (bench.epoch, bench.memory.giver) == (known, PERSON)
 
 
 class TestLinesWithoutAName:

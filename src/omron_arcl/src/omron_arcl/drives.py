@@ -371,7 +371,10 @@ class Drives:
             self._retry_at = now + RETRY
             if outcome in (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED):
                 at = self._records.index(record)
-                self._records = (replace(record, fate=Fate.OVER), *self._records[at + 1:])
+                # this `Stopped` may be that of an older stop, so that drives may still follow
+                may_follow = [r for r in self._records[:at] if self._unheard_stops and r.may_move]
+                self._records = (*may_follow, replace(record, fate=Fate.OVER),
+                                 *self._records[at + 1:])
                 self._retry_at = -math.inf
                 self._keep()
         elif outcome in _REFUSED or outcome is Outcome.FAILED and record.pending:
@@ -387,7 +390,10 @@ class Drives:
         elif outcome is Outcome.INTERRUPTED and record is self._records[-1]:
             self._foreign(Cause.OTHER_CLIENT, False, words)
         elif record.pending and outcome is not Outcome.SUCCEEDED:
-            self._drop(record)
+            if self._unheard_stops:
+                self._change(record, Fate.UNKNOWN)
+            else:
+                self._drop(record)
         else:
             self._change(record, Fate.OVER)
 
@@ -414,7 +420,9 @@ class Drives:
         elif isinstance(reply, driving.Stopped):
             if self._replacing:
                 self._foreign_stop('another client of the robot stopped it')
-            self._replacing, self._stops_itself = False, None
+            self._replacing = False
+            if not self._pair_is_ours:  # else the robot's own pair is still to come
+                self._stops_itself = None
             self.stopped_by_us, self._pair_is_ours = self._pair_is_ours, True
         elif isinstance(reply, safety.Motors) and reply.enabled:
             self._emergency, self._stops_itself = False, SelfStop.MOTORS_ENABLED
@@ -485,10 +493,16 @@ class Drives:
                 and memory.drives and before.goal.casefold() in memory.names
                 and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING)):
             self._foreign(Cause.OTHER_CLIENT, False, text)
+        ruling = memory.ruling
         elsewhere = activity.kind in MOVING and not self._may_be_ours(activity) and not (
-            memory.ruling is not None and memory.ruling.kind is Kind.FOREIGN_DRIVE)
+            ruling is not None and ruling.kind is Kind.FOREIGN_DRIVE)
+        if ruling is not None and ruling.kind is Kind.DRIVE and ruling.fate is Fate.OBEYED:
+            # its command ended as lost with the link before, so that only statuses show its end
+            if activity.kind not in MOVING and self._shown_drive(activity) is ruling:
+                self._change(ruling, Fate.OVER)
+            elsewhere = elsewhere or activity.kind in STANDING and not self._shown_drive(activity)
         if elsewhere and self._strange:  # one status may have crossed a line
-            self._foreign(Cause.OTHER_CLIENT, True, text)
+            self._foreign(Cause.OTHER_CLIENT, activity.kind in MOVING, text)
         self._strange = elsewhere
 
     # --- whose `Stopping` is it? ------------------------------------------------------------------
@@ -561,8 +575,8 @@ class Drives:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
         self._replacing = False
-        self._unheard_stops = sum(r.owed and r.number in self._executions
-                                  for r in self._records[at + 1:])
+        self._unheard_stops = min(self._unheard_stops, sum(
+            r.kind is Kind.STOP for r in self._records[at + 1:]))
         self._records = (replace(record, fate=Fate.OBEYED), *(
             r for r in self._records[at + 1:] if r.kind in (Kind.DRIVE, Kind.STOP)))
         self._rules(record, ruling)
