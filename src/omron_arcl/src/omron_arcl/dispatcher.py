@@ -1,8 +1,8 @@
 """The commands of one connection: takes commands, lines and time; gives lines to send and results.
 No I/O, and no clock.
 
-`command_queue` keeps the order, `attribution` decides on the meaning of lines, and `drive_watch`
-judges drives by the robot's status. The rules:
+`drives` keeps the records of drives and stops, `command_queue` the order, `attribution` decides on
+the meaning of lines, and `drive_watch` judges drives by the robot's status. The rules:
 - Queries of one name wait for each other, so that each answer has one asker.
 - A line that names the goal of a driving command acknowledges it. The command then replaces all
   motions before it, including a stop that is under way.
