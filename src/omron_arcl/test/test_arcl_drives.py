@@ -1,4 +1,4 @@
-"""The motion authority: which giver moves the robot.
+"""The records of drives: which giver moves the robot, and does it obey.
 
 No drive passes a stop or drive that its giver does not know of. A stop is owed until the robot has
 obeyed it.
@@ -40,14 +40,14 @@ class Bench(Conversation):
         super().__init__()
         self.kept: List[Memory] = []
         numbers = count(101)
-        self.authority = Drives(stored, self.kept.append, lambda: next(numbers))
-        self.dispatcher = Dispatcher(self.authority)
+        self.records = Drives(stored, self.kept.append, lambda: next(numbers))
+        self.dispatcher = Dispatcher(self.records)
         self.now = 100.0
         self.connect()
 
     @property
     def memory(self) -> Memory:
-        return self.authority.motion.memory
+        return self.records.motion.memory
 
     @property
     def epoch(self) -> int:
@@ -55,7 +55,7 @@ class Bench(Conversation):
 
     @property
     def state(self) -> MotionState:
-        return self.authority.motion.state
+        return self.records.motion.state
 
     def connect(self) -> None:
         self.dispatcher.on_connected(self.now)
@@ -566,7 +566,7 @@ class TestOwedStop:
         bench.robot('Going to 12')
         bench.stop(ROUTE)
         bench.drive(PERSON, 'goto 13')
-        bench.authority.all_cancelled(PERSON)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Stopping')
         bench.robot('Stopped')
         assert bench.memory.stop_owed, 'the robot has not received that drive yet'
@@ -581,14 +581,14 @@ class TestOwedStop:
         bench.stop(ROUTE)
         bench.robot('Stopping', 'Stopped')
         bench.drive(PERSON, 'goto 4')
-        bench.authority.all_cancelled(PERSON)
+        bench.records.all_cancelled(PERSON)
         bench.pass_time(0.0)
         assert bench.sent == ['stop', 'goto 4', 'stop']
 
     def test_a_cancelled_drive_is_stopped_although_another_clients_drive_is_heard_first(
             self, bench):
         bench.drive(PERSON, 'goto 4')
-        bench.authority.all_cancelled(PERSON)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Going to 3')  # sent before `goto 4` reached the robot
         assert bench.memory.cause is Cause.OTHER_CLIENT
         assert bench.sent == ['goto 4', 'stop'], 'otherwise the robot would drive on to 4'
@@ -596,7 +596,7 @@ class TestOwedStop:
     def test_a_drive_on_its_way_is_stopped_that_an_emergency_stop_seems_to_have_ended(self, bench):
         bench.drive(PERSON, 'goto 4')
         bench.robot('EStop pressed')  # sent before `goto 4` reached the robot
-        bench.authority.all_cancelled(PERSON)
+        bench.records.all_cancelled(PERSON)
         bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'Going to 4')
         assert bench.sent == ['goto 4', 'stop']
 
@@ -605,7 +605,7 @@ class TestOwedStop:
         bench.stop(PERSON)
         bench.drive(PERSON, 'goto 4')
         bench.robot('Going to 3', 'Stopping')
-        bench.authority.all_cancelled(PERSON)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Going to 4')
         bench.pass_time(RETRY)
         assert bench.sent[:2] == ['stop', 'goto 4']
@@ -614,7 +614,7 @@ class TestOwedStop:
     def test_another_clients_drive_long_after_ours_ends_the_stop_that_is_owed(self, bench):
         bench.drive(PERSON, 'goto 4')
         bench.robot('Going to 4')
-        bench.authority.all_cancelled(PERSON)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Going to 3')
         assert not bench.memory.stop_owed
         assert bench.sent == ['goto 4']

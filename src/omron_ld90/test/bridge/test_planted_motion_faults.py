@@ -21,7 +21,7 @@ from omron_ld90.bridge.robot_monitor import RobotMonitor
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
                                 reason='takes minutes; LD90_LONG_TESTS=1')
-SEARCH = settings(max_examples=800, stateful_step_count=30, deadline=None, database=None,
+SEARCH = settings(max_examples=2500, stateful_step_count=30, deadline=None, database=None,
                   phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
                   suppress_health_check=list(HealthCheck))
 

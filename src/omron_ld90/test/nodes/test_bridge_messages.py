@@ -82,7 +82,8 @@ def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_our
     told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=cause, stop_owed=True,
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
-        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT)
+        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT,
+        cause == MotionMessage.OTHER_GIVER)
 
 
 def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():
