@@ -871,6 +871,12 @@ class TestState:
             bench.robot(line)
             assert bench.state is state, line
 
+    def test_a_drive_that_another_client_ended_does_not_seem_to_go_on(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12', 'Going to 9', 'Arrived at 9')
+        bench.status('Arrived at 9')
+        assert bench.state is MotionState.STANDING
+
     def test_an_answer_about_the_dock_does_not_say_that_the_robot_stands(self, bench):
         bench.robot('Going to 9')
         bench.give('queryDockStatus')

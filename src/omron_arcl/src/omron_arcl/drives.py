@@ -364,9 +364,9 @@ class Drives:
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
         record = self._record_of(execution)
-        if record is None:
+        self._executions = {n: e for n, e in self._executions.items() if e is not execution}
+        if record is None:  # what came later has ended it already
             return
-        del self._executions[record.number]
         if record.kind is Kind.STOP:
             self._retry_at = now + RETRY
             if outcome in (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED):
