@@ -696,6 +696,16 @@ class TestWhoseStopping:
         bench.status('Going to 12')
         self.obeys(bench, 'Interrupted: Going to 12', 'Stopping')
 
+    def test_a_stop_after_a_replacing_drive_gets_a_stopping_of_its_own(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(ROUTE, 'goto 14')
+        bench.stop(PERSON)
+        known = bench.epoch
+        bench.robot('Interrupted: Going to 12', 'Stopping', 'Going to 14',
+                    'Interrupted: Going to 14', 'Stopping', 'Stopped')
+        assert (bench.epoch, bench.memory.giver, bench.memory.stop_owed) == (known, PERSON, False)
+
     @pytest.mark.parametrize('seconds', [0.0, 0.9, 5.0])
     def test_one_that_has_undocked_stops_once_more(self, bench, seconds):
         bench.status(DOCKED)

@@ -575,8 +575,9 @@ class Drives:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
         self._replacing = False
-        self._unheard_stops = min(self._unheard_stops, sum(
-            r.kind is Kind.STOP for r in self._records[at + 1:]))
+        # the robot answers in order: all stops sent before are answered, and none sent after
+        self._unheard_stops = sum(r.kind is Kind.STOP and (
+            r.fate is Fate.OVER or self._was_sent(r)) for r in self._records[at + 1:])
         self._records = (replace(record, fate=Fate.OBEYED), *(
             r for r in self._records[at + 1:] if r.kind in (Kind.DRIVE, Kind.STOP)))
         self._rules(record, ruling)
