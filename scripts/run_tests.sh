@@ -14,7 +14,7 @@ set -euo pipefail
 [ $# -ge 2 ] || { sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
 results="$1" kind="$2"; shift 2
 cd "$root"
-export PATH="/usr/bin:$PATH"
+export PATH="$root/devel/bin:/usr/bin:$PATH"  # the workspace's ROS master, and ROS's python3
 mkdir -p "$results" build/artefacts
 export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
 unset ROS_HOSTNAME DISPLAY

@@ -1,5 +1,5 @@
 # scripts/make_deb.sh --try runs this in a system with the Debian packages installed: it drives a simulated robot, then a fleet of 4.
-export ROS_IP=127.0.0.1 ROS_HOME=/tmp/try
+export ROS_IP=127.0.0.1 ROS_HOME=/tmp/try PATH=/usr/lib/node_lifecycle:$PATH
 trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT
 
 say() { printf '   %s\n' "$*"; }
@@ -9,6 +9,10 @@ say "one robot: roslaunch omron_ld90 full_stack.launch"
 roslaunch omron_ld90 full_stack.launch >/tmp/launch.log 2>&1 &
 until rosnode list 2>/dev/null | grep -q omron_controller; do kill -0 $!; sleep 0.5; done
 heard /omron_ld90/robot_status
+answer_to_a_browser() { /usr/bin/python3 -c 'import sys, urllib.request, urllib.error
+try: print(urllib.request.urlopen(urllib.request.Request(sys.argv[1], b"x", {"Origin": "null"})).status)
+except urllib.error.HTTPError as error: print(error.code)' "$1"; }
+[ "$(answer_to_a_browser http://127.0.0.1:11311)" = 403 ] || { echo "the ROS master obeys web browsers" >&2; exit 1; }
 rostopic pub -1 /omron_ld90/send_command std_msgs/String 'goto 12' >/dev/null
 heard --filter "m.status == 'Arrived at 12'" /omron_ld90/robot_status
 say "it has arrived"

@@ -334,7 +334,7 @@ class ControllerTest(unittest.TestCase):
                 ('', 'empty'), ('goto 8\nshutdown', 'control character'), ('goto', 'goto <goal>'),
                 ('shutdown', 'dangerous'), ('configStart', 'configuration'),
                 ('goto nowhere', 'no goal "nowhere"'), ('x' * 6000, '6000'),
-                ('queueDropoff 8', 'refused by the robot: Unknown command queue')):
+                ('queueModifyLocal a b c', 'refused by the robot: Unknown command queue')):
             before = len(self.refusals.messages)
             self.commands.publish(String(text))
             refusal = self.refusals.wait_for(lambda _: True, SOON, f'refusal of {text[:20]!r}',

@@ -24,7 +24,7 @@ from typing import Iterator, List, Tuple
 
 import numpy as np
 import rospy
-from measuring.processes import cpu_seconds, resident
+from measuring.processes import cpu_seconds, descendants, proportional
 from measuring.ros_master import own_ros_master
 from measuring.tables import Row, print_table
 
@@ -174,11 +174,16 @@ def answers(port: int) -> bool:
         return False
 
 
+def used_by(program: subprocess.Popen) -> float:
+    """The CPU time of the node and its door, in s."""
+    return sum(map(cpu_seconds, (program.pid, *descendants(program.pid))))
+
+
 def cost(program: subprocess.Popen, seconds: float) -> float:
     """The CPU use over some time, in % of a core."""
-    begun, used = time.monotonic(), cpu_seconds(program.pid)
+    begun, used = time.monotonic(), used_by(program)
     time.sleep(seconds)
-    return 100.0 * (cpu_seconds(program.pid) - used) / (time.monotonic() - begun)
+    return 100.0 * (used_by(program) - used) / (time.monotonic() - begun)
 
 
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
@@ -226,9 +231,11 @@ def figures(port: int, program: subprocess.Popen, fleet: Fleet) -> Iterator[Row]
         reader.start()
     time.sleep(2.0)
     share = cost(program, SECONDS)
-    yield Row(f'node: {ROBOTS} robots at 5 Hz, {GOOD_CLIENTS} clients and one that reads nothing',
+    yield Row(f'node and door: {ROBOTS} robots at 5 Hz, {GOOD_CLIENTS} clients, one reads nothing',
               f'{share:.0f} % of a core', f'{floor:.0f} % without clients', '< 20 %')
-    yield Row('the same, memory', f'{resident(program.pid) / 1e6:.0f} MB', aim='< 100 MB')
+    memory = [proportional(pid) / 1e6 for pid in (program.pid, *descendants(program.pid))]
+    yield Row('the same, memory (PSS) of the node and of its door',
+              ' + '.join(f'{each:.0f}' for each in memory) + ' MB', aim='< 100 MB')
     least = min(reader.bytes for reader in readers) / 1e6
     most = max(reader.bytes for reader in readers) / 1e6
     yield Row('what each good client got', f'{least:.2f} to {most:.2f} MB', aim='all the same')

@@ -17,8 +17,8 @@ from fleet_simulation.plain_agv import Agv
 from graph_fleet_manager.fleet import RobotType
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from load_bench.site import ALONE, RELEASE_AHEAD
-from trajectory_graph import Graph
 from route_protocol.messages import fill_refusal
+from trajectory_graph import Graph
 
 PERIOD = 0.1  # s between two reports of a robot
 _SLICES = 10  # parts of a period over which the reports are spread

@@ -21,7 +21,7 @@ def _without_places(module: Any) -> None:
 
 def _without_owed_stop(module: Any) -> None:
     """Lets the controller forget a stop that could not be sent."""
-    module.MotionAuthority.stop_due = lambda self, now: False
+    module.Drives.stop_due = lambda self, now: False
 
 
 def _without_stop_duty(module: Any) -> None:
@@ -43,7 +43,7 @@ def _lossy(module: Any) -> None:
 _JOURNAL = 'graph_fleet_manager.supervision.journal'
 PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
     'interlocking': {'graph_fleet_manager.interlocking.interlocking': _without_places},
-    'owed-stop': {'omron_arcl.motion_authority': _without_owed_stop,
+    'owed-stop': {'omron_arcl.drives': _without_owed_stop,
                   'omron_ld90.bridge.stop_duty': _without_stop_duty},
     'restart': {_JOURNAL: _forgetful},
     'restart-missions': {_JOURNAL: _lossy}}

@@ -1,6 +1,6 @@
 // The frame of the page: login, tabs, robots, edges, alarms, and the answers to acts.
 import { $, make, showRows } from './dom.js';
-import { all, entries, follow, get, heardAt, loadSite, post, site, unfollow } from './server.js';
+import { all, entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
 import { dateOf, duration, language, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
 import { chooseRobot, drawMoving, framesDrawn, knowsEdge, outageWords, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
@@ -44,7 +44,13 @@ function begin() {
   $('stop').disabled = $('resume').disabled = me.role === 'see';
   for (const element of document.querySelectorAll('.operate')) element.hidden = me.role === 'see';
   $('tab_button_audit').hidden = me.role === 'see';
-  follow(changed, showLogin);
+  followIfShown();
+}
+
+// A page that nobody sees holds no connection: the browser has only six for all its pages.
+function followIfShown() {
+  if (document.hidden) unfollow();
+  else if (me.role) follow(changed, showLogin);
 }
 
 async function login(event) {
@@ -71,7 +77,7 @@ function drawChanges() {
   pending = new Set();
   if (entries.get('site') !== shownSite) {
     shownSite = entries.get('site');
-    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); });
+    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); }, () => { shownSite = null; });
   }
   if (!keys || keys.has('closed')) redraw();
   drawMoving(keys);
@@ -209,7 +215,7 @@ async function main() {
   startMissions(act); startHistory(); startReplay();
   startMap({ vertex: vertex => { if (me.role !== 'see') { openTab('missions'); chooseVertex(vertex); } },
     edge: edge => { openTab('edges'); $('edge').value = String(edge); }, robot: name => { openTab('robots'); choose(name); } });
-  $('stop').onclick = () => act({ act: 'stop' });
+  $('stop').onclick = () => { makeWay(); act({ act: 'stop' }); };
   $('resume').onclick = () => act({ act: 'resume' });
   $('edges').addEventListener('submit', event => { event.preventDefault(); const edges = edgesTyped(); if (edges) act({ act: 'close', edges }); });
   $('open_edge').onclick = () => { const edges = edgesTyped(); if (edges) act({ act: 'open', edges }); };
@@ -219,6 +225,7 @@ async function main() {
   $('language').onchange = () => { store('language', $('language').value); setLanguage($('language').value); };
   $('theme').onclick = () => { const name = document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'; store('theme', name); setTheme(name); };
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => setTheme(stored('theme')));
+  document.addEventListener('visibilitychange', followIfShown);
   setTheme(stored('theme'));
   await setLanguage(preferred());
   setInterval(showLink, 1000);

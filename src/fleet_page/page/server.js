@@ -4,11 +4,23 @@ export let site = { vertices: [], edges: [], radii: {}, map: null };
 export let heardAt = 0;
 
 let source = null;
+const asking = new Set(); // the requests that are not answered yet
 
 export async function get(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error((await answer.json().catch(() => ({}))).text || String(answer.status));
-  return answer.json();
+  const request = new AbortController();
+  asking.add(request);
+  try {
+    const answer = await fetch(path, { signal: request.signal });
+    if (!answer.ok) throw new Error((await answer.json().catch(() => ({}))).text || String(answer.status));
+    return await answer.json();
+  } finally {
+    asking.delete(request);
+  }
+}
+
+// A browser has six connections to a server. A stop must not wait for requests that the server does not answer.
+export function makeWay() {
+  for (const request of asking) request.abort();
 }
 
 export async function post(path, values) {

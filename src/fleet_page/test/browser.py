@@ -10,12 +10,10 @@ from pathlib import Path
 from typing import Any, Callable, Optional
 
 import pytest
-from page_builders import PAGE_FOLDER, FakeFleet, page, show_fleet, tokens
+from page_builders import ServedSite, show_fleet
 
 from fleet_page.core.page import Page
-from fleet_page.web.files import CHART, PageFiles
-from fleet_page.web.security import Addresses
-from fleet_page.web.server import Access, WebServer, serve
+from fleet_page.door.files import CHART
 
 try:
     from selenium import webdriver
@@ -35,16 +33,14 @@ class ServedPage:
     """A page on a free port, in a thread of its own; `do` runs a function in this thread."""
 
     def __init__(self, folder: Path, secured: bool = False, chart: str = CHART) -> None:
-        self.fleet = FakeFleet()
-        self.page: Page = page(str(folder))
+        self._site = ServedSite(folder, secured, chart=chart)
+        self.fleet, self.web = self._site.fleet, self._site.web
+        self.page: Page = self._site.page
         self._loop = asyncio.new_event_loop()
         threading.Thread(target=self._loop.run_forever, daemon=True).start()
-        self.web = WebServer(self.page, self.fleet.do, PageFiles(str(PAGE_FOLDER), chart), Access(
-            Addresses.of('127.0.0.1', (), False), tokens(folder) if secured else None))
         self._alive = True
-        self._runner = asyncio.run_coroutine_threadsafe(
-            serve(self.web, '127.0.0.1', 0, None), self._loop).result(PATIENCE)
-        self.url = f'http://127.0.0.1:{self._runner.addresses[0][1]}/'
+        asyncio.run_coroutine_threadsafe(self._site.open(), self._loop).result(PATIENCE)
+        self.url = f'http://127.0.0.1:{self._site.port}/'
         self.do(lambda: show_fleet(self.page))
         self._ticking = asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
 
@@ -66,13 +62,21 @@ class ServedPage:
         """The fleet manager stops to publish."""
         self._alive = False
 
+    def hang(self) -> None:
+        """The page's process takes requests no more."""
+        asyncio.run_coroutine_threadsafe(self._site.hang(), self._loop).result(PATIENCE)
+
+    def go_on(self) -> None:
+        """The page's process works again."""
+        asyncio.run_coroutine_threadsafe(self._site.go_on(), self._loop).result(PATIENCE)
+
     def close(self) -> None:
         asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(PATIENCE)
         self._loop.call_soon_threadsafe(self._loop.stop)
 
     async def _end(self) -> None:
         self._ticking.cancel()
-        await self._runner.cleanup()
+        await self._site.close()
         ending = asyncio.all_tasks() - {asyncio.current_task()}
         for task in ending:
             task.cancel()

@@ -2,7 +2,9 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
+import socket
 import threading
 import time
 from pathlib import Path
@@ -13,7 +15,12 @@ from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Ro
 from fleet_page.core.page import Missions, Page
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
-from fleet_page.core.roles import Person, Tokens, load_tokens
+from fleet_page.core.roles import LOCAL, Person, TokenFile, Tokens, load_tokens
+from fleet_page.door.door import Access, Door
+from fleet_page.door.files import CHART, PageFiles
+from fleet_page.door.security import Addresses, certificates_of
+from fleet_page.door.worker import Worker
+from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.supervision.journal import HistoryLine
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
@@ -93,6 +100,10 @@ class FakeFleet:
         self.acts.append((act, person))
         return Outcome(True, f'{act.kind.value} was asked', 77 if act.kind is ActKind.SEND else 0)
 
+    def stop(self) -> Outcome:
+        """The function that `Door` calls."""
+        return self.do(Act(ActKind.STOP), LOCAL)
+
     @property
     def kinds(self) -> List[ActKind]:
         """The kinds of the acts, in order."""
@@ -111,6 +122,49 @@ def token_file(folder: Path, mode: int = 0o600) -> str:
 def tokens(folder: Path) -> Tokens:
     """The tokens of that file, loaded."""
     return load_tokens(token_file(folder))
+
+
+class ServedSite:
+    """A page and its door in one event loop, with a fleet that accepts all acts."""
+
+    def __init__(self, folder: Path, secured: bool = False, journal: Missions = no_missions,
+                 chart: str = CHART, pair: Optional[Tuple[str, str]] = None) -> None:
+        self.page, self.fleet = page(str(folder), journal), FakeFleet()
+        self.web = WebServer(self.page, self.fleet.do)
+        self._socket = str(folder / 'socket')
+        self._access = Access(Addresses.of('127.0.0.1', (), pair is not None),
+                              TokenFile(token_file(folder)) if secured else None, pair is not None)
+        self._chart, self._pair = chart, pair
+        self.port = 0
+
+    async def open(self) -> None:
+        """Begins to serve at a free port of loopback."""
+        self._runner = await serve(self.web, self._socket)
+        self.door = Door(self._access, PageFiles(str(PAGE_FOLDER), self._chart), self.fleet.stop,
+                         Worker(self._socket))
+        self.port = await self.door.listen(
+            '127.0.0.1', 0, certificates_of(*self._pair) if self._pair else None)
+
+    async def hang(self) -> None:
+        """The page's process takes connections no more, as a stopped process does."""
+        await self._runner.cleanup()
+        with contextlib.suppress(FileNotFoundError):  # some versions of Python remove it
+            os.unlink(self._socket)
+        self._hanging = socket.socket(socket.AF_UNIX)
+        self._hanging.bind(self._socket)
+        self._hanging.listen(200)
+
+    async def go_on(self) -> None:
+        """The page's process works again."""
+        self._hanging.close()
+        os.unlink(self._socket)
+        self.web = WebServer(self.page, self.fleet.do)
+        self._runner = await serve(self.web, self._socket)
+
+    async def close(self) -> None:
+        """Ends all connections."""
+        await self.door.close()
+        await self._runner.cleanup()
 
 
 async def until(condition: Any, seconds: float = 5.0) -> None:

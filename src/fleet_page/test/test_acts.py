@@ -28,6 +28,8 @@ def test_a_mission_has_destinations_stays_and_a_robot():
     ({'act': 'send', 'destinations': [-1]}, 'positive'),
     ({'act': 'send', 'destinations': [1], 'stays': [math.nan]}, 'seconds'),
     ({'act': 'send', 'destinations': [1], 'stays': [1, 2]}, 'as many'),
+    ({'act': 'send', 'destinations': [1], 'stays': [10 ** 400]}, 'seconds up to 1000000'),
+    ({'act': 'send', 'destinations': [1], 'stays': [-10 ** 400]}, 'or negative'),
     ({'act': 'out', 'robot': 'a\n'}, 'printable'), ({'act': 'out', 'robot': ' '}, 'printable'),
     ({'act': 'cancel', 'mission': '1'}, 'whole number'),
     ({'act': 'close', 'edges': [1] * 1001}, 'list of 1 to 1000')])

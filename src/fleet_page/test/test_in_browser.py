@@ -76,6 +76,33 @@ def test_the_stop_button_stops(window, served):
     asked(window, served, ActKind.RESUME)
 
 
+def test_a_stop_does_not_wait_for_pages_of_the_same_browser_that_follow_the_fleet(window, served):
+    driver = window.driver
+    first = driver.current_window_handle
+    for _ in range(7):
+        driver.switch_to.new_window('tab')
+        driver.get(served.url)
+    window.click('#stop')
+    try:
+        asked(window, served, ActKind.STOP)
+    finally:
+        for handle in driver.window_handles:
+            if handle != first:
+                driver.switch_to.window(handle)
+                driver.close()
+        driver.switch_to.window(first)
+
+
+def test_a_stop_does_not_wait_for_requests_that_the_page_does_not_answer(window, served):
+    served.hang()
+    for _ in range(10):
+        window.script("document.getElementById('load_audit').click()")
+    window.click('#stop')
+    asked(window, served, ActKind.STOP)
+    served.go_on()
+    window.problems()  # the requests that were given up
+
+
 def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
     for vertex in (3, 7, 6):
         window.click_vertex(vertex)

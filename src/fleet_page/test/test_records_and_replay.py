@@ -53,7 +53,7 @@ def test_the_history_counts_missions_by_hour_and_robot():
     records = Records(':memory:')
     records.add(100.0, {'a': Sums(3.0, 50.0, 5.0, 100.0)}, {3: 5.0})
     lines = [line(), line(ended=3700.0), line(state=MissionState.FAILED), line(ended=None)]
-    values = history_values(lines, records, 0.0, 3800.0)
+    values = history_values(lines, records.sums(0.0), 0.0, 3800.0)
     assert [(hour['SUCCEEDED'], hour['FAILED']) for hour in values['hours']] == [(1, 1), (1, 0)]
     assert values['robots'] == [{'robot': 'a', 'missions': 2, 'distance': 3.0, 'waiting': 5.0,
                                  'utilisation': 0.5}]

@@ -8,6 +8,7 @@ from fleet_page.core.roles import (
     Person,
     Role,
     Sessions,
+    TokenFile,
     TokenFileError,
     load_tokens,
 )
@@ -40,20 +41,50 @@ def test_a_wrong_token_file_is_told_without_its_tokens(tmp_path, text, words):
     assert '0123456789abcdef' not in str(error.value)
 
 
-def test_a_session_ends_after_a_time_without_requests():
-    sessions, person = Sessions(), Person('anna', Role.SEE)
-    session = sessions.open(person, 0.0)
-    assert sessions.person(session, SESSION_TIME - 1.0) == person
-    assert sessions.person(session, 2.0 * SESSION_TIME - 2.0) == person
-    assert sessions.person(session, 4.0 * SESSION_TIME) is None
-    assert sessions.person('another', 0.0) is None
+def test_a_session_ends_after_a_time_without_requests(tmp_path):
+    sessions, known = Sessions(), tokens(tmp_path)
+    session = sessions.open(TOKENS['see'], 0.0)
+    person = Person('seer', Role.SEE)
+    assert sessions.person(session, known, SESSION_TIME - 1.0) == person
+    assert sessions.person(session, known, 2.0 * SESSION_TIME - 2.0) == person
+    assert sessions.person(session, known, 4.0 * SESSION_TIME) is None
+    assert sessions.person('another', known, 0.0) is None
 
 
-def test_a_closed_session_is_over():
+def test_a_closed_session_is_over(tmp_path):
     sessions = Sessions()
-    session = sessions.open(Person('anna', Role.SEE), 0.0)
+    session = sessions.open(TOKENS['see'], 0.0)
     sessions.close(session)
-    assert sessions.person(session, 0.0) is None
+    assert sessions.person(session, tokens(tmp_path), 0.0) is None
+
+
+def test_a_token_that_leaves_the_file_ends_its_sessions(tmp_path):
+    file = TokenFile(token_file(tmp_path))
+    sessions = Sessions()
+    opened = {role: sessions.open(token, 0.0) for role, token in TOKENS.items()}
+    rewrite(tmp_path, f'see seer {TOKENS["see"]}\nsee operater {TOKENS["operate"]}\n')
+    assert file.refresh() and not file.refresh()
+    assert sessions.person(opened['admin'], file.tokens, 1.0) is None
+    assert sessions.person(opened['see'], file.tokens, 1.0) == Person('seer', Role.SEE)
+    assert sessions.person(opened['operate'], file.tokens, 1.0) == Person('operater', Role.SEE)
+
+
+@pytest.mark.parametrize('text', [None, '', 'see anna'])
+def test_a_mistake_in_the_token_file_takes_nobodys_access(tmp_path, text):
+    file = TokenFile(token_file(tmp_path))
+    rewrite(tmp_path, text)
+    with pytest.raises(TokenFileError):
+        file.refresh()
+    assert not file.refresh()  # the mistake is told once
+    assert file.tokens.person(TOKENS['operate']) is not None
+
+
+def rewrite(folder, text):
+    path = folder / 'tokens'
+    path.unlink()
+    if text is not None:
+        path.write_text(text)
+        path.chmod(0o600)
 
 
 def test_a_rate_limit_lets_some_through_at_once_and_then_steadily():

@@ -1,6 +1,7 @@
 """The site as pages receive it, and the metrics of the fleet for Prometheus."""
 import zlib
 
+import numpy as np
 import pytest
 from page_builders import graph, page, show_fleet
 
@@ -19,7 +20,7 @@ def test_the_site_has_every_vertex_with_its_kind_and_every_edge_with_its_points(
 
 
 def test_walls_become_a_picture_whose_top_is_the_last_row():
-    walls = wall_map(bytes((100, 0, 255, 0, 0, 0)), 3, 2, 0.5, -1.0, -2.0)
+    walls = wall_map(np.array((100, 0, -1, 0, 0, 0), np.int8), 3, 2, 0.5, -1.0, -2.0)
     assert walls.png.startswith(b'\x89PNG') and (walls.width, walls.height) == (1.5, 1.0)
     at = walls.png.index(b'IDAT')
     length = int.from_bytes(walls.png[at - 4:at], 'big')

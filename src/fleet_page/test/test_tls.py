@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import shutil
 import ssl
 import subprocess
@@ -11,15 +12,10 @@ import pytest
 pytest.importorskip('aiohttp')
 
 from aiohttp import ClientError, ClientSession, CookieJar  # noqa: E402
-from page_builders import PAGE_FOLDER, TOKENS, FakeFleet, page, tokens  # noqa: E402
+from page_builders import TOKENS, ServedSite  # noqa: E402
 
-from fleet_page.web.files import PageFiles  # noqa: E402
-from fleet_page.web.security import (  # noqa: E402
-    Addresses,
-    WrongCertificate,
-    certificates_of,
-)
-from fleet_page.web.server import COOKIE, Access, WebServer, serve  # noqa: E402
+from fleet_page.door.door import COOKIE  # noqa: E402
+from fleet_page.door.security import WrongCertificate, certificates_of  # noqa: E402
 
 pytestmark = pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl is not installed')
 
@@ -43,13 +39,12 @@ def pair(tmp_path_factory):
 def served(folder, pair, test) -> None:
     """Runs test(port, client_context) with a page that needs a login, over TLS."""
     async def work() -> None:
-        web = WebServer(page(str(folder)), FakeFleet().do, PageFiles(str(PAGE_FOLDER)), Access(
-            Addresses.of('127.0.0.1', (), True), tokens(folder), True))
-        runner = await serve(web, '127.0.0.1', 0, certificates_of(*pair))
+        site = ServedSite(folder, True, pair=pair)
+        await site.open()
         try:
-            await test(runner.addresses[0][1], ssl.create_default_context(cafile=pair[0]))
+            await test(site.port, ssl.create_default_context(cafile=pair[0]))
         finally:
-            await runner.cleanup()
+            await site.close()
     asyncio.run(work())
 
 
@@ -94,3 +89,21 @@ def test_files_that_make_no_certificate_are_told_in_one_sentence(tmp_path, pair)
                              (str(tmp_path / 'words'), ''), ('', pair[1])):
         with pytest.raises(WrongCertificate, match='cannot be used .*belong together'):
             certificates_of(certificate, key)
+
+
+def test_a_key_that_everybody_may_read_is_refused_in_one_sentence(tmp_path):
+    certificate, key = make_certificate(tmp_path)
+    os.chmod(key, 0o644)
+    with pytest.raises(WrongCertificate, match=f'Others may read the key in {key}: chmod 600'):
+        certificates_of(certificate, key)
+    os.chmod(key, 0o640)  # as Debian's group ssl-cert has it
+    certificates_of(certificate, key)
+
+
+def test_a_browser_that_came_by_tls_is_told_to_stay_with_it(tmp_path, pair):
+    async def test(port, trust):
+        async with ClientSession() as session:
+            for path in ('/', '/api/me', '/api/site', '/nothing'):
+                async with session.get(f'https://127.0.0.1:{port}{path}', ssl=trust) as answer:
+                    assert 'max-age=' in answer.headers['Strict-Transport-Security'], path
+    served(tmp_path, pair, test)

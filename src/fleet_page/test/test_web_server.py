@@ -9,28 +9,23 @@ import pytest
 
 pytest.importorskip('aiohttp')
 
-from aiohttp import ClientSession  # noqa: E402
-from aiohttp.test_utils import TestServer  # noqa: E402
+from aiohttp import ClientSession, CookieJar, TCPConnector  # noqa: E402
 from page_builders import (  # noqa: E402
-    PAGE_FOLDER,
     TOKENS,
-    FakeFleet,
+    ServedSite,
     no_missions,
-    page,
     show_fleet,
-    tokens,
     until,
 )
+from yarl import URL  # noqa: E402
 
 from fleet_page.core.acts import RULES, ActKind  # noqa: E402
+from fleet_page.core.rate_limits import RateLimit  # noqa: E402
 from fleet_page.core.roles import Role  # noqa: E402
-from fleet_page.web import server as server_module  # noqa: E402
-from fleet_page.web.files import PageFiles  # noqa: E402
-from fleet_page.web.security import Addresses  # noqa: E402
-from fleet_page.web.server import Access, WebServer  # noqa: E402
+from fleet_page.door import door as door_module  # noqa: E402
+from fleet_page.door import worker as worker_module  # noqa: E402
 from graph_fleet_manager.supervision.journal_database import JournalError  # noqa: E402
 
-TestServer.__test__ = False
 ROUTES = ('/', '/page/main.js', '/chart.js', '/api/me', '/api/events', '/api/site', '/api/map.png',
           '/api/history', '/api/history.csv', '/api/replay', '/api/audit', '/metrics')
 NEED_LOGIN = ROUTES[4:]
@@ -45,16 +40,19 @@ def body_of(kind: ActKind) -> dict:
 class Client:
     """One browser, with cookies of its own."""
 
-    def __init__(self, session: ClientSession, server: TestServer) -> None:
-        self._session, self._server = session, server
-        self.origin = str(server.make_url('')).rstrip('/')
+    def __init__(self, session: ClientSession, port: int) -> None:
+        self.session = session
+        self.origin = f'http://127.0.0.1:{port}'
+
+    def url(self, path: str) -> str:
+        return self.origin + path
 
     def get(self, path: str, **more):
-        return self._session.get(self._server.make_url(path), **more)
+        return self.session.get(self.url(path), **more)
 
     def post(self, path: str, content, **more):
         headers = {'Origin': self.origin, **more.pop('headers', {})}
-        return self._session.post(self._server.make_url(path), json=content, headers=headers,
+        return self.session.post(self.url(path), json=content, headers=headers,
                                   **more)
 
     async def act(self, content, **more):
@@ -66,36 +64,25 @@ class Client:
             return answer.status
 
 
-class Site:
-    """A served page, with a fleet that accepts all acts."""
-
-    def __init__(self, folder, secured: bool, journal=no_missions) -> None:
-        self.page, self.fleet = page(str(folder), journal), FakeFleet()
-        access = Access(Addresses.of('127.0.0.1', (), False),
-                        tokens(folder) if secured else None)
-        self.web = WebServer(self.page, self.fleet.do, PageFiles(str(PAGE_FOLDER)), access)
-
-
-def served(folder, test, secured: bool = False, journal=no_missions) -> None:
-    """Runs test(site, client, new_client) with a server on a free port."""
+def served(folder, test, secured: bool = False, journal=no_missions, **more) -> None:
+    """Runs test(site, client, new_client) with a page on a free port."""
     async def work() -> None:
-        site = Site(folder, secured, journal)
+        site = ServedSite(folder, secured, journal, **more)
         show_fleet(site.page)
         sessions = []
-        server = TestServer(site.web.app)
-        await server.start_server()
+        await site.open()
 
-        def new_client() -> Client:
-            # Without this, cookies of an address without a name would not be kept.
-            from aiohttp import CookieJar
-            sessions.append(ClientSession(cookie_jar=CookieJar(unsafe=True)))
-            return Client(sessions[-1], server)
+        def new_client(address: str = '127.0.0.1') -> Client:
+            # Without `unsafe`, cookies of an address without a name would not be kept.
+            sessions.append(ClientSession(cookie_jar=CookieJar(unsafe=True),
+                                          connector=TCPConnector(local_addr=(address, 0))))
+            return Client(sessions[-1], site.port)
         try:
             await test(site, new_client(), new_client)
         finally:
             for session in sessions:
                 await session.close()
-            await server.close()
+            await site.close()
     asyncio.run(work())
 
 
@@ -153,7 +140,7 @@ def test_a_client_that_comes_again_gets_only_what_it_missed_of_this_server(tmp_p
 
 
 def test_a_client_that_reads_nothing_delays_no_other_and_is_let_go(tmp_path, monkeypatch):
-    monkeypatch.setattr(server_module, 'STALLED', 0.5)
+    monkeypatch.setattr(worker_module, 'STALLED', 0.5)
 
     async def test(site, client, new_client):
         reader, writer = await asyncio.open_connection(
@@ -259,6 +246,92 @@ def test_a_monitor_shows_its_token_in_a_header(tmp_path):
     served(tmp_path, test, secured=True)
 
 
+def test_a_valid_token_is_let_in_however_many_were_wrong(tmp_path):
+    async def test(_site, client, new_client):
+        for number in range(60):
+            async with client.post('/api/login', {'token': f'wrong-{number}-wrong-wrong'}):
+                pass
+            headers = {'Authorization': f'Bearer wrong-{number}'}
+            async with client.get('/metrics', headers=headers) as answer:
+                assert answer.status in (401, 429)
+        assert await client.login('operate') == 200
+        assert await new_client('127.0.0.2').login('see') == 200
+        for address in ('127.0.0.1', '127.0.0.2'):
+            headers = {'Authorization': f'Bearer {TOKENS["see"]}'}
+            async with new_client(address).get('/metrics', headers=headers) as answer:
+                assert answer.status == 200
+    served(tmp_path, test, secured=True)
+
+
+def test_a_token_that_is_revoked_ends_its_sessions_and_streams_at_once(tmp_path):
+    async def test(site, client, new_client):
+        await client.login('operate')
+        other = new_client()
+        await other.login('see')
+        async with client.get('/api/events') as stream:
+            await event(stream)
+            (tmp_path / 'tokens').write_text(f'see seer {TOKENS["see"]}\n')
+            await until(lambda: site.web.clients == 0)
+        assert (await client.act({'act': 'stop'}))[0] == 401
+        async with other.get('/api/site') as answer:
+            assert answer.status == 200
+        assert site.fleet.acts == []
+    served(tmp_path, test, secured=True)
+
+
+def test_one_who_only_sees_cannot_take_all_streams(tmp_path):
+    async def test(site, client, new_client):
+        await client.login('see')
+        held, refused = [], 0
+        for number in range(70):
+            other = new_client(f'127.0.1.{number + 1}')
+            other.session.cookie_jar.update_cookies(client.session.cookie_jar.filter_cookies(
+                URL(client.origin)), URL(client.origin))
+            answer = await other.get('/api/events')
+            held.append(answer)
+            refused += answer.status == 503
+        assert refused == 30 and site.web.clients == 40
+        operator = new_client('127.0.2.1')
+        await operator.login('operate')
+        async with operator.get('/api/events') as answer:
+            assert answer.status == 200
+        assert (await operator.act({'act': 'stop'}))[0] == 200
+        for answer in held:
+            answer.close()
+    served(tmp_path, test, secured=True)
+
+
+def test_a_flood_of_views_with_one_token_is_held_back_whatever_its_addresses(tmp_path, monkeypatch):
+    monkeypatch.setattr(door_module, 'HELD_BACK', 0.01)
+
+    async def test(site, client, new_client):
+        site.door._of_persons = RateLimit(60.0, 0.0)
+        await client.login('see')
+        seen = []
+        for number in range(40):
+            other = new_client(f'127.0.1.{number + 1}')
+            other.session.cookie_jar.update_cookies(client.session.cookie_jar.filter_cookies(
+                URL(client.origin)), URL(client.origin))
+            for _ in range(3):
+                async with other.get('/api/me') as answer:
+                    seen.append(answer.status)
+        assert seen == [200] * 60 + [429] * 60
+        operator = new_client()
+        await operator.login('operate')
+        async with operator.get('/api/site') as answer:
+            assert answer.status == 200
+    served(tmp_path, test, secured=True)
+
+
+def test_a_stay_of_401_digits_is_refused_in_words(tmp_path):
+    async def test(site, client, _new):
+        status, answer = await client.act(
+            {'act': 'send', 'destinations': [1], 'stays': [10 ** 400]})
+        assert status == 400 and 'stays must be numbers' in answer['text']
+        assert site.fleet.acts == []
+    served(tmp_path, test)
+
+
 @pytest.mark.parametrize('headers', [
     {'Origin': 'http://evil.example'}, {'Origin': 'null'}, {'Origin': ''},
     {'Origin': 'https://127.0.0.1'}])
@@ -288,8 +361,8 @@ def test_a_request_under_another_name_is_refused(tmp_path, host):
 def test_a_body_that_makes_no_sense_is_refused(tmp_path, body):
     async def test(site, client, _new):
         for path, allowed in (('/api/act', (400,)), ('/api/login', (400, 401))):
-            async with client._session.post(
-                    client._server.make_url(path), data=body,
+            async with client.session.post(
+                    client.url(path), data=body,
                     headers={'Origin': client.origin,
                              'Content-Type': 'application/json'}) as answer:
                 assert answer.status in allowed, (path, await answer.text())
@@ -303,8 +376,8 @@ def test_a_body_that_is_too_large_or_no_json_is_refused(tmp_path):
         status, _ = await client.act({'act': 'add_favourite', 'name': 'x' * 100_000,
                                       'destinations': [1]})
         assert status == 413
-        async with client._session.post(
-                client._server.make_url('/api/act'), data='{"act": "stop"}',
+        async with client.session.post(
+                client.url('/api/act'), data='{"act": "stop"}',
                 headers={'Origin': client.origin, 'Content-Type': 'text/plain'}) as answer:
             assert answer.status == 415
         assert site.fleet.acts == []
@@ -317,11 +390,9 @@ def test_a_body_that_is_too_large_or_no_json_is_refused(tmp_path):
     '/api/replay?time=-1', '/api/history?hours=x', '/api/history?hours=1e99',
     '/api/history.csv?hours=0', '/api/map.png'])
 def test_a_path_or_value_that_is_not_there_is_refused(tmp_path, path):
-    from yarl import URL
-
     async def test(_site, client, _new):
         url = URL(client.origin + path, encoded=True)
-        async with client._session.get(url) as answer:
+        async with client.session.get(url) as answer:
             assert answer.status in (400, 404), answer.status
             assert 'root:' not in await answer.text()
     served(tmp_path, test)
@@ -331,7 +402,7 @@ def test_a_path_or_value_that_is_not_there_is_refused(tmp_path, path):
 def test_other_methods_are_refused_on_every_route(tmp_path, method):
     async def test(_site, client, _new):
         for path in (*ROUTES, '/api/act'):
-            async with client._session.request(method, client._server.make_url(path)) as answer:
+            async with client.session.request(method, client.url(path)) as answer:
                 assert answer.status == 405
     served(tmp_path, test)
 
@@ -391,11 +462,22 @@ def test_files_come_compressed_and_only_once(tmp_path):
     served(tmp_path, test)
 
 
+@pytest.mark.parametrize('path', [path for path in NEED_LOGIN if path not in (
+    '/api/events', '/api/map.png')])
+def test_a_program_that_does_not_ask_for_compression_gets_none(tmp_path, path):
+    async def test(_site, client, _new):
+        async with client.get(path, skip_auto_headers=['Accept-Encoding']) as answer:
+            assert 'Content-Encoding' not in answer.headers and answer.status == 200
+            (await answer.read()).decode('ascii')
+        async with client.get('/api/audit') as answer:
+            assert 'Content-Encoding' in answer.headers
+    served(tmp_path, test)
+
+
 def test_an_old_chart_library_counts_as_none(tmp_path):
     (tmp_path / 'old.js').write_text('/*! Chart.js v2.9 */')
 
-    async def test(site, client, _new):
-        site.web._files = PageFiles(str(PAGE_FOLDER), str(tmp_path / 'old.js'))
+    async def test(_site, client, _new):
         async with client.get('/chart.js') as answer:
             assert answer.status == 404
-    served(tmp_path, test)
+    served(tmp_path, test, chart=str(tmp_path / 'old.js'))

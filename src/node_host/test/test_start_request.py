@@ -26,3 +26,9 @@ def test_starts_of_one_node_are_the_same_program_whatever_their_log_file_is():
 def test_anything_else_is_refused(packet):
     with pytest.raises(BadRequest):
         read_request(packet)
+
+
+def test_a_request_of_a_web_browser_is_refused():
+    body = b'\n'.join((b'POST / HTTP/1.1\r\nHost: localhost\r\n\r\n', PACKET.replace(b'\0', b'')))
+    with pytest.raises(BadRequest):
+        read_request(body)

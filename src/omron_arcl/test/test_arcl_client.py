@@ -31,6 +31,7 @@ from omron_arcl import (
 )
 from omron_arcl.commands import Course
 from omron_arcl.drive_watch import SETTLE
+from omron_arcl.errors import StopOwed
 from omron_arcl.transport import TICK
 
 
@@ -91,6 +92,17 @@ def test_a_refused_connection_is_tried_again_until_the_robot_is_there(links):
             with connection:
                 connection.sendall(lines(*LOGIN))
                 assert client.wait_connected(5.0).connected
+
+
+def test_a_stop_without_a_link_is_told_to_be_owed():
+    """D9: the giver read "Not sent", and the stop was sent later."""
+    client = Client('127.0.0.1', free_port(), PASSWORD)
+    with pytest.raises(StopOwed, match='Not sent yet.*sent as soon as'):
+        client.execute('stop')
+    with pytest.raises(NotConnected, match='^Not sent, ') as refused:
+        client.execute('goto 12')
+    assert not isinstance(refused.value, StopOwed)
+    client.close()
 
 
 def test_a_wrong_password_is_told_apart_and_tried_again_later(links):

@@ -130,6 +130,33 @@ def test_what_waited_while_we_stood_still_is_late_and_what_comes_afterwards_is_n
     assert [line.late for line in heard(peer, now + 10.2, waited=0.1)] == [False]
 
 
+def test_a_burst_after_a_stall_of_the_network_is_late_and_what_comes_afterwards_is_not(pair):
+    """D8: locations up to 3.3 m old were published with the time of now."""
+    peer, robot = pair
+    now = time.monotonic()
+    for tenth in range(20):
+        robot.sendall(lines(b'Location: 1 0 0'))
+        assert [line.late for line in heard(peer, now + tenth / 10)] == [False]
+    for tenth in range(20, 38):
+        assert heard(peer, now + tenth / 10) == []
+    for piece in range(3):
+        robot.sendall(lines(*[b'Location: 2 0 0'] * 10))
+        assert [line.late for line in heard(
+            peer, now + 3.8 + piece / 500, waited=0.1 if piece == 0 else 0.002)] == [True] * 10
+    robot.sendall(lines(b'Location: 3 0 0'))
+    assert [line.late for line in heard(peer, now + 3.9)] == [False]
+
+
+@pytest.mark.parametrize('period', [0.1, 0.5, 1.9])
+def test_a_stream_of_any_period_is_never_late(pair, period):
+    peer, robot = pair
+    now = time.monotonic()
+    for count in range(1, 60):
+        assert heard(peer, now + (count - 0.5) * period) == []
+        robot.sendall(lines(b'Location: 1 0 0'))
+        assert [line.late for line in heard(peer, now + count * period)] == [False]
+
+
 def test_what_is_read_after_a_standstill_between_the_wait_and_the_read_is_late(pair, monkeypatch):
     peer, robot = pair
     now = time.monotonic()

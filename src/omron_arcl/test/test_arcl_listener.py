@@ -5,11 +5,13 @@ import errno
 import socket
 import threading
 import time
+from contextlib import suppress
 
 import pytest
 from arcl_builders import STATUS, Noted, lines, wait_for
 
 from omron_arcl import LinkPhase, Listener
+from omron_arcl.listener import RIVALS
 
 
 @pytest.fixture
@@ -55,6 +57,23 @@ def test_only_the_robots_address_may_connect(received):
         assert refused.wait(lambda address: address == '127.0.0.2', 'the refusal')
         robot.sendall(lines(b'Stopped'))
         received.wait(lambda line: line.raw == b'Stopped', 'a line of the robot')
+
+
+def test_two_robots_behind_one_address_are_told_apart_from_one_that_connects_again(links):
+    """D11: their lines alternated on the same topics."""
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_link=links) as listener:
+        robots = []
+        for number in range(RIVALS + 1):
+            before = len(links.all)
+            robots.append(dial(listener))
+            connected = links.wait(lambda link: link.connected, 'the connection', after=before)
+            assert bool(connected.reason) == (number >= RIVALS), number
+            robots[-1].sendall(lines(b'Stopped'))
+            wait_for(lambda: listener._peer and listener._peer.is_lively(time.monotonic(), 60.0),
+                     'the line comes')
+        assert 'two robots' in connected.reason
+        for robot in robots:
+            robot.close()
 
 
 def test_the_robot_may_be_given_by_name(received):
@@ -252,3 +271,18 @@ def test_many_strangers_wait_for_nothing_while_the_name_server_is_silent(names):
         for stranger in strangers:
             stranger.close()
         names.answers.set()
+
+
+@pytest.mark.parametrize('first', [b'POST / HTTP/1.1', b'GET /' + (1 << 18) * b'a' + b' HTTP/1.1',
+                                   b'Status: / HTTP/1.1'], ids=len)
+def test_no_line_of_a_web_page_is_taken_for_the_robots(received, links, first):
+    """A page can let a browser on the robot's computer send any body, e.g. in a simulation."""
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links) as listener, \
+            dial(listener) as page:
+        links.wait(lambda link: link.phase is LinkPhase.CONNECTED, 'the connection')
+        with suppress(ConnectionError):
+            page.sendall(first + b'\r\nHost: 127.0.0.1\r\nOrigin: null\r\n\r\n' + lines(*STATUS))
+        assert is_closed(page)
+        links.wait(lambda link: link.phase is LinkPhase.DISCONNECTED and link.reason !=
+                   links.all[0].reason, 'the end of the connection')
+    assert received.all == []

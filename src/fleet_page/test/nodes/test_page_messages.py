@@ -15,7 +15,8 @@ from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, Place
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.roles import Person, Role
-from fleet_page.nodes import fleet_commands, messages
+from fleet_page.core.site import WrongMap
+from fleet_page.nodes import fleet_commands, fleet_stop, messages
 from itrci_nav_msgs import msg
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
 
@@ -54,6 +55,20 @@ def test_a_grid_becomes_walls():
     grid.info.width = grid.info.height = 2
     grid.info.resolution = 0.5
     assert messages.walls_of(grid).width == 1.0
+
+
+def test_a_grid_that_is_too_large_is_refused_before_its_cells_are_read():
+    class Cells:
+        def __len__(self) -> int:
+            return 10 ** 8
+
+        def __iter__(self) -> Any:
+            raise AssertionError('a cell was read')
+    grid = OccupancyGrid(data=Cells())
+    grid.info.width = grid.info.height = 10 ** 4
+    grid.info.resolution = 0.05
+    with pytest.raises(WrongMap, match='at most 4000000 cells'):
+        messages.walls_of(grid)
 
 
 class Topic:
@@ -136,12 +151,24 @@ def test_a_name_that_is_no_robot_calls_no_service(commands, monkeypatch, name):
     assert not commands.do(Act(ActKind.OUT, robot=name), ANNA).ok
 
 
-def test_a_stop_that_did_not_work_is_told_with_its_reason(commands, monkeypatch):
+def test_a_stop_that_did_not_work_is_told_with_its_reason(monkeypatch):
     def stop() -> str:
-        raise fleet_commands.CommandError('NO ROBOT WAS TOLD TO STOP')
-    monkeypatch.setattr(fleet_commands, 'stop', stop)
-    outcome = commands.do(Act(ActKind.STOP), ANNA)
+        raise fleet_stop.CommandError('NO ROBOT WAS TOLD TO STOP')
+    monkeypatch.setattr(fleet_stop, 'stop', stop)
+    outcome = fleet_stop.stop_fleet()
     assert not outcome.ok and 'NO ROBOT' in outcome.text
+
+
+def test_a_direct_stop_does_not_take_the_name_of_the_page(monkeypatch):
+    """A ROS master ends a node as soon as another one registers with its name."""
+    arguments = ['page', '__name:=fleet_page', '_port:=8080', '__master:=http://a:1', 'b:=c']
+    monkeypatch.setattr('sys.argv', arguments)
+    rospy.names.reload_mappings(arguments)
+    try:
+        fleet_stop.forget_node_arguments()
+        assert rospy.names.get_mappings() == {'__master': 'http://a:1'}
+    finally:
+        rospy.names.reload_mappings([])
 
 
 def asked_by(name: str, message: Any) -> Any:

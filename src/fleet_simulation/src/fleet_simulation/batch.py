@@ -13,6 +13,7 @@ from typing import Callable, List, NamedTuple, Sequence, Tuple
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import simulate
 from fleet_simulation.site import Site
+from node_program.inert_text import return_to_line_begin
 
 
 class Job(NamedTuple):
@@ -74,7 +75,9 @@ class Progress:
         left = f'{spent / done * (whole - done):.0f} s to go' if done else ''
         if sys.stderr.isatty():
             bar = '#' * (30 * done // whole)
-            print(f'\r{self._what} [{bar:<30}] {done}/{whole} {left:<20}', end='', file=sys.stderr)
+            return_to_line_begin(sys.stderr)
+            print(f'{self._what} [{bar:<30}] {done}/{whole} {left:<20}', end='', file=sys.stderr,
+                  flush=True)
             if done == whole:
                 print(file=sys.stderr)
         elif 10 * done // whole > self._tenth:

@@ -22,6 +22,7 @@ from fleet_simulation.statistics import (
     waiting_by_cause,
     waiting_by_edge,
 )
+from node_program.inert_text import cell
 
 _WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
           'eleven', 'twelve')
@@ -76,7 +77,7 @@ def write(study: Study, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     for name, rows in _tables(study).items():
         table = io.StringIO()
-        csv.writer(table).writerows(rows)
+        csv.writer(table).writerows([cell(str(one)) for one in row] for row in rows)
         replace_file(folder / name, table.getvalue())
     path = folder / 'report.html'
     replace_file(path, html(study))

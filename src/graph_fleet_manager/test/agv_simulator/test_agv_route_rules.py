@@ -94,7 +94,7 @@ def test_a_refused_change_never_shows_as_failed() -> None:
     agv.order(7, 1, 2)
     agv.wait(1.0)
     agv.order(7, 2, 3)
-    assert agv.reason == 'route 7 must go on with the edges done and the current one, [1]'
+    assert agv.reason == 'route 7 must go on with the edges done and the current one: 1'
     assert all(3 not in report.states for report in agv.reports)
     assert agv.last.edges == (1, 2)
 

@@ -3,6 +3,9 @@ from __future__ import annotations
 
 import socket
 import time
+from typing import List
+
+import pytest
 
 from graph_fleet_manager.agv_simulator.control_socket import ControlServer
 from node_lifecycle.watchdog import ThreadWatch
@@ -22,3 +25,23 @@ def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
         assert watch.look(time.monotonic()) == []
     server.shutdown()
     server.server_close()
+
+
+@pytest.mark.parametrize('first', [b'POST / HTTP/1.1', b'where / HTTP/1.0',
+                                   b'POST /' + 2000 * b'a' + b' HTTP/1.1'], ids=len)
+def test_a_request_of_a_web_browser_carries_out_none_of_its_lines(first) -> None:
+    injected: List[str] = []
+    server = ControlServer(0, injected.append, dict)
+    with socket.create_connection(('127.0.0.1', server.port), timeout=20.0) as page:
+        page.sendall(first + b'\r\nHost: 127.0.0.1\r\nOrigin: null\r\n\r\nlose r1\nwhere\n')
+        assert ends_without_an_answer(page)
+    server.shutdown()
+    server.server_close()
+    assert injected == []
+
+
+def ends_without_an_answer(connection: socket.socket) -> bool:
+    try:
+        return connection.recv(100) == b''
+    except ConnectionResetError:
+        return True

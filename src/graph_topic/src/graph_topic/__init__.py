@@ -10,23 +10,12 @@ from typing import Callable, Optional
 import rospy
 
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle.bounded_messages import when_too_large
 from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 
-MAX_BYTES = 4 * 2**20  # of a message: some 60,000 vertices and edges
 REFUSALS_TOLD = 10.0  # s between two log lines about them
 OnGraph = Callable[[Graph, rospy.Time], None]
-
-
-class BoundedGraphMessage(GraphMessage):
-    """A Graph message that stays empty and sets `too_large` if it is too large to be a graph."""
-
-    too_large = False
-
-    def deserialize(self, str: bytes) -> GraphMessage:  # noqa: A002  genpy's name
-        """Reads the message, unless it is too large."""
-        self.too_large = len(str) > MAX_BYTES
-        return self if self.too_large else super().deserialize(str)
 
 
 class FollowedGraph:
@@ -49,13 +38,12 @@ class FollowedGraph:
 
     def subscribe(self) -> rospy.Subscriber:
         """Follows `/graph` from now on."""
-        return rospy.Subscriber('/graph', BoundedGraphMessage, self.take, queue_size=1)
+        subscriber = rospy.Subscriber('/graph', GraphMessage, self.take, queue_size=1)
+        when_too_large(subscriber.resolved_name, self._refuse)
+        return subscriber
 
-    def take(self, message: BoundedGraphMessage) -> None:
+    def take(self, message: GraphMessage) -> None:
         """Puts the graph of a message in force."""
-        if message.too_large:
-            self._refuse(f'it has more than {MAX_BYTES} bytes')
-            return
         try:
             graph = graph_from_message(message)
         except GraphError as error:

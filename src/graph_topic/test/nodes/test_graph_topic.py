@@ -3,15 +3,21 @@ from __future__ import annotations
 
 import io
 import re
+import struct
 from pathlib import Path
 from typing import List
 
 import pytest
 import rospy
+from rospy.impl.tcpros_base import TCPROSTransportProtocol
+from rospy.impl.tcpros_pubsub import TCPROSSub
 
-import graph_topic
-from graph_topic import BoundedGraphMessage, FollowedGraph
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import Edge, Vertex
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle import bounded_messages
+from node_lifecycle.bounded_messages import leaving_out
+from node_lifecycle.message_limits import limit_of
 from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
 
@@ -26,18 +32,18 @@ def refusals(monkeypatch) -> list:
     return said
 
 
-def message(length: float = 4.0, edges: int = 1) -> BoundedGraphMessage:
+def message(length: float = 4.0, edges: int = 1) -> GraphMessage:
     """Two vertices `length` m apart, and the given number of edges between them."""
-    return BoundedGraphMessage(
+    return GraphMessage(
         vertices=[Vertex(id=1, frame_id='map/nn0'), Vertex(id=2, frame_id='map/nn0', x=length)],
         edges=[Edge(id=id, origin_id=1, destination_id=2, curve_type='line')
                for id in range(1, edges + 1)])
 
 
-def received(sent: BoundedGraphMessage) -> BoundedGraphMessage:
+def received(sent: GraphMessage) -> GraphMessage:
     buffer = io.BytesIO()
     sent.serialize(buffer)
-    return BoundedGraphMessage().deserialize(buffer.getvalue())
+    return GraphMessage().deserialize(buffer.getvalue())
 
 
 def test_the_first_graph_and_every_other_one_is_told():
@@ -71,12 +77,20 @@ def test_a_graph_that_is_not_valid_is_refused_in_words(refusals):
     assert 'which are at the same place' in reasons[0]
 
 
-def test_a_message_that_is_too_large_is_not_even_read(refusals, monkeypatch):
-    monkeypatch.setattr(graph_topic, 'MAX_BYTES', 1000)
-    huge = received(message(edges=100))
-    assert (huge.edges, huge.vertices) == ([], [])
-    FollowedGraph(lambda graph, stamp: pytest.fail('the graph was accepted')).take(huge)
-    assert 'more than 1000 bytes' in refusals[0]
+def test_a_message_that_is_too_large_is_refused_in_words(refusals, monkeypatch):
+    monkeypatch.setattr(rospy, 'Subscriber', TCPROSSub)
+    monkeypatch.setattr(TCPROSSub, '__init__', lambda self, topic, kind, *_, **__: (
+        TCPROSTransportProtocol.__init__(self, topic, kind)))
+    monkeypatch.setattr(bounded_messages, '_told', {})
+    reasons: List[str] = []
+    subscriber = FollowedGraph(lambda graph, stamp: pytest.fail('the graph was accepted'),
+                               on_refused=reasons.append).subscribe()
+    stream = io.BytesIO()
+    stream.write(struct.pack('<I', limit_of(GraphMessage._type) + 1))
+    messages: List[GraphMessage] = []
+    leaving_out(TCPROSTransportProtocol.read_messages)(subscriber, stream, messages, None)
+    assert reasons == ['it has 4194305 bytes, and at most 4194304 are read'] and not messages
+    assert reasons[0] in refusals[0]
 
 
 def test_each_message_is_told_with_its_stamp_where_that_is_asked_for():

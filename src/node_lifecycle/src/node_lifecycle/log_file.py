@@ -15,22 +15,40 @@ import rospkg
 import rospy
 from rospy.impl.paramserver import get_param_server_cache
 
-from node_lifecycle import topic_connections
+from node_lifecycle import bounded_messages, topic_connections
+from node_program.inert_text import entry
+from xmlrpc_guard import guard_servers
 
 _FILE_HANDLER = 'RotatingFileHandler'  # the class of logging.handlers that rospy's log uses
 _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 
 
 def init_node(name: str, **options: Any) -> None:
-    """Calls rospy.init_node; without a log file if there can be none."""
+    """Calls rospy.init_node; without a log file if there can be none.
+
+    From now on the node refuses web browsers, and messages that are too large.
+    """
     topic_connections.mend()
+    bounded_messages.limit_messages()
+    guard_servers()
     with _possible_log_file():
         rospy.init_node(name, **options)
     _ask_once()
     for handler in logging.getLogger('rosout').handlers:
+        handler.addFilter(_bounded)
         _guard(handler, 'emit', _harmless)
     for handler in logging.getLogger().handlers:  # they print a traceback for each failed message
+        handler.addFilter(_bounded)
         _guard(handler, 'handleError', _but_for_disks)
+
+
+def _bounded(record: logging.LogRecord) -> bool:
+    """Shortens an entry, and escapes its control characters, as a filter of a handler."""
+    if not getattr(record, 'is_bounded', False):  # each handler gets the same record
+        with suppress(TypeError, ValueError):  # a wrong format: the handler reports it
+            record.msg, record.args = entry(record.getMessage()), ()
+        record.is_bounded = True
+    return True
 
 
 def _ask_once() -> None:

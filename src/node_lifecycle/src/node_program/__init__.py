@@ -10,6 +10,8 @@ import sys
 from importlib import import_module
 from typing import Callable, List
 
+from node_program.inert_text import make_output_inert
+
 INTERRUPTED = 130  # exit status of a program ended by Ctrl-C, as in shells
 _when_started: List[Callable[[], None]] = []
 
@@ -40,8 +42,10 @@ def run_command(module: str, function: str = 'main') -> None:
     """Runs a command: like `run_main`, but Ctrl-C ends it silently, with exit status 130.
 
     During `main`, Ctrl-C raises KeyboardInterrupt there, so that it can clean up. Before and after
-    `main`, Ctrl-C ends the process at once.
+    `main`, Ctrl-C ends the process at once. Control characters in its output are escaped, because
+    reasons and names come from other programs.
     """
+    make_output_inert()
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
     main = getattr(import_module(module), function)
     try:

@@ -4,12 +4,18 @@ from __future__ import annotations
 import errno
 import logging
 import logging.handlers
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import rosgraph.xmlrpc
+from rospy.impl import tcpros_base
 from rospy.impl.paramserver import ParamServerCache
+from rospy.impl.tcpros_pubsub import TCPROSSub
 
 from node_lifecycle import log_file
+from xmlrpc_guard import GuardedRequestHandler
 
 
 class FullDisk(logging.Handler):
@@ -102,3 +108,21 @@ def test_where_a_log_file_can_be_opened_it_is(tmp_path, monkeypatch, capsys):
 def test_the_master_is_asked_once_what_a_line_of_the_log_holds(master):
     log_file.init_node('node')
     assert [master.cache.get(name) for name in master.asked] == [False]
+
+
+def test_a_node_has_closed_its_doors_before_it_opens_a_port(monkeypatch):
+    doors = []
+    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: doors.append(
+        (rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler, TCPROSSub.read_messages,
+         tcpros_base.read_ros_handshake_header)))
+    log_file.init_node('node')
+    (handler, read_messages, read_header), = doors
+    assert handler is GuardedRequestHandler
+    assert hasattr(read_messages, '__wrapped__') and hasattr(read_header, '__wrapped__')
+
+
+def test_every_program_initialises_its_node_so():
+    sources = Path(__file__).resolve().parents[3]
+    own = {file.name for file in sources.glob('*/src/**/*.py')
+           if re.search(r'rospy\.init_node\(|rospy import .*init_node', file.read_text())}
+    assert own == {'log_file.py'}

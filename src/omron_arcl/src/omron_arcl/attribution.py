@@ -11,6 +11,7 @@ from typing import Optional
 
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
+from omron_arcl.commands import Course
 from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
 from omron_arcl.endings import BadEndings
 from omron_arcl.execution import Execution, Outcome
@@ -44,13 +45,13 @@ class Attribution:
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot: `reply` is its meaning, `text` its words."""
         sets_out = self._sets_out(reply)
-        authority = self._commands.authority
-        authority.on_reply(reply, now)
+        records = self._commands.records
+        records.said(reply)
         if self._commands.sent:
             self._bad_endings.on_reply(reply, text, now)
         claimed = self._offer_to_drives(reply, text, now, sets_out)
         if sets_out and not claimed:
-            authority.on_set_out(reply, text, now)
+            records.set_out(reply, text)
             self._taken_over(text)
         self._offer_to_others(reply, text, now, claimed)
         self._watch(reply, text, now)
@@ -60,7 +61,7 @@ class Attribution:
             shown = reply.text if isinstance(reply, status.StatusText) else reply.status
             if shown:
                 self.watch.observe(Observation(read_activity(shown), shown, True), now)
-                self._commands.authority.on_status(read_activity(shown), shown, now)
+                self._commands.records.showed(read_activity(shown), shown)
         elif self._commands.motion_executions:
             activity = activity_of(reply)
             if activity.kind is not ActivityKind.UNKNOWN:
@@ -96,7 +97,8 @@ class Attribution:
             if execution.begun and spec.aborted_by and spec.aborted_by(command, reply):
                 self._end(execution, Outcome.INTERRUPTED, text, now)
                 return True
-            if spec.related and spec.related(command, reply):
+            if spec.related and spec.related(command, reply) and not _leads_elsewhere(
+                    execution, reply):
                 kind = activity_of(reply).kind
                 stands = execution.begun and kind in STANDING
                 if kind in ABOUT_THE_DOCK and (
@@ -123,6 +125,8 @@ class Attribution:
                     self._commands.add_line(execution, text, now)
                     return
             elif spec.completed_by(command, reply):
+                if spec.stops and not self._commands.records.stopped_by_us:
+                    return  # another client's stop ends before ours
                 self._end(execution, Outcome.SUCCEEDED, text, now)
                 if not spec.stops:
                     return
@@ -159,3 +163,19 @@ class Attribution:
         """The line ends the command."""
         self._commands.add_line(execution, text, now)
         self._commands.end(execution, outcome, text)
+
+
+def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
+    """Whether the robot drives to a goal that is not its dock.
+
+    Some robots name their dock as a goal. The name with which the robot sets out is that of its
+    dock; once it docks, no other name can be.
+    """
+    if (execution.command.spec.course is not Course.INTO_THE_DOCK
+            or activity_of(reply).kind is not ActivityKind.GOING_TO_GOAL):
+        return False
+    name = activity_of(reply).goal.casefold()
+    if execution.begun and name != execution.dock_name:
+        return True
+    execution.dock_name = name
+    return False

@@ -16,18 +16,19 @@ from omron_arcl.command_line import parse_command
 from omron_arcl.commands import Command
 from omron_arcl.connection import Connection, Peer, reason_of
 from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.drives import Drives, Motion
 from omron_arcl.errors import (
     Busy,
     ConnectionFailed,
     ConnectionLost,
     LinkError,
     NotConnected,
+    StopOwed,
     WrongPassword,
 )
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
-from omron_arcl.motion_authority import Motion, MotionAuthority
 from omron_arcl.replies.site import Goal, Macro, MapChanged, Route
 from omron_arcl.secret import redact_passwords
 from omron_arcl.session import LoggedIn, Received, Session, State, Trace
@@ -49,8 +50,8 @@ class Client(Transport):
     on_login(HelpList): the login succeeded; called once per connection. log: records all lines of
     both sides. heartbeat: seconds between two requests for a sign of life. timeout: seconds without
     a sign of life after which the link counts as dead. `names`: the bytes of each name that the
-    robot has listed and that is not ASCII. authority: the motion authority of the robot.
-    on_motion(Motion): the motion that the authority publishes has changed; called by any thread.
+    robot has listed and that is not ASCII. records: the records of the robot's
+    drives. on_motion(Motion): the motion has changed; called by any thread.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,
@@ -59,7 +60,7 @@ class Client(Transport):
                  on_login: Optional[Callable[[HelpList], None]] = None,
                  log: Optional[SessionLog] = None, backoff: Optional[Backoff] = None,
                  heartbeat: float = 1.5, timeout: float = 4.0,
-                 authority: Optional[MotionAuthority] = None,
+                 records: Optional[Drives] = None,
                  on_motion: Optional[Callable[[Motion], None]] = None) -> None:
         self.peer = f'{host}:{port}'
         super().__init__('ARCL client', Link(LinkPhase.DISCONNECTED, self.peer, 'not started'),
@@ -83,7 +84,7 @@ class Client(Transport):
         self._pulsed_at = 0.0
         self._heartbeats = list(HEARTBEATS)
         self._lock = threading.Lock()  # guards help, _names, _dispatcher
-        self._dispatcher = Dispatcher(authority)
+        self._dispatcher = Dispatcher(records)
         self._answered = threading.Event()  # the password was taken, or refused
 
     # --- for any thread --------------------------------------------------------------------------
@@ -124,7 +125,8 @@ class Client(Transport):
                 link = self.link
                 if not link.connected:
                     self._dispatcher.start_without_link(command, giver, known_epoch)
-                    raise NotConnected(link.reason or link.phase.value)
+                    error = StopOwed if command.spec.stops else NotConnected
+                    raise error(link.reason or link.phase.value)
                 execution = self._dispatcher.start(command, timeout, on_line, on_end,
                                                    stop_on_timeout, giver, known_epoch)
         finally:
@@ -142,7 +144,7 @@ class Client(Transport):
     def cancel_all(self, canceller: Giver) -> None:
         """Cancels all earlier commands on behalf of `canceller`, even if none is under way."""
         with self._lock:
-            self._dispatcher.authority.take_word(canceller, time.monotonic())
+            self._dispatcher.records.all_cancelled(canceller)
         self._tell_motion()
         self._waker.wake()
 
@@ -150,7 +152,7 @@ class Client(Transport):
     def motion(self) -> Motion:
         """The giver that drives the robot, and the robot's motion."""
         with self._lock:
-            return self._dispatcher.authority.motion
+            return self._dispatcher.records.motion
 
     def _tell_motion(self) -> None:
         """Calls `on_motion` if the motion has changed."""
@@ -247,8 +249,8 @@ class Client(Transport):
             with self._lock:
                 self.help = event.help
                 self._dispatcher.on_connected(now)
-            # The first status shows whether an owed stop must still be sent.
-            self._pulsed_at = -math.inf if self.motion.memory.stop_owed else now
+            # The first status shows what happened meanwhile, and whether to send an owed stop.
+            self._pulsed_at = -math.inf
             self._set_link(LinkPhase.CONNECTED, self.peer)
             self._answered.set()
             self._call(self._on_login, event.help)

@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from typing import Callable, List, Optional
 
+from omron_arcl.drives import Drives
 from omron_arcl.errors import Busy
 from omron_arcl.execution import Execution, Outcome
-from omron_arcl.motion_authority import MotionAuthority
 
 MAXIMUM_WAITING = 200
 
@@ -19,8 +19,8 @@ class CommandQueue:
     Callbacks to waiting callers are collected for `pop_callbacks`, so that they run without locks.
     """
 
-    def __init__(self, authority: MotionAuthority) -> None:
-        self.authority = authority
+    def __init__(self, records: Drives) -> None:
+        self.records = records
         self.now = 0.0
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
@@ -56,7 +56,7 @@ class CommandQueue:
     def next_to_send(self, now: float) -> Optional[Execution]:
         """The next command that may be sent now, or None; it counts as sent."""
         for execution in list(self.waiting):
-            if not self.authority.may_send(execution):
+            if not self.records.may_send(execution):
                 self.end(execution, Outcome.OVERRULED, 'another command came first')
             elif not self._must_wait(execution):
                 self.waiting.remove(execution)
@@ -66,6 +66,7 @@ class CommandQueue:
                 execution.heard = execution.sent_at = now
                 self._count += 1
                 execution.order = self._count
+                self.records.sent(execution)
                 return execution
         return None
 
@@ -94,9 +95,9 @@ class CommandQueue:
         if not execution.begun:
             execution.begun = True
             execution.doubt = None
+            self.records.acknowledged(execution)
             if execution.command.spec.drives:
                 self.end_before(execution, f'replaced by "{execution.command.text}"')
-            self.authority.on_begun(execution)
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""
@@ -108,7 +109,7 @@ class CommandQueue:
             for executions in (self.waiting, self.sent, self.drives):
                 if execution in executions:
                     executions.remove(execution)
-            self.authority.on_over(execution, outcome, words, self.now)
+            self.records.ended(execution, outcome, words, self.now)
         if execution.command.spec.stops and outcome in _UNHEEDED:
             self._give_up_cancelled(execution, outcome, words)
 

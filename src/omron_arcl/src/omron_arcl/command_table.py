@@ -196,6 +196,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
              is_one_of(site.ConfigValue)),
     _listing('getConfigSectionInfo <section>', 'GetConfigSectionInfo',
              items('GetConfigSectionInfo', 'GetConfigSectionParamInfo')),
+    *_quiet(Category.CONFIGURATION, 'scanStart', 'scanStop', 'scanAddGoal'),
     _done('configStart', Category.CONFIGURATION, 'New config starting'),
     _done('configAdd <line>', Category.CONFIGURATION, 'Added'),
     CommandSpec('configParse', Category.CONFIGURATION,

@@ -36,6 +36,10 @@ class Course(Enum):
     OF_TASKS = 'of tasks'  # a task, macro, list or route: several drives and waits
 
 
+# Commands of the category MOTION that prepare a drive, or hold the robot back.
+_NEVER_MOVE = ('listStart', 'listAdd', 'queueCancelLocal', 'queueModifyLocal', 'stay',
+               'applicationBlockDrivingSet')
+
 Predicate = Callable[['Command', Reply], bool]  # is this the line that the command awaits?
 
 
@@ -77,6 +81,12 @@ class CommandSpec:
     def drives(self) -> bool:
         """Whether the command takes over the wheels."""
         return self.course is not None
+
+    @property
+    def moves(self) -> bool:
+        """Whether the command moves the robot, or lets it move; such a command needs an epoch."""
+        return self.drives or (self.category is Category.MOTION and not self.stops
+                               and self.name not in _NEVER_MOVE)
 
     @property
     def stops(self) -> bool:

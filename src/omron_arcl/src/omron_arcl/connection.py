@@ -15,6 +15,7 @@ from omron_arcl.session import Closed, LoggedIn, Received, Session
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
 _STANDSTILL = 1.0  # s between two reads; after more the received data may be old
+_GAPS = 4.0  # usual pauses of the peer; after a longer one, the received data may be old
 # Data is new again after either of these:
 _DRAINED = 0.03  # s of waiting for bytes,
 _WAITED, _FLUSHED = 0.001, 0.5  # s of waiting, once this time has emptied the other side's buffers
@@ -93,6 +94,8 @@ class Peer:
         self._lines = 0
         self._late = False
         self._resumed = 0.0
+        self._data_at = self._heard
+        self._pause: Optional[float] = None  # s, the usual one between two pieces of data
 
     def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
         """The events in the received data, after a wait of `waited` s for it.
@@ -101,7 +104,7 @@ class Peer:
         """
         data = self.connection.receive()
         read = max(now, time.monotonic())  # the process may have been suspended in between
-        if read - self._looked > _STANDSTILL:
+        if read - self._looked > _STANDSTILL or data and self._follows_a_gap(read, waited):
             self._late, self._resumed = True, read
         elif waited > _DRAINED or (waited > _WAITED and read - self._resumed > _FLUSHED):
             self._late = False
@@ -121,6 +124,21 @@ class Peer:
         elif now - self._sent > self._timeout:
             raise ConnectionLost('the robot has not accepted any data for '
                                  f'{now - self._sent:.1f} s')
+
+    def is_lively(self, now: float, seconds: float) -> bool:
+        """Whether a line has come within the last `seconds`."""
+        return self._lines > 0 and now - self._heard <= seconds
+
+    def _follows_a_gap(self, read: float, waited: float) -> bool:
+        """Whether the peer's data comes after a stall of the network, which has kept it back."""
+        pause, self._data_at = read - self._data_at, read
+        if waited <= _DRAINED:
+            return False
+        usual = self._pause
+        if usual is not None and pause > max(_STANDSTILL, _GAPS * usual):
+            return True
+        self._pause = pause if usual is None else usual + (pause - usual) / 8.0
+        return False
 
 
 def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:

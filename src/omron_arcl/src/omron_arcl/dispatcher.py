@@ -1,8 +1,8 @@
 """The commands of one connection: takes commands, lines and time; gives lines to send and results.
 No I/O, and no clock.
 
-`command_queue` keeps the order, `attribution` decides on the meaning of lines, and `drive_watch`
-judges drives by the robot's status. The rules:
+`drives` keeps the records of drives and stops, `command_queue` the order, `attribution` decides on
+the meaning of lines, and `drive_watch` judges drives by the robot's status. The rules:
 - Queries of one name wait for each other, so that each answer has one asker.
 - A line that names the goal of a driving command acknowledges it. The command then replaces all
   motions before it, including a stop that is under way.
@@ -21,8 +21,8 @@ from omron_arcl.attribution import Attribution
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command, Course
+from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
-from omron_arcl.motion_authority import MotionAuthority
 from omron_arcl.replies.reply import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
@@ -46,9 +46,9 @@ class Dispatcher:
     lock, so that a callback may give the next command.
     """
 
-    def __init__(self, authority: Optional[MotionAuthority] = None) -> None:
-        self.authority = authority or MotionAuthority()
-        self._commands = CommandQueue(self.authority)
+    def __init__(self, records: Optional[Drives] = None) -> None:
+        self.records = records or Drives()
+        self._commands = CommandQueue(self.records)
         self._attribution = Attribution(self._commands)
 
     def start(self, command: Command, timeout: Optional[float] = None,
@@ -62,12 +62,11 @@ class Dispatcher:
         default: the command's own. stop_on_timeout: stops a drive that has timed out, unless a
         newer one is under way.
         """
-        self.authority.check(giver, command, known_epoch)
+        self.records.check(giver, command, known_epoch)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
                               known_epoch)
-        execution.replaces = bool(self._commands.drives)
         self._commands.add(execution)
-        self.authority.take(execution)
+        self.records.given(execution)
         return execution
 
     def start_without_link(self, command: Command, giver: Giver, known_epoch: int) -> None:
@@ -76,12 +75,12 @@ class Dispatcher:
         Raises Overruled.
         """
         if command.spec.stops:
-            self.authority.check(giver, command, known_epoch)
-            self.authority.owe_stop_without_link(giver)
+            self.records.check(giver, command, known_epoch)
+            self.records.stopped_without_link(giver)
 
     def on_connected(self, now: float) -> None:
         """The link is up: commands can be sent from now on."""
-        self.authority.on_link(True, now)
+        self.records.linked(True, now)
 
     def cancel(self, execution: Execution, now: float, canceller: Giver = NO_GIVER) -> None:
         """Cancels a command: drops an unsent one, stops a drive, no longer waits for a query.
@@ -92,7 +91,7 @@ class Dispatcher:
         if execution.result is not None:
             return
         self._commands.now = now
-        self.authority.take_cancellation(execution, canceller)
+        self.records.cancelled(execution, canceller)
         if execution.sent and execution.command.spec.drives:
             if execution.cancel_requested is None:
                 execution.cancel_requested = now
@@ -157,7 +156,7 @@ class Dispatcher:
 
     def on_lost(self, reason: str) -> None:
         """The link broke: every command ends, and nothing is sent again except an owed stop."""
-        self.authority.on_link(False, self._commands.now)
+        self.records.linked(False, self._commands.now)
         for execution in self._commands.sent + self._commands.waiting:
             self._commands.end(execution, Outcome.LOST if execution.sent else Outcome.NEVER_SENT,
                                reason)
@@ -188,10 +187,10 @@ class Dispatcher:
                 return
 
     def _stop_if_owed(self, now: float) -> None:
-        if self.authority.stop_due(now):
+        if self.records.stop_due(now):
             self._stop()
 
     def _stop(self) -> None:
-        stop = Execution(parse_command('stop'), giver=self.authority.motion.memory.giver)
+        stop = Execution(parse_command('stop'), giver=self.records.motion.memory.giver)
         self._commands.add(stop)
-        self.authority.take_own_stop(stop)
+        self.records.own_stop_given(stop)

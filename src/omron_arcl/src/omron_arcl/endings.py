@@ -81,18 +81,27 @@ class BadEndings:
 
     def _on_unknown_command(self, reply: refusals.UnknownCommand, text: str, now: float) -> None:
         said = reply.name.strip(' "\':.').lower()
+        if not said:
+            self._refuse_nameless(Outcome.UNKNOWN_COMMAND, text, now)
+            return
         for execution in self._commands.sent:
             given = execution.command.text.split(' ', 1)[0].lower()
-            if given == said or (len(said) >= _CUT_NAME and given.startswith(said)) or not said:
+            if given == said or (len(said) >= _CUT_NAME and given.startswith(said)):
                 self._end(execution, Outcome.UNKNOWN_COMMAND, text, now)
                 return
 
     def _on_setup_error(self, reply: refusals.SetUpError, text: str, now: float) -> None:
-        """The line names no command: it ends the oldest command that can still be refused."""
-        for execution in self._commands.sent:
-            if not execution.begun:
-                self._end(execution, Outcome.REJECTED, text, now, reply.text)
-                return
+        self._refuse_nameless(Outcome.REJECTED, text, now, reply.text)
+
+    def _refuse_nameless(self, outcome: Outcome, text: str, now: float, words: str = '') -> None:
+        """The line names no command: it refuses the newest one that the robot has not answered.
+
+        A drive is the last choice: if the robot carries it out nevertheless, it must have a giver.
+        """
+        unanswered = [e for e in self._commands.sent if not (e.begun or e.set_out)]
+        others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
+        for execution in (others or unanswered)[-1:]:
+            self._end(execution, outcome, text, now, words)
 
     def _on_usage(self, reply: refusals.Usage, text: str, now: float) -> None:
         name = reply.syntax.split(' ', 1)[0].lower()

@@ -27,6 +27,15 @@ class NotConnected(ArclError):
         super().__init__(f'Not sent, the robot is not connected: {reason}.')
 
 
+class StopOwed(NotConnected):
+    """A stop was given without a login at the robot; it will be sent."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        self.args = (f'Not sent yet, the robot is not connected: {reason}. The stop is owed: it is '
+                     'sent as soon as the robot can be reached.',)
+
+
 class Busy(ArclError):
     """More commands wait to be sent than the queue accepts."""
 

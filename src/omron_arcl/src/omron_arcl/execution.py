@@ -1,7 +1,6 @@
 """A command that was given to the robot, as its giver sees it."""
 from __future__ import annotations
 
-import math
 import threading
 from dataclasses import dataclass
 from enum import Enum
@@ -88,8 +87,6 @@ class Execution:
         self.acknowledge_timeout = timeout or min(command.spec.timeout, ACKNOWLEDGE_TIMEOUT)
         self.stop_on_timeout = stop_on_timeout
         self.epoch = 0  # the epoch in which it was taken
-        self.replaces = False  # whether another drive was under way when it was taken
-        self.over_at = -math.inf
         self.sent_at = 0.0
         self.heard: Optional[float] = None  # when it was sent, or when its last line came
         self.order = 0  # its number in the order of sending
@@ -101,6 +98,7 @@ class Execution:
         self.doubt: Optional[Doubt] = None
         self.shown_when_sent = ''  # the robot's status text at that time
         self.points: Set[Tuple[float, ...]] = set()  # coordinates that the robot showed as its goal
+        self.dock_name = ''  # under which the robot drives to its dock
         self._lines: List[str] = []
         self._characters = 0
         self._left_out = 0

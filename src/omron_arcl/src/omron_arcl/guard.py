@@ -6,10 +6,10 @@ from typing import FrozenSet, Iterable, Optional
 from omron_arcl.command_line import printable
 from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
+from omron_arcl.drives import MotionState
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.execution import Execution
 from omron_arcl.help_list import HelpList
-from omron_arcl.motion_authority import MotionState
 
 _DRIVES = (MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING, MotionState.UNDOCKING)
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
@@ -20,7 +20,7 @@ class Guard:
 
     `allowed` contains categories (`motion`, `query`, ...) and names of commands. `goals` are the
     goals that the robot has listed; None while they are unknown. `motion` is the last state that
-    the motion authority told.
+    the records of drives tell.
     """
 
     def __init__(self, allowed: Iterable[str]) -> None:

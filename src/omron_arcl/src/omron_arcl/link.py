@@ -20,7 +20,10 @@ class LinkPhase(Enum):
 
 @dataclass(frozen=True)
 class Link:
-    """State of a link. `peer`: host:port; `reason`: why it is not connected."""
+    """State of a link.
+
+    `peer`: host:port; `reason`: why it is not connected, or what is wrong with the connection.
+    """
 
     phase: LinkPhase
     peer: str

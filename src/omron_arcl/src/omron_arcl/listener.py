@@ -18,6 +18,11 @@ from omron_arcl.transport import Transport
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
 RETRY = 1.0  # s between two attempts to listen on a port, or to accept a connection
+RIVALS = 3  # live connections that were replaced within RIVAL_TIME s: by another robot
+RIVAL_TIME = 30.0
+_LIVELY = 1.0  # s since its last line in which a connection is alive
+_RIVALRY = ('two robots, or two programs, connect from this address in turn: give each robot an '
+            'address and a port of its own')
 _MAXIMUM_UNSENT = 64  # bytes of keep-alive to a robot that does not read
 _MAXIMUM_GUESTS = 4  # connections that wait until the addresses of the robot are known
 _log = logging.getLogger(__name__)
@@ -37,7 +42,8 @@ class Listener(Transport):
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
     on_link(Link): the link changed. on_refused(str): a peer with this other address was rejected.
-    timeout: seconds without a line after which the connection counts as dead.
+    timeout: seconds without a line after which the connection counts as dead. If live connections
+    replace each other in turn, the reason of the connected link says so.
     If another program uses the port, the listener tries again until the port is free, and says so
     in the reason of the link. Raises OSError if it can never listen at (bind, port).
     """
@@ -60,6 +66,7 @@ class Listener(Transport):
         self._guests: List[_Guest] = []
         self._due = time.monotonic() + RETRY  # time of the next attempt to listen
         self._spoken = 0.0
+        self._replaced: List[float] = []  # when live connections were replaced
         reason = 'the robot has not connected yet'
         try:
             self._socket = self._listen()
@@ -153,11 +160,15 @@ class Listener(Transport):
         except OSError:  # closed by the peer already
             guest.socket.close()
             return
+        if self._peer and self._peer.is_lively(now, _LIVELY):
+            self._replaced.append(now)
+        self._replaced = [then for then in self._replaced if now - then < RIVAL_TIME]
         self._drop(selector, 'the robot opened a new connection')
         self._peer = Peer(connection, Session(None, trace=self._trace), self._timeout)
         self._spoken = now
         selector.register(guest.socket, selectors.EVENT_READ)
-        self._set_link(LinkPhase.CONNECTED, f'{guest.host}:{guest.port}')
+        self._set_link(LinkPhase.CONNECTED, f'{guest.host}:{guest.port}',
+                       _RIVALRY if len(self._replaced) >= RIVALS else '')
 
     def _serve(self, peer: Peer, selector: selectors.BaseSelector, now: float,
                waited: float) -> None:

@@ -19,6 +19,7 @@ import re
 from enum import Enum
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Union
 
+from browser_guard import is_http_request
 from omron_arcl.command_line import printable
 from omron_arcl.errors import (
     ConnectionFailed,
@@ -71,7 +72,8 @@ class LoggedIn(NamedTuple):
 class Received(NamedTuple):
     """A line of the robot: exactly as received, and its meaning.
 
-    `late`: the line may be old, because it waited here while this process was suspended.
+    `late`: the line may be old, because it waited while this process was suspended, or while the
+    network stalled.
     """
 
     raw: bytes
@@ -134,7 +136,9 @@ class Session:
         self._stirred = True
         for raw in self._lines.feed(data):
             self.lines_read += 1
-            if self.state is State.READY:
+            if self.lines_read == 1 and is_http_request(raw):
+                yield self._close(ConnectionFailed('a web browser has connected, not a robot'))
+            elif self.state is State.READY:
                 yield self._received(raw)
             elif self.state is not State.CLOSED:
                 yield from self._log_in(raw)

@@ -15,7 +15,7 @@ from speaking_robot import SpeakingRobot
 from timeline import Timeline
 
 from omron_arcl import ActivityKind, ArclError, Execution, Giver, NotConnected, read_activity
-from omron_arcl.motion_authority import Cause, Motion, Overruled
+from omron_arcl.drives import Cause, Motion, Overruled
 from omron_arcl.replies import DockingStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
@@ -298,7 +298,8 @@ class DelayedDrive:
                 memory.epoch, memory.previous_epoch,
                 memory.giver.name == BRIDGE or memory.cause is Cause.EMERGENCY_STOP,
                 memory.cause is Cause.RESTART, memory.stop_owed, memory.reason,
-                memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT)))
+                memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT),
+                memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER))
 
     # --- the receiver -----------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ from timeline import Timeline
 
 from omron_arcl import Execution, Giver, NotConnected, Result, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.motion_authority import Memory, Motion, MotionAuthority
+from omron_arcl.drives import Drives, Memory, Motion
 
 HEARTBEAT = 1.5  # s between its status requests
 
@@ -49,7 +49,7 @@ class ModelledController:
     def start(self) -> None:
         """Starts its process with the memory that the previous process stored."""
         self._told: Optional[Motion] = None
-        self._dispatcher = Dispatcher(MotionAuthority(self._memory, self._keep))
+        self._dispatcher = Dispatcher(Drives(self._memory, self._keep))
         if self.connected:
             self._dispatcher.on_connected(self._timeline.now)
         self._tell()
@@ -60,7 +60,7 @@ class ModelledController:
     @property
     def motion(self) -> Motion:
         """The published motion, which late subscribers also receive."""
-        return self._dispatcher.authority.motion
+        return self._dispatcher.records.motion
 
     def give(self, command: str, giver: Giver, known_epoch: int,
              on_end: Callable[[Result], None]) -> Execution:
@@ -84,7 +84,7 @@ class ModelledController:
         """Cancels everything for `canceller`."""
         for execution in executions:
             self._dispatcher.cancel(execution, self._timeline.now, canceller)
-        self._dispatcher.authority.take_word(canceller, self._timeline.now)
+        self._dispatcher.records.all_cancelled(canceller)
         self.turn()
 
     def connect(self) -> None:

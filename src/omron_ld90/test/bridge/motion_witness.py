@@ -9,11 +9,13 @@ from delayed_drive import BRIDGE, PERSON, TICK, AnyRobot, DelayedDrive
 from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 
-from omron_arcl import Execution, Giver, Result
-from omron_arcl.motion_authority import AT_ONCE, LATE, LOOK, RETRY, Motion, MotionState
+from omron_arcl import Execution, Giver, Outcome, Result
+from omron_arcl.drives import LOOK, RETRY, Cause, Motion, MotionState
 from omron_ld90.bridge import events as p
 
 YARD = yard()
+AT_ONCE = 1.0  # s in which commands of two clients may cross
+LATE = 0.5  # s after enabling the motors in which the robot stops by itself
 OBEYED_WITHIN = 6.0  # s after a stop has reached the robot, at each speed
 SENT_WITHIN = LOOK + RETRY + 1.0  # s for which an owed stop may wait while the robot can be reached
 GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links are connected
@@ -26,6 +28,11 @@ class Word(NamedTuple):
     drives: bool
 
 
+REFUSED = Word(Giver('refused by the robot'), False)  # a drive that changed nothing
+REFUSED_OUTCOMES = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
+                    Outcome.EMERGENCY_STOPPED)
+
+
 class WitnessedController(ModelledController):
     """A controller that reports each command it takes, with the knowledge of its giver."""
 
@@ -35,11 +42,21 @@ class WitnessedController(ModelledController):
              on_end: Callable[[Result], None]) -> Execution:
         """Gives the command as the base class does, and reports it."""
         words = self.count_words()
-        execution = super().give(command, giver, known_epoch, on_end)
+        self.drove = self.motion.memory.drives
+
+        def end(result: Result) -> None:
+            if result.outcome in REFUSED_OUTCOMES and taken > words:
+                self.on_refused(words)
+            on_end(result)
+        taken = words
+        execution = super().give(command, giver, known_epoch, end)
+        taken = self.count_words()
         self.on_given(command, giver, known_epoch, words)
         return execution
 
     count_words: Callable[[], int]
+    drove = False  # whether a drive ruled when the last command was given
+    on_refused: Callable[[int], None]
 
 
 class Witness(DelayedDrive):
@@ -67,6 +84,7 @@ class Witness(DelayedDrive):
         self._powered_at = -100.0
         self._another_gave = '', -100.0  # the last command of another client, and its time
         self._dialect = dialect
+        self.is_alone = True  # no other client, outage or person at the robot has acted
         # time since when a stop is owed and the robot can be reached
         self._owed_since: Optional[float] = None
         self._stop_came_at = -100.0
@@ -88,11 +106,14 @@ class Witness(DelayedDrive):
         self._time.every(TICK, self._watch_robot)
         self._time.every(TICK, self._watch_stop_of_bridge)
 
+    _controller: WitnessedController
+
     def make_controller(self, delays: Delays) -> ModelledController:
         """Makes a controller that the witness watches."""
         controller = WitnessedController(self._time, delays, self._reach_robot, self._on_motion)
         controller.on_taken, controller.on_given = self._on_taken, self._on_given
         controller.count_words = lambda: len(self.words)
+        controller.on_refused = self._on_refused
         return controller
 
     def make_robot(self, vertex: int, interruption: str, braking: float) -> AnyRobot:
@@ -115,18 +136,30 @@ class Witness(DelayedDrive):
         if giver == PERSON:
             self.persons, self.came, self._is_number = command, False, self._taken[command]
         if known_epoch and (
-                known is None or any(word.giver != giver for word in self.words[known:count])):
+                known is None or any(word.giver != giver for word in self.words[known:count]
+                                     if word is not REFUSED)):
             self.broken.append(f'{giver.name} passed {self.words[known or 0:count]}: {command}')
 
+    def _on_refused(self, number: int) -> None:
+        self.words[number] = REFUSED
+
+    def _last_word(self) -> Optional[Word]:
+        return next((word for word in reversed(self.words) if word is not REFUSED), None)
+
     def _on_taken(self, giver: Giver, drives: bool) -> None:
-        if not (drives and self.words[-1:] == [Word(giver, True)]):  # else the same drive continues
+        if not (drives and self._last_word() == Word(giver, True)):  # else the same drive continues
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 
     def _judge_stop(self, giver: Giver, known: int, count: int) -> None:
-        """A stop may not end a drive of which its giver did not know."""
+        """A stop may not end a drive of which its giver did not know and that the robot has
+        acknowledged, unless another stop is on its way already."""
+        records = self._controller.motion.memory.records
+        pending = [record.giver for record in records if record.pending]
+        if not self._controller.drove:
+            return
         unknown = [word for word in self.words[known:count]
-                   if word.drives and word.giver not in (giver, None)]
+                   if word.drives and word.giver not in (giver, None, *pending)]
         if unknown:
             self.broken.append(f'a stop of {giver.name} ended {unknown}')
 
@@ -143,6 +176,7 @@ class Witness(DelayedDrive):
         """
         if not self.spared and self._controller.connected:
             self._forgotten = set(self.words_of_epoch)
+            self.is_alone = False
             self._unheard_until = self.now + seconds
         super().restart_controller()
 
@@ -178,6 +212,7 @@ class Witness(DelayedDrive):
     def cut(self, link: p.Link, seconds: float) -> None:
         """Cuts a link as the base class does; messages on their way are lost."""
         if link is p.Link.COMMANDS:
+            self.is_alone = False
             self._arrived = Counter(self._taken)
         super().cut(link, seconds)
 
@@ -190,7 +225,7 @@ class Witness(DelayedDrive):
 
     def another_client(self, command: str) -> None:
         """A client of the robot's own server gives a command."""
-        self.foreign = True
+        self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
         self._another_gave = command, self.now
         self.robot.hear_another(command)
@@ -198,6 +233,8 @@ class Witness(DelayedDrive):
 
     def _on_motion(self, motion: Motion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
+        if self.is_alone and motion.memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT):
+            self.broken.append(f'there is no other client: {motion.memory.reason}')
         super()._on_motion(motion)
 
     def _say(self, line: str) -> None:
@@ -224,7 +261,7 @@ class Witness(DelayedDrive):
         elif line == 'EStop pressed':
             is_clear = True
         else:
-            is_clear = line.split()[-1] not in memory.goals
+            is_clear = line.split()[-1] not in memory.names
         if self._controller.connected and is_clear:
             self.words.append(Word(None, line.startswith('Going to')))
 
@@ -249,13 +286,14 @@ class Witness(DelayedDrive):
 
     def _watch_robot(self) -> None:
         """Checks, from the controller's view: after a stop the robot must not drive for us."""
+        last = self._last_word()
         if (not self._controller.connected or self._anothers or self.robot.goal is None
-                or not self.words or self.words[-1].drives or self.words[-1].giver is None):
+                or last is None or last.drives or last.giver is None):
             self._disobeys_since = None
         elif self._disobeys_since is None:
             self._disobeys_since = self.now
         elif self.now > self._disobeys_since + SENT_WITHIN:
-            self.broken.append(f'{self.now:.1f} the robot drives on after {self.words[-1]}')
+            self.broken.append(f'{self.now:.1f} the robot drives on after {last}')
 
     def _watch_stop_of_bridge(self) -> None:
         """Checks that the robot stands after a stop of the bridge, even after failed attempts."""

@@ -18,7 +18,8 @@ from omron_map import MapDocument
 
 DIALECTS = ('interrupted name', 'interrupted coordinates', 'interrupted nothing',
             'prompt Password:', 'welcome Hello', 'help names', 'help none', 'unlisted goto stop',
-            'missing dock undock', 'encoding ascii', 'goals quoted')
+            'missing dock undock', 'encoding ascii', 'goals quoted', 'replacing stopping',
+            'unknown bare', 'battery volts', 'status older')
 assert {dialect.split()[0] for dialect in DIALECTS} == set(SWITCHES)
 _WALLS = ((-2000, -5500, 14000, -5500), (-2000, 6000, 14000, 6000), (-2000, -5500, -2000, 6000),
           (14000, -5500, 14000, 6000))

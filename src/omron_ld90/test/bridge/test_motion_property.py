@@ -22,7 +22,7 @@ from motion_witness import YARD, Witness
 from simulated_robot import DIALECTS
 
 from omron_arcl import ArclError, Giver
-from omron_arcl.motion_authority import Cause
+from omron_arcl.drives import Cause
 from omron_ld90.bridge import events as p
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])
@@ -194,8 +194,12 @@ class Robots(RuleBasedStateMachine):
         note('\n'.join(world.trace))
         note(str(world.words))
         assert not world.broken
-        assert not world._controller.motion.memory.stop_owed
-        if world.words and not world.words[-1].drives and (
+        memory = world._controller.motion.memory
+        assert not memory.stop_owed
+        if world.robot.goal is not None and not world._anothers:
+            assert memory.giver.name, f'the robot drives to {world.robot.goal} without an owner'
+        last = world._last_word()
+        if last and not last.drives and (
                 world._controller.motion.memory.cause is not Cause.OTHER_CLIENT):
             assert world.robot.goal is None, 'the robot drives on'
 
@@ -210,10 +214,12 @@ class SimulatedRobots(Robots):
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()
     def emergency_stop(self) -> None:
+        self.world.is_alone = False
         self.world.robot.inject('estop press')
 
     @rule()
     def help(self) -> None:
+        self.world.is_alone = False
         self.world.robot.inject('estop release')
         self.world.robot.hear_another('enableMotors')
 

@@ -15,26 +15,27 @@ from modelled_controller import ModelledController
 from test_motion_property import SimulatedRobots
 
 from omron_arcl.commands import Command
+from omron_arcl.drives import Cause, Drives, Kind
 from omron_arcl.execution import Outcome
-from omron_arcl.motion_authority import Cause, MotionAuthority
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
                                 reason='takes minutes; LD90_LONG_TESTS=1')
-SEARCH = settings(max_examples=800, stateful_step_count=30, deadline=None, database=None,
+SEARCH = settings(max_examples=2500, stateful_step_count=30, deadline=None, database=None,
                   phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
                   suppress_health_check=list(HealthCheck))
 
 _BEGIN, _ON_LINK, _CONNECT = (
-    MotionAuthority._begin_epoch, MotionAuthority.on_link, ModelledController.connect)
-_ON_OVER, _CHECK, _STOP = (
-    MotionAuthority.on_over, MotionAuthority.check, RobotMonitor.stop)
+    Drives._begin_epoch, Drives.linked, ModelledController.connect)
+_ENDED, _CHECK, _STOP = (
+    Drives.ended, Drives.check, RobotMonitor.stop)
 
 
 def _no_epoch_for(cause: Cause) -> Callable[..., None]:
     def begin(self: Any, giver: Any, why: Cause, reason: str, drives: bool) -> None:
         if why is cause:
-            self._keep(replace(self._memory, cause=why, drives=drives))
+            self._memory = replace(self._memory, cause=why)
+            self._keep()
         else:
             _BEGIN(self, giver, why, reason, drives)
     return begin
@@ -42,7 +43,8 @@ def _no_epoch_for(cause: Cause) -> Callable[..., None]:
 
 def _link_forgets(self: Any, connected: bool, now: float) -> None:
     _ON_LINK(self, connected, now)
-    self._keep(replace(self._memory, stop_owed=False))
+    self._records = tuple(r for r in self._records if r.kind is not Kind.STOP)
+    self._keep()
 
 
 def _names_alone(self: Any, giver: Any, epoch: int) -> Any:
@@ -50,15 +52,15 @@ def _names_alone(self: Any, giver: Any, epoch: int) -> Any:
 
 
 def _sends_again(self: Any) -> None:
-    drive = self._dispatcher.authority._drive
+    drives = [r for r in self._dispatcher.records._records if r.kind is Kind.DRIVE]
     _CONNECT(self)
-    if drive is not None and drive.sent:
-        self._send_line(drive.command.text)
+    if drives:
+        self._send_line(f'goto {drives[-1].goal}')
 
 
 def _lost_is_obeyed(self: Any, execution: Any, outcome: Outcome, words: str, now: float) -> None:
-    is_stop = execution is self._stop
-    _ON_OVER(self, execution, Outcome.SUCCEEDED if is_stop else outcome, words, now)
+    is_stop = execution.command.spec.stops
+    _ENDED(self, execution, Outcome.SUCCEEDED if is_stop else outcome, words, now)
 
 
 def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int) -> None:
@@ -67,23 +69,23 @@ def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int) -> 
 
 
 FAULTS = {
-    'anybody may drive': (MotionAuthority, 'check', lambda *_: None),
+    'anybody may drive': (Drives, 'check', lambda *_: None),
     'a stop without a link is forgotten': (
-        MotionAuthority, 'owe_stop_without_link', lambda *_: None),
-    'an owed stop is never sent': (MotionAuthority, 'stop_due', lambda *_: False),
-    'a lost stop counts as obeyed': (MotionAuthority, 'on_over', _lost_is_obeyed),
-    'a stop ends newer drives': (MotionAuthority, 'check', _drives_alone),
+        Drives, 'stopped_without_link', lambda *_: None),
+    'an owed stop is never sent': (Drives, 'stop_due', lambda *_: False),
+    'a lost stop counts as obeyed': (Drives, 'ended', _lost_is_obeyed),
+    'a stop ends newer drives': (Drives, 'check', _drives_alone),
     'a stop of the bridge ends each motion': (
         RobotMonitor, 'stop', lambda self, epoch: _STOP(self, 0)),
-    'a new link forgets the owed stop': (MotionAuthority, 'on_link', _link_forgets),
+    'a new link forgets the owed stop': (Drives, 'linked', _link_forgets),
     'a restart forgets the owed stop': (ModelledController, '_keep', lambda *_: None),
-    'a cancellation is not a word': (MotionAuthority, 'take_word', lambda *_: None),
-    'a restarted giver is the same': (MotionAuthority, 'knows', _names_alone),
+    'a cancellation is not a word': (Drives, 'all_cancelled', lambda *_: None),
+    'a restarted giver is the same': (Drives, 'knows', _names_alone),
     'an emergency stop begins no epoch': (
-        MotionAuthority, '_begin_epoch', _no_epoch_for(Cause.EMERGENCY_STOP)),
-    'a stop begins no epoch': (MotionAuthority, '_begin_epoch', _no_epoch_for(Cause.STOP)),
+        Drives, '_begin_epoch', _no_epoch_for(Cause.EMERGENCY_STOP)),
+    'a stop begins no epoch': (Drives, '_begin_epoch', _no_epoch_for(Cause.STOP)),
     'another client begins no epoch': (
-        MotionAuthority, '_begin_epoch', _no_epoch_for(Cause.OTHER_CLIENT)),
+        Drives, '_begin_epoch', _no_epoch_for(Cause.OTHER_CLIENT)),
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
 }
 

@@ -147,6 +147,36 @@ def test_what_another_client_of_the_robot_does_ends_the_route():
     assert bench.commands == given
 
 
+def another_client_drives(bench):
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Going to 5', by_robot=True))
+
+
+def the_robot_obeys_us(bench):
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, is_ours=True, obeys_us=True))
+
+
+def test_a_robot_that_obeys_us_after_another_client_drives_on_for_the_route():
+    bench = under_way()
+    another_client_drives(bench)
+    bench.wait(0.3)
+    the_robot_obeys_us(bench)
+    bench.wait(2.0)
+    assert bench.follower.running
+
+
+def test_one_that_obeys_us_after_the_route_was_taken_over_is_stopped():
+    """D5: otherwise it would drive without an owner."""
+    bench = under_way()
+    another_client_drives(bench)
+    bench.drive(1.0)
+    assert bench.follower.report().reason.text == 'taken over'
+    assert bench.commands[-1] != 'stop'
+    the_robot_obeys_us(bench)
+    assert bench.commands[-1] == 'stop'
+
+
 def test_the_end_of_a_drive_that_we_replaced_means_nothing():
     bench = under_way('rolling')
     first = bench.robot.number - 1

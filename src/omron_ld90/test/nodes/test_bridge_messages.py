@@ -84,7 +84,8 @@ def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_our
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
         9, 8, is_ours, goes_on, True, 'why', cause is EpochCause.OTHER_CLIENT,
-        EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause)
+        EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause,
+        obeys_us=giver == '/r/bridge')
 
 
 @pytest.mark.parametrize('state, drives', [

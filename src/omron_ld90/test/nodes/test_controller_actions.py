@@ -7,9 +7,9 @@ import pytest
 import rospy
 
 from omron_arcl import ArclError, Giver, NotConnected, Outcome, Result
-from omron_arcl.motion_authority import Overruled, Unclear
+from omron_arcl.drives import Overruled, Unclear
 from omron_ld90.nodes import controller_actions
-from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
+from omron_ld90.nodes.controller_execute_command import _OUTCOMES, ExecuteCommandServer
 from omron_ld90.nodes.support.old_messages import LATCHED, WAITED
 from omron_ld90_msgs.msg import (
     ExecuteCommandActionGoal,
@@ -237,3 +237,9 @@ def test_what_has_ended_is_cancelled_no_more(bench):
                                                 ('goto stop', False), ('goto 12', False)])
 def test_only_a_stop_is_taken_whatever_was_cancelled_before(bench, command, stops):
     assert bench.server.is_stop(ExecuteCommandGoal(command=command)) is stops
+
+
+def test_an_empty_result_is_no_outcome():
+    """D10: a goal recalled before its start had the outcome 0, which was SUCCEEDED."""
+    assert ExecuteCommandResult().outcome == ExecuteCommandResult.NONE
+    assert ExecuteCommandResult.NONE not in _OUTCOMES.values()

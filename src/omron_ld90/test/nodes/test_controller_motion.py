@@ -6,14 +6,16 @@ from dataclasses import replace
 import pytest
 import rospy
 
+from omron_arcl.drives import Cause, Fate, Kind, Memory, Motion, MotionState, Record
 from omron_arcl.execution import Giver
-from omron_arcl.motion_authority import Cause, Memory, Motion, MotionState
 from omron_ld90.nodes import controller_motion
 from omron_ld90.nodes.controller_motion import MotionFile, message_of
 from omron_ld90_msgs import msg
 
-MEMORY = Memory(2 ** 64 - 1, 7, Giver('/bridge', 'http://host:1/'), Cause.STOP, '"stop" of /rviz',
-                '12', False, True, ('12', '13'), ('13',))
+GIVER = Giver('/bridge', 'http://host:1/')
+DRIVE = Record(3, Kind.DRIVE, Fate.OBEYED, GIVER, '12', ('12', '13'), '"goto 12" of /bridge')
+STOP = Record(4, Kind.STOP, Fate.GIVEN, GIVER, words='"stop" of /rviz')
+MEMORY = Memory(2 ** 64 - 1, 7, Cause.STOP, '"stop" of /rviz', (DRIVE, STOP))
 
 
 def test_what_was_kept_is_read(tmp_path):
@@ -36,7 +38,7 @@ def test_without_a_file_nothing_is_kept(tmp_path):
     assert MotionFile(str(tmp_path / 'none.json')).read() is None
 
 
-@pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"epoch": 1}', '{"epoch": 1, "giver": 3}'])
+@pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"epoch": 1}', '{"epoch": 1, "records": 3}'])
 def test_what_cannot_be_read_is_told_and_is_nothing(tmp_path, monkeypatch, text):
     told = []
     monkeypatch.setattr(rospy, 'logwarn', lambda *words: told.append(words))
@@ -61,7 +63,7 @@ def warned(monkeypatch):
     return told
 
 
-EARLIER = replace(MEMORY, epoch=5, stop_owed=False)
+EARLIER = replace(MEMORY, epoch=5, records=(DRIVE,))
 
 
 def test_on_a_disk_without_room_the_newest_memory_takes_the_room_of_the_one_before(
@@ -115,7 +117,7 @@ def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_count
 def test_everybody_is_told_in_the_words_of_the_message():
     told = message_of(Motion(MEMORY, MotionState.STOPPING))
     assert (told.epoch, told.previous_epoch, told.giver, told.state, told.goal, told.stop_owed,
-            told.cause, told.reason) == (2 ** 64 - 1, 7, '/bridge', msg.Motion.STOPPING, '12', True,
+            told.cause, told.reason) == (2 ** 64 - 1, 7, '/bridge', msg.Motion.STOPPING, '', True,
                                          msg.Motion.STOP, '"stop" of /rviz')
 
 

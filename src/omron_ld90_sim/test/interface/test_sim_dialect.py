@@ -113,3 +113,21 @@ def test_a_robot_that_has_nothing_but_ascii() -> None:
 def test_a_switch_that_is_none_is_refused(words: str) -> None:
     with pytest.raises(UnknownFault, match='dialect WHAT VALUE'):
         speaking(words)
+
+
+def test_a_robot_that_stops_for_an_instant_to_replace_a_drive() -> None:
+    client = speaking('replacing stopping').client()
+    client.ask('goto West')
+    assert client.ask('goto "East side"') == [
+        'Interrupted: Going to West', 'Stopping', 'Going to East side']
+
+
+def test_a_refusal_without_the_name_of_the_command() -> None:
+    assert speaking('unknown bare').client().ask('gooto 12') == ['Unknown command']
+
+
+def test_the_status_of_an_older_robot() -> None:
+    lines = speaking('battery volts', 'status older').client().ask('status')
+    assert [line.split(':')[0] for line in lines] == [
+        'Status', 'BatteryVoltage', 'Location', 'LocalizationScore', 'Temperature']
+    assert lines[1] == 'BatteryVoltage: 28.0'

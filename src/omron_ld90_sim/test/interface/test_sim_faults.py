@@ -321,7 +321,7 @@ def test_a_script_names_the_line_that_is_wrong() -> None:
 
 
 def test_the_help_tells_of_every_fault() -> None:
-    assert len(help_text().splitlines()) == 22
+    assert len(help_text().splitlines()) == 23
     assert 'estop press|release' in help_text()
 
 

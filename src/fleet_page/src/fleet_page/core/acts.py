@@ -2,7 +2,6 @@
 """
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Callable, Dict, Mapping, Tuple
@@ -112,9 +111,10 @@ def _stays(value: Any) -> Tuple[float, ...]:
     if not isinstance(value, list) or len(value) > MOST_DESTINATIONS:
         raise WrongAct(f'must be a list of at most {MOST_DESTINATIONS} numbers')
     for element in value:
+        # The comparisons come first: a whole number of 400 digits has no float.
         if isinstance(element, bool) or not isinstance(element, (int, float)) or not (
-                math.isfinite(element) and element <= LONGEST_STAY):
-            raise WrongAct(f'must be numbers of seconds up to {LONGEST_STAY:.0f}')
+                -LONGEST_STAY <= element <= LONGEST_STAY):
+            raise WrongAct(f'must be numbers of seconds up to {LONGEST_STAY:.0f}, or negative')
     return tuple(float(element) for element in value)
 
 

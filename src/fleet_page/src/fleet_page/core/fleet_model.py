@@ -49,7 +49,7 @@ class FleetModel:
         self._sums: Dict[str, Sums] = {}
         self._edge_waiting: Dict[int, float] = {}
         self._heard: Optional[float] = None
-        self._site = 0
+        self.site_revision = 0
         self.live.put('fleet', {'alive': False, 'heard': None})
         self.live.put('closed', [])
 
@@ -57,8 +57,8 @@ class FleetModel:
 
     def site_changed(self) -> None:
         """Notes that the site has changed, so that browsers load graph and map again."""
-        self._site += 1
-        self.live.put('site', self._site)
+        self.site_revision += 1
+        self.live.put('site', self.site_revision)
 
     def close_edges(self, edges: Iterable[int]) -> None:
         """Takes the list of all closed edges."""

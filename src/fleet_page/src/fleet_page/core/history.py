@@ -5,13 +5,14 @@ import csv
 import io
 from typing import Any, Dict, Iterable, List, Optional
 
-from fleet_page.core.records import HOUR, Records
+from fleet_page.core.records import HOUR, HistorySums
 from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine
+from node_program.inert_text import cell
 
 HOTTEST = 200  # most edges in the heat map
 
 
-def history_values(lines: Iterable[HistoryLine], records: Records, since: float,
+def history_values(lines: Iterable[HistoryLine], sums: HistorySums, since: float,
                    now: float) -> Dict[str, Any]:
     """Missions per hour, sums per robot and waiting per edge since a time (s since 1970)."""
     hours = {hour: {'SUCCEEDED': 0, 'FAILED': 0, 'CANCELLED': 0}
@@ -28,14 +29,13 @@ def history_values(lines: Iterable[HistoryLine], records: Records, since: float,
             missions[line.robot] = missions.get(line.robot, 0) + 1
         if line.started is not None:
             waited.append(line.started - line.accepted)
-    sums = records.robot_sums(since)
     robots = [{
         'robot': name, 'missions': missions.get(name, 0),
         'distance': round(own.distance, 1), 'waiting': round(own.waiting, 1),
         'utilisation': round(own.busy / own.watched, 3) if own.watched else 0.0}
-        for name, own in sums.items()]
+        for name, own in sums.robots.items()]
     return {'hours': [{'begin': hour * HOUR, **counts} for hour, counts in hours.items()],
-            'robots': robots, 'edges': records.edge_waiting(since)[:HOTTEST],
+            'robots': robots, 'edges': sums.edges[:HOTTEST],
             'mean_waited': round(sum(waited) / len(waited), 1) if waited else None}
 
 
@@ -48,17 +48,12 @@ def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
     for line in lines:
         if line.accepted >= since:
             writer.writerow([
-                line.request_id, ' '.join(map(str, line.destinations)), _cell(line.robot_type),
-                line.priority, line.state.name, _cell(line.robot), line.reached,
+                line.request_id, ' '.join(map(str, line.destinations)), cell(line.robot_type),
+                line.priority, line.state.name, cell(line.robot), line.reached,
                 _seconds(line.accepted, 3), _seconds(line.started, 3), _seconds(line.ended, 3),
-                _seconds(line.waited, 1), _seconds(line.took, 1), _cell(line.reason),
-                _cell(line.requested_by)])
+                _seconds(line.waited, 1), _seconds(line.took, 1), cell(line.reason),
+                cell(line.requested_by)])
     return text.getvalue()
-
-
-def _cell(text: str) -> str:
-    """The text in a form that no spreadsheet reads as a formula."""
-    return f"'{text}" if text[:1] in ('=', '+', '-', '@', '\t', '\r') else text
 
 
 def _seconds(time: Optional[float], digits: int) -> str:

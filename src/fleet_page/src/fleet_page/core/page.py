@@ -4,15 +4,15 @@ from __future__ import annotations
 import logging
 import sqlite3
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Callable, Dict, List, Optional
 
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, Plan
 from fleet_page.core.fleet_model import FleetModel
-from fleet_page.core.history import history_values
 from fleet_page.core.latencies import Histogram, ReleaseWatch
 from fleet_page.core.metrics import metrics_text
-from fleet_page.core.records import Records, TooManyFavourites
+from fleet_page.core.records import HistorySums, Records, TooManyFavourites
 from fleet_page.core.replay import ReplayRing
 from fleet_page.core.roles import Person
 from fleet_page.core.site import WallMap, site_values
@@ -130,14 +130,15 @@ class Page:
         self.model.show_favourites(self.records.favourites())
         return outcome
 
-    def site_values(self) -> Dict[str, Any]:
-        """The graph, parking, docks, map and radii as JSON values."""
+    def site_values(self) -> Callable[[], Dict[str, Any]]:
+        """Returns a function that makes the JSON values of the site as it is now, in any thread."""
         site = self.site
-        return site_values(self.model.graph, site.parking, site.docks, site.walls, site.radii)
+        return partial(site_values, self.model.graph, site.parking, site.docks, site.walls,
+                       dict(site.radii))
 
-    def history(self, lines: List[HistoryLine], since: float, now: float) -> Dict[str, Any]:
-        """The history since a time (s since 1970), as JSON values."""
-        return history_values(lines, self.records, since, now)
+    def history_sums(self, since: float) -> HistorySums:
+        """The sums of the history since a time (s since 1970)."""
+        return self.records.sums(since)
 
     def metrics(self, clients: int) -> str:
         """The metrics in the text format of Prometheus."""

@@ -46,6 +46,14 @@ class Sums:
     watched: float = 0.0
 
 
+@dataclass(frozen=True)
+class HistorySums:
+    """The sums of each robot, and the s that robots waited on each edge, the most first."""
+
+    robots: Dict[str, Sums]
+    edges: List[Tuple[int, float]]
+
+
 class Records:
     """The records in one SQLite file; `:memory:`: without a file. One thread at a time uses it."""
 
@@ -128,6 +136,10 @@ class Records:
         for table in ('robot_hour', 'edge_hour'):
             self._db.execute(f'DELETE FROM {table} WHERE hour < ?', (hour - KEPT_HOURS,))
         self._db.execute('COMMIT')
+
+    def sums(self, since: float) -> HistorySums:
+        """The sums from the hour of the time `since` (s since 1970) on."""
+        return HistorySums(self.robot_sums(since), self.edge_waiting(since))
 
     def robot_sums(self, since: float) -> Dict[str, Sums]:
         """The sums of each robot, from the hour of the time `since` (s since 1970) on."""

@@ -49,7 +49,11 @@ class Tokens:
 
     def person(self, token: str) -> Optional[Person]:
         """The owner of a token, or None. It is compared with all tokens in constant time."""
-        digest, found = _digest(token), None
+        return self.owner(digest_of(token))
+
+    def owner(self, digest: bytes) -> Optional[Person]:
+        """The owner of the token with this digest, or None."""
+        found = None
         for known, person in self._persons.items():
             if hmac.compare_digest(known, digest):
                 found = person
@@ -78,6 +82,36 @@ def load_tokens(path: str) -> Tokens:
     return Tokens(persons)
 
 
+class TokenFile:
+    """The tokens in a file that may change while the page runs; raises TokenFileError at first."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._seen = _identity(path)
+        self.tokens = load_tokens(path)
+
+    def refresh(self) -> bool:
+        """Reads the file if it has changed. Returns whether the tokens may have changed.
+
+        Raises TokenFileError once for each change that cannot be used. The tokens then stay as they
+        were: a mistake in the file must not take STOP from the people on the floor.
+        """
+        seen = _identity(self._path)
+        if seen == self._seen:
+            return False
+        self._seen = seen
+        self.tokens = load_tokens(self._path)
+        return True
+
+
+def _identity(path: str) -> Optional[Tuple[int, ...]]:
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_ino, status.st_dev, status.st_size, status.st_mtime_ns, status.st_mode
+
+
 def _person(words: List[str], where: str) -> Tuple[bytes, Person]:
     if len(words) != 3:
         raise TokenFileError(f'{where}: the line must be ROLE NAME TOKEN.')
@@ -89,40 +123,46 @@ def _person(words: List[str], where: str) -> Tuple[bytes, Person]:
     if len(token) < SHORTEST_TOKEN:
         raise TokenFileError(f'{where}: the token must have {SHORTEST_TOKEN} characters or more: '
                              'take one of `openssl rand -hex 16`.')
-    return _digest(token), Person(name, Role[role.upper()])
+    return digest_of(token), Person(name, Role[role.upper()])
 
 
 class Sessions:
-    """Open sessions. Only digests of their ids are kept."""
+    """Open sessions. Only digests of their ids are kept, and of the tokens that opened them."""
 
     def __init__(self) -> None:
-        self._sessions: Dict[bytes, Tuple[Person, float]] = {}
+        self._sessions: Dict[bytes, Tuple[bytes, float]] = {}
 
-    def open(self, person: Person, now: float) -> str:
-        """Opens a session and returns its id, which is the cookie."""
+    def open(self, token: str, now: float) -> str:
+        """Opens a session with a valid token. Returns the session's id, which is the cookie."""
         if len(self._sessions) >= MOST_SESSIONS:
             oldest = min(self._sessions, key=lambda key: self._sessions[key][1])
             del self._sessions[oldest]
         session = secrets.token_urlsafe(32)
-        self._sessions[_digest(session)] = (person, now)
+        self._sessions[digest_of(session)] = (digest_of(token), now)
         return session
 
-    def person(self, session: str, now: float) -> Optional[Person]:
-        """The owner of the session; None: there is no such session, or it is over."""
-        key = _digest(session)
+    def person(self, session: str, tokens: Tokens, now: float) -> Optional[Person]:
+        """The owner of the session, by the tokens as they are now.
+
+        None: there is no such session, it is over, or its token is no longer valid.
+        """
+        key = digest_of(session)
         known = self._sessions.get(key)
         if known is None:
             return None
-        if now - known[1] > SESSION_TIME:
+        token, used = known
+        person = tokens.owner(token)
+        if person is None or now - used > SESSION_TIME:
             del self._sessions[key]
             return None
-        self._sessions[key] = (known[0], now)
-        return known[0]
+        self._sessions[key] = (token, now)
+        return person
 
     def close(self, session: str) -> None:
         """Ends a session."""
-        self._sessions.pop(_digest(session), None)
+        self._sessions.pop(digest_of(session), None)
 
 
-def _digest(text: str) -> bytes:
+def digest_of(text: str) -> bytes:
+    """The digest of a secret. Secrets themselves are not kept."""
     return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).digest()

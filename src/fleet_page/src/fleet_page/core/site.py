@@ -31,13 +31,17 @@ class WallMap:
     height: float
 
 
-def wall_map(cells: bytes, columns: int, rows: int, resolution: float, x: float,
+def wall_map(cells: np.ndarray, columns: int, rows: int, resolution: float, x: float,
              y: float) -> WallMap:
-    """The walls of an occupancy grid; all other cells are transparent. Raises WrongMap."""
+    """The walls of an occupancy grid; all other cells are transparent. Raises WrongMap.
+
+    The size is checked before any cell is read.
+    """
     if not (columns > 0 and rows > 0 and columns * rows <= MOST_CELLS
             and len(cells) == columns * rows and 0.0 < resolution < 100.0):
-        raise WrongMap(f'it has {len(cells)} cells in {columns} x {rows} of {resolution:g} m')
-    grid = np.frombuffer(cells, np.int8).reshape(rows, columns)[::-1] >= _OCCUPIED
+        raise WrongMap(f'it has {len(cells)} cells in {columns} x {rows} of {resolution:g} m; at '
+                       f'most {MOST_CELLS} cells are shown')
+    grid = np.asarray(cells, np.int8).reshape(rows, columns)[::-1] >= _OCCUPIED
     return WallMap(_png(grid), x, y, columns * resolution, rows * resolution)
 
 

@@ -1,8 +1,7 @@
-"""Carries out people's acts, with the same topics and services as RViz's menus and the commands."""
+"""Carries out all acts but stops, with the topics and services of RViz's menus and the commands."""
 from __future__ import annotations
 
 import random
-import threading
 from typing import Any, Callable, Dict, Tuple, Type
 
 import rospy
@@ -10,8 +9,6 @@ from std_srvs.srv import Trigger
 
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.roles import Person
-from graph_fleet_manager.commands.command_line import CommandError
-from graph_fleet_manager.commands.stop import stop
 from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
@@ -35,7 +32,6 @@ class FleetCommands:
 
     def __init__(self, is_robot: Callable[[str], bool]) -> None:
         self._is_robot = is_robot
-        self._stopping = threading.Lock()
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
         self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=100)
         self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=100)
@@ -43,8 +39,6 @@ class FleetCommands:
     def do(self, act: Act, person: Person) -> Outcome:
         """Carries out an act for a person, and returns its outcome."""
         by = f'{person.name} (page)'
-        if act.kind is ActKind.STOP:
-            return self._stop()
         if act.kind is ActKind.SEND:
             return self._send(act, by)
         if act.kind in COMMANDS:
@@ -52,17 +46,6 @@ class FleetCommands:
         if act.kind in EDGES:
             return self._edge(act, by)
         return self._call(act, by)
-
-    def _stop(self) -> Outcome:
-        """Stops all robots, even if the fleet manager hangs.
-
-        One stop runs at a time, because a direct stop uses the topics of the robots.
-        """
-        with self._stopping:
-            try:
-                return Outcome(True, stop())
-            except CommandError as error:
-                return Outcome(False, str(error))
 
     def _send(self, act: Act, by: str) -> Outcome:
         if not self._requests.get_num_connections():

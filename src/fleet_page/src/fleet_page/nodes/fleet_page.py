@@ -1,6 +1,7 @@
 """fleet_page: shows the fleet in a browser, and passes people's requests to the fleet manager.
 
-See docs/reference/fleet_page.md. It decides nothing about robots.
+See docs/reference/fleet_page.md. It decides nothing about robots. A second process, the door, has
+all connections of browsers and carries out stops (fleet_page.door).
 
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
@@ -29,8 +30,9 @@ from __future__ import annotations
 import asyncio
 import math
 import os
+import shutil
 import sqlite3
-import ssl
+import tempfile
 import threading
 import time
 from typing import Any, Callable, List, Optional
@@ -39,18 +41,19 @@ import rospkg
 import rospy
 from aiohttp import web
 from nav_msgs.msg import OccupancyGrid
+from rospy.numpy_msg import numpy_msg
 
 from fleet_page.core.acts import Act
 from fleet_page.core.page import Page
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
-from fleet_page.core.roles import TokenFileError, load_tokens
 from fleet_page.core.site import WrongMap
+from fleet_page.door.process import DoorError, DoorProcess, DoorSettings
+from fleet_page.door.security import is_loopback
 from fleet_page.nodes import messages
 from fleet_page.nodes.fleet_commands import FleetCommands
-from fleet_page.web.files import PageFiles
-from fleet_page.web.security import Addresses, WrongCertificate, certificates_of, is_loopback
-from fleet_page.web.server import Access, WebServer, serve
+from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
+from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.supervision.journal import HistoryLine, history
 from graph_fleet_manager.supervision.journal_database import JournalError
@@ -79,9 +82,11 @@ START_WITHIN = 5.0  # s within which the page must listen
 class FleetPageNode:
     """The node. Callbacks pass messages to the thread of the event loop, which owns the page."""
 
-    def __init__(self) -> None:
-        host, port = parameter('~listen', '127.0.0.1'), parameter('~port', 8080, int)
-        access, certificates = _access(host)
+    def __init__(self, door: DoorProcess) -> None:
+        self._door, self._is_ending = door, threading.Event()
+        self._sockets = tempfile.mkdtemp(prefix='fleet_page_')  # only this user can open it
+        worker = os.path.join(self._sockets, 'page')
+        settings = _door_settings(worker)
         folder = _folder()
         journal = _journal()
         try:
@@ -97,28 +102,36 @@ class FleetPageNode:
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
         commands = FleetCommands(lambda name: name in self._page.model.robots)
-        files = PageFiles(os.path.join(rospkg.RosPack().get_path('fleet_page'), 'page'))
-        server = WebServer(self._page, commands.do, files, access)
+        server = WebServer(self._page, commands.do)
         self._loop = asyncio.new_event_loop()
-        self._runner: Optional[web.AppRunner] = None
         self._thread = threading.Thread(target=self._work, name='page', daemon=True)
         self._thread.start()
+        self._runner: web.AppRunner = asyncio.run_coroutine_threadsafe(
+            serve(server, worker), self._loop).result(START_WITHIN)
         try:
-            self._runner = asyncio.run_coroutine_threadsafe(
-                serve(server, host, port, certificates), self._loop).result(START_WITHIN)
-        except OSError as error:
-            raise ConfigurationError(f'The page cannot listen at {host}, port {port} ({error}): '
-                                     'end the program that uses the port, or choose another with '
-                                     '~port.') from None
+            door.open(settings)
+        except DoorError as error:
+            raise ConfigurationError(str(error)) from None
+        threading.Thread(target=self._end_with_door, name='door', daemon=True).start()
         asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
         self._subscribers = self._subscribe(parameter('~map_topic', '/fleet/map'))
-        shown = 'localhost' if is_loopback(host) else host
-        rospy.loginfo('The fleet is shown at %s://%s:%d', access.addresses.scheme, shown, port)
+        shown = 'localhost' if is_loopback(settings.listen) else settings.listen
+        rospy.loginfo('The fleet is shown at %s://%s:%d', 'https' if settings.is_secure else 'http',
+                      shown, settings.port)
 
     def close(self) -> None:
         """Ends all connections."""
-        if self._runner is not None:
-            asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop)
+        self._is_ending.set()
+        self._door.close()
+        asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop)
+        shutil.rmtree(self._sockets, ignore_errors=True)
+
+    def _end_with_door(self) -> None:
+        """Ends this process with the door, so that roslaunch or systemd starts both again."""
+        self._door.wait()
+        if not self._is_ending.is_set():
+            rospy.logfatal('The door of the page has ended: the page ends too.')
+            os._exit(1)
 
     def _work(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -163,7 +176,7 @@ class FleetPageNode:
             listen('/edge_command', EdgeCommand, self._on_edges, 1000),
             listen('/mission_status', MissionStatus, self._on_status, 1000),
             listen('/plan_answer', PlanAnswer, self._on_answer, 10),
-            listen(map_topic, OccupancyGrid, self._on_map)]
+            listen(map_topic, numpy_msg(OccupancyGrid), self._on_map)]
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._loop.call_soon_threadsafe(self._use_graph, graph)
@@ -228,30 +241,23 @@ class FleetPageNode:
             self._page.planner.add(message.planning_time)
 
 
-def _access(host: str) -> Any:
-    """The roles and the certificates; raises ConfigurationError."""
-    token_file = parameter('~token_file', '')
-    if not token_file and not is_loopback(host):
+def _door_settings(worker: str) -> DoorSettings:
+    """The settings of the door; raises ConfigurationError."""
+    settings = DoorSettings(
+        parameter('~listen', '127.0.0.1'), parameter('~port', 8080, int), worker,
+        os.path.join(rospkg.RosPack().get_path('fleet_page'), 'page'),
+        tuple(name.strip() for name in parameter('~names', '').split(',') if name.strip()),
+        parameter('~token_file', ''), parameter('~certificate', ''), parameter('~key', ''))
+    if is_loopback(settings.listen):
+        return settings
+    if not settings.token_file:
         raise ConfigurationError(
-            f'Parameter ~listen is {host}, so other computers can reach the page: set ~token_file '
-            'to a file with lines ROLE NAME TOKEN.')
-    try:
-        tokens = load_tokens(token_file) if token_file else None
-    except TokenFileError as error:
-        raise ConfigurationError(str(error)) from None
-    certificate, key = parameter('~certificate', ''), parameter('~key', '')
-    certificates: Optional[ssl.SSLContext] = None
-    if certificate or key:
-        try:
-            certificates = certificates_of(certificate, key)
-        except WrongCertificate as wrong:
-            raise ConfigurationError(str(wrong)) from None
-    elif not is_loopback(host):
+            f'Parameter ~listen is {settings.listen}, so other computers can reach the page: set '
+            '~token_file to a file with lines ROLE NAME TOKEN.')
+    if not settings.is_secure:
         rospy.logwarn('The page is served without TLS: other computers on the network can read its '
                       'tokens. Set ~certificate and ~key.')
-    names = [name.strip() for name in parameter('~names', '').split(',') if name.strip()]
-    secure = certificates is not None
-    return Access(Addresses.of(host, names, secure), tokens, secure), certificates
+    return settings
 
 
 def _folder() -> str:
@@ -270,5 +276,6 @@ def _journal() -> str:
 
 
 def main() -> None:
-    """Runs the node."""
-    run('fleet_page', FleetPageNode)
+    """Runs the node and its door."""
+    door = DoorProcess(stop_fleet, forget_node_arguments)
+    run('fleet_page', lambda: FleetPageNode(door))

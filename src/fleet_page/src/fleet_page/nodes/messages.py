@@ -99,10 +99,9 @@ def request_of(message: msg.MissionRequest) -> MissionRequest:
 
 
 def walls_of(message: Any) -> WallMap:
-    """The walls of a nav_msgs/OccupancyGrid; raises WrongMap."""
+    """The walls of a nav_msgs/OccupancyGrid, whose cells are an array; raises WrongMap."""
     info = message.info
-    cells = bytes(value & 0xff for value in message.data)
-    return wall_map(cells, info.width, info.height, info.resolution,
+    return wall_map(message.data, info.width, info.height, info.resolution,
                     info.origin.position.x, info.origin.position.y)
 
 

@@ -7,6 +7,8 @@ import socketserver
 import threading
 from typing import Callable, Mapping
 
+from browser_guard import is_http_request
+
 LONGEST_LINE = 1000  # bytes
 QUIET = 60.0         # s without a line after which the connection is closed
 
@@ -48,10 +50,12 @@ class _Conversation(socketserver.StreamRequestHandler):
         waiting = selectors.DefaultSelector()  # the watchdog does not take this wait for a hang
         waiting.register(self.connection, selectors.EVENT_READ)
         try:
+            is_first = True
             while waiting.select(QUIET):
                 line = self.rfile.readline(LONGEST_LINE)
-                if not line.endswith(b'\n'):
+                if not line.endswith(b'\n') or (is_first and is_http_request(line)):
                     return
+                is_first = False
                 words = line.decode('utf-8', 'replace').strip()
                 self.wfile.write(self.server.answer(words).encode() + b'\n')
         except OSError:

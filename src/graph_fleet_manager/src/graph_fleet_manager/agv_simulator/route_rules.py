@@ -9,6 +9,7 @@ from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
 from trajectory_graph import TrajectoryGraphError, check_route
+from trajectory_graph.id_lists import listed
 
 
 def check_order(order: RouteOrder, drive: Drive) -> None:
@@ -36,7 +37,7 @@ def check_change(state: VehicleState, order: RouteOrder) -> None:
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(Reason(
             ReasonCode.WRONG_CHANGE, f'route {order.route_id} must go on with the edges done and '
-                                     f'the current one, {list(kept)}'))
+                                     f'the current one: {listed(kept)}'))
 
 
 def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:

@@ -47,6 +47,7 @@ from itrci_nav_msgs.msg import (
     MissionStatus,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_program.inert_text import cell
 from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
 
@@ -292,7 +293,7 @@ def _history(arguments: List[str]) -> int:
         if options.csv:
             writer = csv.writer(sys.stdout, lineterminator='\n')
             writer.writerow(HISTORY_COLUMNS)
-            writer.writerows(rows)
+            writer.writerows(map(cell, row) for row in rows)
         else:
             shown = (0, 1, 4, 5, 7, 11, 12, 13)
             print(table([[HISTORY_COLUMNS[k] for k in shown],

@@ -6,6 +6,7 @@ import time
 from typing import Any, List, Optional, TextIO, Tuple
 
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionStatus
+from node_program.inert_text import return_to_line_begin
 from trajectory_graph import Graph
 
 EVERY = 5.0  # s between two lines if the output is no terminal and nothing changes
@@ -73,7 +74,8 @@ class ProgressLine:
         seconds = int(time.monotonic() - self._begun)
         line = f'{seconds // 60}:{seconds % 60:02d}  {text}'
         if self._stream.isatty():
-            print('\r' + line.ljust(self._width), end='', file=self._stream, flush=True)
+            return_to_line_begin(self._stream)
+            print(line.ljust(self._width), end='', file=self._stream, flush=True)
             self._width = len(line)
         elif self._shown[0] != about or seconds - self._shown[1] >= EVERY:
             self._shown = (about, seconds)

@@ -11,6 +11,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from graph_fleet_manager.messages.graphs import WrongCommand, closed_edges_message, edge_operation
 from graph_fleet_manager.site.closures import Closures, EdgeAction, OutOfDate, Repeated
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
+from trajectory_graph.id_lists import listed
 
 _COMMANDS_KEPT = 1000  # commands queued for one connection: none may be lost
 _NAME = 100            # characters of the name of a person or program, in the log
@@ -118,4 +119,4 @@ def _log_full(error: OSError) -> None:
 
 
 def _listed(edges: FrozenSet[int]) -> str:
-    return ', '.join(map(str, sorted(edges))) or 'none'
+    return listed(sorted(edges)) or 'none'

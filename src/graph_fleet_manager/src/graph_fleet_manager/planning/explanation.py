@@ -13,6 +13,7 @@ import numpy as np
 from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
+from trajectory_graph.id_lists import listed
 
 # s: the cost of a robot that stands in the way, so that nearly each detour is preferred
 _BESIDE_ONE = 1e6
@@ -24,7 +25,7 @@ def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
     for destination in agent.errand.destinations:
         path = network.paths_to(agent.kind, (destination,))[0]
         if seconds_to(path) == inf:
-            closed = ', '.join(map(str, sorted(network.closed)))
+            closed = listed(sorted(network.closed))
             because = (f' while edges {closed} are closed' if closed else
                        '; no edges lead there that it may drive')
             return (f'vertex {network.vertex_ids[destination]} cannot be reached from '

@@ -7,6 +7,7 @@ from typing import FrozenSet, Iterable, List, NamedTuple
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.site.survey import Survey
 from trajectory_graph import Graph
+from trajectory_graph.id_lists import listed
 
 _NAMED = 5  # most objects of a kind that are named; the others are counted
 
@@ -112,9 +113,7 @@ def _named(one: str, many: str, ids: Iterable[int]) -> str:
     ids = list(ids)
     if len(ids) == 1:
         return f'{one} {ids[0]}'
-    named = ', '.join(map(str, ids[:_NAMED]))
-    more = f' and {len(ids) - _NAMED} more' if len(ids) > _NAMED else ''
-    return f'{many} {named}{more}'
+    return f'{many} {listed(ids, _NAMED)}'
 
 
 def _part(vertices: FrozenSet[int]) -> str:
@@ -126,4 +125,4 @@ def _robots(count: int) -> str:
 
 
 def _all_of(ids: List[int]) -> str:
-    return f'vertices {", ".join(map(str, ids))}' if ids else 'none'
+    return f'vertices {listed(ids)}' if ids else 'none'

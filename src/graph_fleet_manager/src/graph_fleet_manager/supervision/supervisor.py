@@ -59,6 +59,7 @@ from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from route_protocol.messages import WrongReport
 from route_protocol.values import EpochCause, Reason
 from trajectory_graph import Graph
+from trajectory_graph.id_lists import listed
 
 
 class Supervisor:
@@ -197,7 +198,7 @@ class Supervisor:
         mission = self.book.add(request, acceptance)
         if mission is not None and request.requested_by:
             self._out.note(f'{request.requested_by} requests mission {request.id} to '
-                           f'{", ".join(map(str, request.destinations))}.')
+                           f'{listed(request.destinations)}.')
         if mission is None and before is not None and before.serial not in self.book.changed:
             self._out.put(TellStatus(before.status))
         return mission

@@ -96,6 +96,7 @@ class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
     is_ours -- the bridge itself began the epoch, or an emergency stop
+    obeys_us -- the robot has acknowledged a drive of the bridge
     by_robot -- the robot did something that no command of ours asked for
     goes_on -- the controller was restarted, and knows of no giver that did anything meanwhile
     reason -- why the epoch is a new one, for a person
@@ -112,6 +113,7 @@ class MotionTold:
     by_robot: bool = False
     cause: EpochCause = EpochCause.OTHER_GIVER
     drives: bool = False
+    obeys_us: bool = False
 
 
 class Link(Enum):

@@ -188,6 +188,10 @@ class GoalTracker:
             self._interruption = None
             self._doubt(now)
 
+    def obeyed(self) -> None:
+        """The robot obeys the last drive after all, although another giver came before it."""
+        self._interruption = None
+
     def check_clock(self, now: float) -> None:
         """If no reason for an interruption came in time, another giver caused it."""
         if self._interruption is not None and now - self._interruption[0] > REASON_DELAY:

@@ -29,6 +29,8 @@ class RobotMonitor:
         self._settings = settings
         self.epoch = 0
         """The controller's last known epoch; 0: none is known yet."""
+        self.drives_for_us = False
+        """Whether the present epoch began because the robot obeys a drive of ours."""
         self.overruled: Optional[EpochCause] = None
         """Why orders that were on their way must not be obeyed any more; None: they may be."""
         self._taken_over: Optional[TakenOver] = None
@@ -154,6 +156,9 @@ class RobotMonitor:
         self.stop_duty.owed_by_controller = event.stop_owed
         if event.epoch == self.epoch:
             return
+        self.drives_for_us = event.obeys_us
+        if event.obeys_us:
+            self.tracker.obeyed()
         goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
         if goes_on:
             self.tracker.goes_on(now)

@@ -334,14 +334,23 @@ class RouteFollower:
         return self.route if self.running else None
 
     def _on_event(self, event: p.Event, now: float) -> None:
+        known = self.robot.epoch
         moved, driven = self.robot.update(event, now), self._driven
         if isinstance(event, p.RobotSeen):
             self._motion.seen(event, self.robot.location.last if moved else None, self.running)
         elif isinstance(event, p.MotionTold):
             self._motion.told(event)
+        if self.robot.epoch != known and self._drives_without_route():
+            self.robot.stop(self.robot.epoch)
+            self._note('The robot obeys a drive of a route that has ended, and is stopped.')
         if moved and driven:
             self._note(driven.locate(self._here, now))
         self._go_on(now)
+
+    def _drives_without_route(self) -> bool:
+        """Whether the robot has just begun to obey a drive of ours, but no route needs it."""
+        return (self.robot.drives_for_us and not self.running and self._restored is None
+                and not self.robot.stop_duty.owed)
 
     def _go_on(self, now: float) -> None:
         """Judges the known state, and drives on."""

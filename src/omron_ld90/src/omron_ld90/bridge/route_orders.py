@@ -10,6 +10,7 @@ from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
 from trajectory_graph import Graph, TrajectoryGraphError, change_of, check_route
+from trajectory_graph.id_lists import listed
 
 
 def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
@@ -38,7 +39,7 @@ def check_change(order: RouteOrder, state: VehicleState, route: Optional[RouteRu
     if order.edges[:len(kept)] != kept:
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} must go on with the edges done and the '
-                       f'current one, {list(kept)}')
+                       f'current one: {listed(kept)}')
 
 
 def check_braking(due: DueOrder, state: VehicleState, route: RouteRun, now: float) -> None:

@@ -22,6 +22,7 @@ from route_protocol.values import EpochCause
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
+    ExecuteCommandResult.NONE: Ending.NEVER_SENT,
     ExecuteCommandResult.SUCCEEDED: Ending.SUCCEEDED,
     ExecuteCommandResult.FAILED: Ending.FAILED,
     ExecuteCommandResult.INTERRUPTED: Ending.INTERRUPTED,
@@ -64,7 +65,8 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
                       message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
-                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives)
+                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives,
+                      message.giver == own_name and message.cause == Motion.OTHER_GIVER)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

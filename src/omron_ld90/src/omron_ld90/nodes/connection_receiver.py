@@ -5,7 +5,7 @@ Topics out, each line byte for byte (std_msgs/String):
   status/location, status/localization_score, status/temperature
   laser_points: `RangeDeviceGetCurrent: <device> x y ...`, of every device
 Topics out, typed, in SI units, stamped when received (lines that waited while this node was
-suspended are not published):
+suspended, or while the network stalled, are not published):
   robot_status (omron_ld90_msgs/RobotStatus), battery_state (sensor_msgs/BatteryState)
   laser_cloud (sensor_msgs/PointCloud2, frame `~map_frame`): scans of `~laser_device`
   laser_cloud/<device>: scans of each other device; laser_cloud/<device>_cumulative
@@ -111,8 +111,8 @@ class ConnectionReceiver:
         reply = line.reply
         if line.late:  # its time of sending is unknown, so it must not be published as new
             self._assembler.drop()
-            warn('late', 'This node was suspended for a while. The lines that the robot sent '
-                 'meanwhile are not published, because their time is unknown.')
+            warn('late', 'This node was suspended, or the network stalled, for a while. The lines '
+                 'that the robot sent meanwhile are not published, because their time is unknown.')
         else:
             self._publish(line, rospy.Time.now())
         if isinstance(reply, DockingStatus):

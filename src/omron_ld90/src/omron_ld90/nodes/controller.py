@@ -62,8 +62,8 @@ from omron_arcl import (
     parse_line,
     printable,
 )
+from omron_arcl.drives import Drives, Motion
 from omron_arcl.guard import Guard
-from omron_arcl.motion_authority import Motion, MotionAuthority
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
@@ -228,11 +228,11 @@ def start() -> Controller:
     namespace = rospy.get_namespace().strip('/').replace('/', '_')
     kept = MotionFile(parameter('~motion_file', f'omron_ld90/{namespace}_motion.json'))
     kept.hold()
-    authority = MotionAuthority(kept.read(), kept.keep)
+    records = Drives(kept.read(), kept.keep)
 
     def make_client(**callbacks: Any) -> Client:
         return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, timeout=silence,
-                      log=log, authority=authority, **callbacks)
+                      log=log, records=records, **callbacks)
 
     return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log,
                       parameter('~stop_on_shutdown', False, bool))

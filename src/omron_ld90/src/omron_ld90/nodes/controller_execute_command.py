@@ -8,7 +8,7 @@ import actionlib
 
 from omron_arcl import Giver, NotConnected, Outcome, Result, printable
 from omron_arcl.command_line import is_stop
-from omron_arcl.motion_authority import Overruled, Unclear
+from omron_arcl.drives import Overruled, Unclear
 from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, NeverSent, Refused
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90_msgs.msg import (

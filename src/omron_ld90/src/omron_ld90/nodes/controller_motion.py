@@ -1,17 +1,17 @@
-"""The topic `motion`, and the file that keeps the motion authority's memory over a restart."""
+"""The topic `motion`, and the file that keeps the records of drives over a restart."""
 from __future__ import annotations
 
 import dataclasses
 import json
 import os
 from contextlib import suppress
-from typing import Optional
+from typing import Any, Dict, Optional
 
 import rospy
 
 from node_lifecycle import warn
+from omron_arcl.drives import Cause, Fate, Kind, Memory, Motion, Record
 from omron_arcl.execution import Giver
-from omron_arcl.motion_authority import Cause, Memory, Motion
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
 
@@ -38,8 +38,8 @@ class MotionFile:
             with open(self._path, encoding='utf-8') as stream:
                 content = json.load(stream)
             memory = Memory(**{
-                **content, 'giver': Giver(*content['giver']), 'cause': Cause(content['cause']),
-                'goals': tuple(content['goals']), 'newer_goals': tuple(content['newer_goals'])})
+                **content, 'cause': Cause(content['cause']),
+                'records': tuple(_record(record) for record in content['records'])})
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as error:
@@ -60,6 +60,8 @@ class MotionFile:
         if not self._path or memory == self._kept:
             return
         content = dataclasses.asdict(memory)
+        for record in content['records']:
+            record.update(kind=record['kind'].value, fate=record['fate'].value)
         try:
             try:
                 replace_json(self._path, content)
@@ -76,6 +78,12 @@ class MotionFile:
     def _warn(self, why: str) -> None:
         warn('motion_file', f'{self._path} cannot be written ({why}): after a restart '
                             'omron_controller would not know the last driver of the robot.')
+
+
+def _record(content: Dict[str, Any]) -> Record:
+    """The record that was stored as `content`; raises ValueError, KeyError or TypeError."""
+    return Record(**{**content, 'kind': Kind(content['kind']), 'fate': Fate(content['fate']),
+                     'giver': Giver(*content['giver']), 'names': tuple(content['names'])})
 
 
 class MotionTopic:

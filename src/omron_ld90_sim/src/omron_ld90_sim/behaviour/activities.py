@@ -17,6 +17,7 @@ RETRY = 2.0                 # s between two attempts to find a path
 PROGRESS = 1000.0           # mm of progress after which the timeout begins again
 ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, within which it is reached
 SETTLE = 0.5                # s between two docking states
+AFTER_UNDOCKING = 0.2       # s between `Undocked`, `Stopping` and `Stopped`
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
                        ChargeState.NOT)
@@ -43,6 +44,18 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
         robot.announce(f'Arrived at {name}')
 
     return Activity(f'Going to {name}', f'Going to {name}', script(), (x, y), goal)
+
+
+def park(robot: Robot, goal: MapObject) -> Activity:
+    """Drives to a goal by the robot's own decision, and stays there."""
+    def script() -> Script:
+        yield from leave_dock(robot)
+        robot.announce('Parking')
+        yield from _reach(robot, goal.name, *_place(goal))
+        robot.status = robot.extended = 'Parked'
+        robot.announce('Parked')
+
+    return Activity('Parking', 'Parking', script())
 
 
 def pass_goal(robot: Robot, goal: MapObject) -> Script:
@@ -196,7 +209,8 @@ def undock(robot: Robot) -> Activity:
             robot.announce(robot.docking.line)
         else:
             yield from leave_dock(robot, _WAVERING_ON_UNDOCK)
-        robot.announce_stopping()
+        yield AFTER_UNDOCKING
+        robot.announce_stopping(at_least=AFTER_UNDOCKING)
 
     return Activity('Undocking', 'Undocking', script())
 

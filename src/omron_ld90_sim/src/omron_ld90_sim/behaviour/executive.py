@@ -33,6 +33,8 @@ class Executive:
 
     def run(self, activity: Activity) -> None:
         """Begins an activity. The base brakes, unless the script sets a course at once."""
+        if self._wait_timer is not None:
+            self._wait_timer.cancel()
         self.brake()
         self.activity = activity
         self._resume()
@@ -82,9 +84,15 @@ class Executive:
     # -- the base ----------------------------------------------------------------------------
 
     def brake(self, deceleration: Optional[float] = None,
-              then: Optional[Callable[[], None]] = None) -> None:
-        """Brings the base to rest, like `Base.brake`, and calls `then` when it stands."""
+              then: Optional[Callable[[], None]] = None, at_least: float = 0.0) -> None:
+        """Brings the base to rest, like `Base.brake`, and calls `then` when it stands.
+
+        at_least -- s that this takes even if the base stands already
+        """
         self._base.brake(deceleration)
+        if self._base.still and then is not None and at_least:
+            self._wait_timer = self._clock.after(at_least, then)
+            return
         if self._base.still and then is not None:
             then()
             return

@@ -55,6 +55,7 @@ class Robot:
         self.failing_goals: Set[str] = set()    # names in lower case
         self.failing_docks = 0                  # number of next drives into a dock that fail
         self.interrupted_words = InterruptedWords.NAME
+        self.stops_to_replace = False           # whether it says `Stopping` to replace a drive
         self.speed_limit: Optional[float] = None    # mm/s, of every drive
         self.last_goal = ''
         self.waiting = ''                       # status text of a running wait task
@@ -145,17 +146,21 @@ class Robot:
 
     def start(self, activity: Activity) -> None:
         """Replaces the activity. The base brakes, unless the new one sets a course at once."""
-        self._interrupt()
+        if self._interrupt() and self.stops_to_replace:
+            self.announce('Stopping')
         self.navigation.speed_limit = self.speed_limit
         self.status, self.extended = activity.status, activity.extended
         self.executive.run(activity)
 
-    def _interrupt(self) -> None:
+    def _interrupt(self) -> bool:
+        """Ends the activity; False if there is none."""
+        interrupted = self.activity is not None
         if self.activity is not None:
             line = self.activity.interrupted(self.interrupted_words)
             self._drop_activity()
             if line is not None:
                 self.announce(line)
+        return interrupted
 
     def _drop_activity(self) -> None:
         self.executive.drop()
@@ -186,8 +191,8 @@ class Robot:
         self._interrupt()
         self.announce_stopping()
 
-    def announce_stopping(self) -> None:
-        """Brakes; announces `Stopping`, and `Stopped` when the robot stands."""
+    def announce_stopping(self, at_least: float = 0.0) -> None:
+        """Brakes; announces `Stopping`, and `Stopped` when the robot stands, after `at_least` s."""
         self.status = self.extended = 'Stopping'
         self.announce('Stopping')
 
@@ -195,7 +200,7 @@ class Robot:
             self._at_rest()
             self.announce('Stopped')
 
-        self.executive.brake(then=stopped)
+        self.executive.brake(then=stopped, at_least=at_least)
 
     def halt(self) -> None:
         """Ends the activity silently."""

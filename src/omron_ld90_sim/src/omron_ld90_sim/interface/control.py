@@ -7,6 +7,7 @@ import selectors
 import socket
 from typing import Callable, Mapping
 
+from browser_guard import is_http_request
 from omron_ld90_sim.interface.loop import Loop
 from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.transport import RECONNECT, PortTaken
@@ -52,8 +53,10 @@ class ControlServer:
             return
         sock.setblocking(False)
         pending = bytearray()
+        is_first = True
 
         def ready(mask: int) -> None:
+            nonlocal is_first
             try:
                 data = sock.recv(4096)
             except BlockingIOError:
@@ -65,6 +68,9 @@ class ControlServer:
                 while b'\n' in pending:
                     line, _, rest = bytes(pending).partition(b'\n')
                     pending[:] = rest
+                    if is_first and is_http_request(line):
+                        raise ConnectionAbortedError('a web browser has connected')
+                    is_first = False
                     sock.send(self._answer(line))
             except OSError:
                 data = b''

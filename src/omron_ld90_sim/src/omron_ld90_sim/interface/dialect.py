@@ -57,6 +57,9 @@ class Dialect:
     missing: Set[str] = field(default_factory=set)      # commands that are unknown
     encoding: Encoding = Encoding.RAW
     quoted_goals: bool = False
+    names_unknown: bool = True      # `Unknown command` names the command
+    volts: bool = False             # the status has the battery's voltage, as in the manual
+    extended: bool = True           # `status` begins with ExtendedStatusForHumans
 
 
 def _prompt(dialect: Dialect, robot: Robot, text: str) -> None:
@@ -91,8 +94,25 @@ def _interrupted(dialect: Dialect, robot: Robot, text: str) -> None:
     robot.interrupted_words = InterruptedWords(text)
 
 
+def _replacing(dialect: Dialect, robot: Robot, text: str) -> None:
+    robot.stops_to_replace = {'silent': False, 'stopping': True}[text]
+
+
+def _unknown(dialect: Dialect, robot: Robot, text: str) -> None:
+    dialect.names_unknown = {'bare': False, 'named': True}[text]
+
+
+def _battery(dialect: Dialect, robot: Robot, text: str) -> None:
+    dialect.volts = {'percent': False, 'volts': True}[text]
+
+
+def _status(dialect: Dialect, robot: Robot, text: str) -> None:
+    dialect.extended = {'older': False, 'newer': True}[text]
+
+
 # the settings that can be switched; a wrong value raises ValueError or KeyError
 SWITCHES: Dict[str, Callable[[Dialect, Robot, str], None]] = {
     'prompt': _prompt, 'welcome': _welcome, 'help': _help, 'unlisted': _unlisted,
     'missing': _missing, 'encoding': _encoding, 'goals': _goals, 'interrupted': _interrupted,
+    'replacing': _replacing, 'unknown': _unknown, 'battery': _battery, 'status': _status,
 }

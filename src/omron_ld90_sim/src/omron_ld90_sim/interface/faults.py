@@ -9,7 +9,9 @@ import inspect
 import sys
 from typing import Callable, Dict, Iterable, Tuple
 
+from omron_ld90_sim.behaviour import activities
 from omron_ld90_sim.behaviour.states import Motors
+from omron_ld90_sim.behaviour.task import find_goal
 from omron_ld90_sim.interface import numbers
 from omron_ld90_sim.interface.configuration_table import DOCKING
 from omron_ld90_sim.interface.dialect import PROMPT, SWITCHES
@@ -165,6 +167,16 @@ class Faults:
         self._server.execute(self._other, ' '.join(command))
         self._other.output.clear()
 
+    def park(self, *goal: str) -> None:
+        """park GOAL
+
+        The robot drives to that goal by itself: `Parking`, then `Parked`.
+        """
+        found = find_goal(self._robot.document, _name(goal))
+        if found is None:
+            raise ValueError('there is no such goal')
+        self._robot.start(activities.park(self._robot, found))
+
     def autodock(self, action: str) -> None:
         """autodock on|off
 
@@ -208,7 +220,8 @@ class Faults:
 
         Changes to the dialect of a less exact robot: prompt TEXT (without a line end),
         welcome [TEXT], help left|names|none|right, unlisted COMMAND..., missing COMMAND...,
-        encoding raw|ascii|latin-1, goals quoted|plain, interrupted name|coordinates|nothing.
+        encoding raw|ascii|latin-1, goals quoted|plain, interrupted name|coordinates|nothing,
+        replacing stopping|silent, unknown bare|named, battery volts|percent, status older|newer.
         """
         SWITCHES[what](self._server.dialect, self._robot, ' '.join(value))
 

@@ -34,7 +34,7 @@ class OutgoingLink:
         interval = settings.number(OUTGOING, 'SendStatusInterval') / 1000.0
         if interval > 0:
             self._every(max(interval, MINIMUM_STATUS_INTERVAL),
-                        lambda: session.send(one_line_status(server.robot)))
+                        lambda: session.send(one_line_status(server.robot, server.dialect)))
         minutes = settings.number(OUTGOING, 'OutgoingSocketTimeoutInMins')
         if minutes >= 0:
             self._limit = max(minutes * 60.0, MINIMUM_TIMEOUT)

@@ -28,6 +28,7 @@ class ArclServer:
     def __init__(self, clock: Clock, robot: Robot, password: str, interpreter: Interpreter,
                  configuration: Optional[Configuration] = None,
                  map_folder: Optional[Path] = None) -> None:
+        self._jobs = 0
         """`interpreter` executes command lines: `commands.execute`.
 
         `map_folder`: folder of the maps that `configAdd Map` may name.
@@ -42,6 +43,7 @@ class ArclServer:
         self.online = True              # False: no listener and no outgoing connection
         self.accepting = True           # False: new connections are refused
         self.outgoing_wanted = True     # False: there is no outgoing connection
+        self.outgoing_asked: Callable[[], None] = lambda: None   # tells its next success
         self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
         self.outgoing_begins: Callable[[Session], object] = lambda session: None
         self.wall_time = time.localtime
@@ -54,6 +56,11 @@ class ArclServer:
     def robot_name(self) -> str:
         """The robot's own name."""
         return self.configuration.text(FLEET, 'Identifier')
+
+    def next_job(self) -> int:
+        """The number of the next job in the robot's own queue."""
+        self._jobs += 1
+        return self._jobs
 
     @property
     def date_time(self) -> str:
@@ -71,6 +78,8 @@ class ArclServer:
         """Begins the outgoing session: it has no login, and gets every broadcast."""
         session = Session(self, 0, outgoing=True)
         self.sessions.append(session)
+        asked, self.outgoing_asked = self.outgoing_asked, lambda: None
+        asked()
         self.outgoing_begins(session)
         return session
 

@@ -153,8 +153,7 @@ def test_an_argument_too_many_is_ignored(extra: str) -> None:
     assert not Rig().client().ask(extra)[0].startswith('CommandError')
 
 
-@pytest.mark.parametrize('command', ['etaRequest', 'queueDropoff x', 'queryFaults', 'follow',
-                                     'payloadQuery', 'payloadSlotCount'])
+@pytest.mark.parametrize('command', ['queryFaults', 'payloadQuery', 'payloadSlotCount'])
 def test_what_the_facts_do_not_know_is_unknown(command: str) -> None:
     assert Rig().client().ask(command) == [f'Unknown command {command.split()[0]}']
 

@@ -5,6 +5,7 @@ import pytest
 from sim_builders import Rig
 from transcripts_driving import UNDOCKED
 
+from omron_ld90_sim.interface.faults import Faults
 from omron_ld90_sim.motion.space import Disc
 
 
@@ -119,3 +120,44 @@ def test_a_cleared_fault_lets_a_docked_robot_stay() -> None:
     client = Rig(start=None).client()
     lines = client.ask('afs jam "Jam" "Too sweet" 1 0', 'afc jam')
     assert 'Stopping' not in lines and lines[-1] == 'ApplicationFaultClear cleared jam'
+
+
+def test_a_queued_drive_tells_its_end_and_an_interrupted_one_does_not() -> None:
+    client = Rig().client()
+    client.send('queueDropoff west 22 y4rt')
+    done = client.until('QueueUpdate: DROPOFF1 y4rt 22 Completed')
+    assert done[-2] == 'Arrived at West'
+    client.ask('queueDropoff "East side"')
+    client.send('stop')
+    assert not [line for line in client.until('Stopped') if 'Completed' in line]
+
+
+def test_undocked_stopping_and_stopped_come_apart_in_time() -> None:
+    rig = Rig()
+    client = rig.client()
+    times = []
+    client.send('undock')
+    for line in ('DockingState: Undocked', 'Stopping', 'Stopped'):
+        client.until(line)
+        times.append(rig.clock.now)
+    assert times[0] < times[1] < times[2]
+
+
+def test_connect_outgoing_tells_its_success_only_when_the_connection_stands() -> None:
+    rig = Rig()
+    client = rig.client()
+    assert client.ask('connectOutgoing 127.0.0.1 7179') == []
+    rig.server.connect_outgoing()
+    assert client.lines() == ['Outgoing connected to 127.0.0.1 7179']
+    rig.server.connect_outgoing()
+    assert client.lines() == []
+
+
+def test_a_robot_that_parks_by_itself_says_so() -> None:
+    rig = Rig()
+    client = rig.client()
+    Faults(rig.server).inject('park West')
+    client.until('Parking')
+    assert client.ask('oneLineStatus')[0].startswith('Status: Parking ')
+    client.until('Parked')
+    assert client.ask('oneLineStatus')[0].startswith('Status: Parked ')

@@ -7,8 +7,11 @@ IMMEDIATE = {
     'queryDockStatus': [['queryDockStatus'], [UNDOCKED]],
     'queryMotors': [['queryMotors'], ['Motors enabled']],
     'enableMotors': [['enableMotors'], ['Motors are enabled']],
-    'go': [['go'], []],
-    'stay': [['stay'], []],
+    **{name: [[name], [f'CommandError: {name}', 'CommandErrorDescription: '
+                       f'{name} is not simulated: no source describes its answer']]
+       for name in ('go', 'stay', 'follow', 'modeLock', 'modeUnlock', 'etaRequest',
+                    'goalDistanceRemaining', 'trackSectors', 'scanStart', 'scanStop',
+                    'scanAddGoal')},
     'queueShowRobotLocal': [['queueShowRobotLocal hello', 'abds door a b', 'qsrl'], [
         'QueueRobot: "robot" Available Available hello', 'EndQueueShowRobot',
         'QueueRobot: "robot" UnAvailable FaultDriving ""', 'EndQueueShowRobot']],
@@ -35,6 +38,13 @@ LASTING = {
     'gotoPoint': [['gotoPoint -2000 500 90'], ['Going to point', 'Arrived at point']],
     'gotoRouteGoal': [['gotoRouteGoal Round west'], ['Going to West', 'Arrived at West']],
     'stop': [['stop'], ['Stopping', 'Stopped']],
+    'queueDropoff': [['queueDropoff west 22 y4rt'], [
+        'queuedropoff attempting to queue goal "West" with priority 22',
+        'queuedropoff goal "West" with priority 22, id DROPOFF1 and job_id y4rt successfully '
+        'queued',
+        '/QueueUpdate: DROPOFF1 y4rt 22 Pending None Goal "West" "robot" .* None None 0/',
+        '/QueueUpdate: DROPOFF1 y4rt 22 InProgress Driving Goal "West" "robot" .* None None 0/',
+        'Going to West', 'Arrived at West']],
     'dock': [['dock'], [
         UNDOCKED, 'DockingState: Docking ForcedState: Unforced ChargeState: Not',
         'DockingState: Docking ForcedState: Unforced ChargeState: Bulk',

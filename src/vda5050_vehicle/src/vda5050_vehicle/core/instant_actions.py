@@ -16,13 +16,16 @@ from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.core.initial_pose import PoseWish
 from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.action_queue import Entry, Scope
+from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS, Entry, Scope
 from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
 
 # These actions stop the vehicle or only report. A late copy of any other action is not executed.
 STOPPING = frozenset({'cancelOrder', 'startPause'})
 HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
                              'clearInstantActions'}
+# A master that sends one of these with a known actionId wants it again: some masters use one id for
+# each kind of action, or begin anew with their ids after a restart.
+DONE_AGAIN = frozenset({'stopPause', 'stateRequest', 'factsheetRequest', 'clearInstantActions'})
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
 
 BUILT_IN: Tuple[ActionSpec, ...] = (
@@ -70,7 +73,7 @@ class InstantActionHandler:
     def receive(self, payload: bytes, now: float) -> None:
         """Processes a message on the topic `instantActions`."""
         context, state = self._context, self._state
-        context.reporter.ask()
+        context.reporter.answer()
         try:
             message: InstantActions = self._inbox.read('instantActions', payload)
         except Refused as refused:
@@ -88,33 +91,55 @@ class InstantActionHandler:
         taken = False
         for action in message.actions:
             known = state.actions.by_id.get(action.action_id)
-            if known is not None and not self._is_meant_again(action, known):
+            if known is not None and self._is_done(action, known, is_copy):
                 continue  # a repeated action is executed once
+            if known is not None and _is_replaceable(action, known):
+                state.actions = state.actions.without_action(action.action_id)
+                known = None
             self._context.note(f'instant action {action.action_id}, {action.action_type}')
             action = self._with_blocking_type(action)
             try:
-                if known is not None:  # this id reports the end of the other action
-                    self._do(replace(action, action_id=''), is_copy, now)
-                    raise WrongAction('actionId', 'another action has this id; this action is '
-                                      'executed, but its state is not reported')
+                if known is not None:
+                    self._do_beside(action, is_copy, now)
                 state.actions = state.actions.with_entries(
                     Entry(self._context.table.as_executed(action), Scope.INSTANT))
                 self._do(action, is_copy, now)
                 taken = True
             except WrongAction as wrong:
                 refused.append((action, wrong))
+                if known is None:  # a master repeats an action that no state shows
+                    self._end(action.action_id, ActionStatus.FAILED, str(wrong))
         if taken:
             state.errors = replace(state.errors, refused_actions=())
         for action, reason in refused:
-            self._fail(action, reason)
+            self._tell_of_refusal(action, reason)
 
-    def _is_meant_again(self, action: Action, known: Entry) -> bool:
-        """Returns whether a stop with a known id is executed again: there is a motion to stop."""
-        state = self._state
-        is_under_way = not known.belongs_to_order and not known.status.has_ended
-        return not is_under_way and (
-            action.action_type == 'cancelOrder' and state.busy and not state.cancelling
-            or action.action_type == 'startPause' and not state.paused)
+    def _is_done(self, action: Action, known: Entry, is_copy: bool) -> bool:
+        """Returns whether an action with a known id is the known action, and not wanted again.
+
+        A stop is wanted again if there is a motion to stop.
+        """
+        state, kind = self._state, action.action_type
+        if known.belongs_to_order or known.action.action_type != kind:
+            return False
+        if kind in STOPPING:
+            is_obeyed = (not state.busy or state.cancelling) if kind == 'cancelOrder' \
+                else state.paused
+            return is_obeyed or not known.status.has_ended
+        return action.parameters == known.action.parameters and (
+            is_copy or not _is_replaceable(action, known))
+
+    def _do_beside(self, action: Action, is_copy: bool, now: float) -> None:
+        """Executes a stop beside the action that has its id; raises WrongAction in all cases.
+
+        The id reports the end of the other action.
+        """
+        if action.action_type not in STOPPING:
+            raise WrongAction('actionId', 'another action has this id, so this action is not '
+                              'executed; send it with a new actionId')
+        self._do(replace(action, action_id=''), is_copy, now)
+        raise WrongAction('actionId', 'another action has this id; this action is executed, but '
+                          'its state is not reported')
 
     def _do(self, action: Action, is_copy: bool, now: float) -> None:
         """Executes an action or queues it; raises WrongAction."""
@@ -123,6 +148,9 @@ class InstantActionHandler:
             handler(action, now)
             return
         spec = self._context.table.check(action, Scope.INSTANT)
+        if self._state.actions.instant_actions_under_way > MAX_INSTANT_ACTIONS:
+            raise WrongAction('actionId', f'{MAX_INSTANT_ACTIONS} instant actions have not ended; '
+                              'wait for the end of one')
         if spec.moves and self._state.busy:
             raise WrongAction('actionType', 'an order is active; cancel it or wait for its end')
         if is_copy and action.action_type not in HARMLESS_AGAIN:
@@ -143,10 +171,7 @@ class InstantActionHandler:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
-    def _fail(self, action: Action, wrong: WrongAction) -> None:
-        """Reports a rejected action as FAILED, because a master repeats an ignored action."""
-        if not self._state.actions[action.action_id].belongs_to_order:
-            self._end(action.action_id, ActionStatus.FAILED, str(wrong))
+    def _tell_of_refusal(self, action: Action, wrong: WrongAction) -> None:
         self._state.errors = self._state.errors.with_refused_action(e.INSTANT_ACTION_ERROR.error(
             f'action {action.action_type}: {wrong}', Reference('topic', 'instantActions'),
             Reference('actionId', action.action_id), Reference('actionParameter', wrong.key)))
@@ -298,3 +323,9 @@ class InstantActionHandler:
                 self._runner.fail(entry.action.action_id, 'the adapter was restarted and does not '
                                                           'repeat the action by itself')
         self._state.wish = None
+
+
+def _is_replaceable(action: Action, known: Entry) -> bool:
+    """Returns whether the action takes the place of an ended one that has its id."""
+    return (action.action_type in DONE_AGAIN and not known.belongs_to_order
+            and known.status.has_ended)

@@ -30,7 +30,7 @@ class OrderDesk:
     def receive(self, payload: bytes) -> None:
         """Processes a message on the topic `order`."""
         context, state = self._context, self._state
-        context.reporter.ask()
+        context.reporter.answer()
         try:
             order: Order = self._inbox.read('order', payload)
         except Refused as refused:
@@ -47,6 +47,7 @@ class OrderDesk:
         """Accepts the order and returns None, or returns the reason of the rejection."""
         context, state = self._context, self._state
         try:
+            self._check_first(order)
             verdict = judge(self._held(), order, self._is_near(order), context.codec.is_3)
             if isinstance(verdict, Rejection):
                 return verdict
@@ -55,6 +56,7 @@ class OrderDesk:
             if payload in state.received:
                 raise NotDrivable(e.ORDER_ERROR, 'this message is a copy, and its order is not '
                                   'driven again; send the order with a new header', 'headerId')
+            self._check_length(order, verdict)
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
             begins_at = context.robot.pose if verdict is Acceptance.NEW else None
@@ -63,7 +65,8 @@ class OrderDesk:
             legs = context.driver.plan(order.nodes, order.edges, begins_at)
         except NotDrivable as problem:
             return Rejection(problem.kind.error(
-                str(problem), *e.order_references(order), Reference('field', problem.field)))
+                str(problem), *e.order_references(order),
+                Reference('field', context.codec.path('order', problem.field) or problem.field)))
         except WrongAction as wrong:
             return Rejection(e.ORDER_ACTION.error(
                 str(wrong), *e.order_references(order), Reference('field', wrong.key)))
@@ -79,6 +82,24 @@ class OrderDesk:
         kept = len(state.order.edges) - len(legs)
         state.legs = state.legs[:kept] + legs
         return None
+
+    def _check_first(self, order: Order) -> None:
+        """Raises NotDrivable if a new order does not begin with sequenceId 0: 3.0.0, 6.1.1."""
+        first = order.nodes[0].sequence_id
+        if self._context.codec.is_3 and first and order.order_id != self._state.order.order_id:
+            raise NotDrivable(e.ORDER_ERROR, 'the first node of a new order has sequenceId 0, not '
+                              f'{first}', 'nodes[0].sequenceId')
+
+    def _check_length(self, order: Order, verdict: Acceptance) -> None:
+        """Raises NotDrivable if the base becomes longer than the robot's longest drive."""
+        longest, before = self._context.driver.longest, self._state.order
+        driven = 0 if verdict is Acceptance.NEW else before.passed + before.base_end
+        length = driven + sum(edge.released for edge in order.edges)
+        if longest is not None and length > longest:
+            raise NotDrivable(
+                e.ORDER_ERROR if verdict is Acceptance.NEW else e.WRONG_UPDATE,
+                f'the base would have {length} edges from its start on, but the vehicle drives at '
+                f'most {longest} in one order; complete the order, then send another one', 'edges')
 
     def _compare(self, order: Order) -> Optional[Rejection]:
         """Returns the rejection of a repeated orderUpdateId; None if the order is ignored.

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Optional, Sequence, Tuple
 
+from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import EdgeState, Reason, ReasonCode
 from trajectory_graph import Graph
 from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
@@ -67,6 +68,8 @@ class RouteDrive(Drive):
 
 class RouteDriver(Driver[RouteDrive]):
     """See the module's docstring. `first_id` is the id of the first route."""
+
+    longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
 
     def __init__(self, memory: Memory, graph: Graph, abilities: Abilities, matching: Matching,
                  first_id: int = 1) -> None:

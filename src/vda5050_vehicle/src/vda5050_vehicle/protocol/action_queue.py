@@ -16,6 +16,8 @@ from vda5050_vehicle.protocol.values import Action, ActionState, ActionStatus
 # The largest number of ended instant actions in the state. They are reported until the next order;
 # in 3.0 until the master clears them.
 MAX_ENDED_INSTANT_ACTIONS = 100
+# The largest number of instant actions that have not ended; more are FAILED at once.
+MAX_INSTANT_ACTIONS = 100
 
 
 class Scope(Enum):
@@ -107,6 +109,11 @@ class ActionQueue:
         """Whether the next ended instant action displaces the oldest ended one."""
         return len(_ended_instant_actions(self)) >= MAX_ENDED_INSTANT_ACTIONS
 
+    @property
+    def instant_actions_under_way(self) -> int:
+        """The number of instant actions that have not ended."""
+        return sum(not entry.belongs_to_order and not entry.status.has_ended for entry in self)
+
     def without_order(self, keep_instant: bool = False) -> ActionQueue:
         """Returns the queue without the actions of the order.
 
@@ -119,6 +126,10 @@ class ActionQueue:
         """Returns the queue without the instant actions that have ended."""
         return self._with_those(
             lambda entry: entry.belongs_to_order or not entry.status.has_ended)
+
+    def without_action(self, action_id: str) -> ActionQueue:
+        """Returns the queue without the action of this id."""
+        return self._with_those(lambda entry: entry.action.action_id != action_id)
 
     def without(self, sequence_ids: Collection[int]) -> ActionQueue:
         """Returns the queue without the actions of these nodes and edges (a replaced horizon)."""

@@ -9,7 +9,7 @@ import threading
 from typing import Callable, Dict, Optional
 
 import actionlib
-from actionlib import ClientGoalHandle, CommState, GoalStatus
+from actionlib import ClientGoalHandle, CommState
 
 from node_lifecycle.lost_goals import GoalWatch, Loss, ServerWatch
 from omron_ld90.nodes.support.call_queue import CallQueue
@@ -116,8 +116,7 @@ def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:
     text = handle.get_goal_status_text()
     if result is None:
         return _lost(f'omron_controller lost the command: {text}')
-    if (result.outcome == ExecuteCommandResult.SUCCEEDED
-            and handle.get_terminal_state() != GoalStatus.SUCCEEDED):
+    if result.outcome == ExecuteCommandResult.NONE:
         return ExecuteCommandResult(outcome=ExecuteCommandResult.CANCELLED,
                                     message=text or 'it was cancelled before')
     return result

@@ -120,6 +120,8 @@ class LinkReporter:
             self._last_reported = link
             if link.connected:
                 rospy.loginfo('Link "%s" to %s is up.', self._name, link.peer)
+                if link.reason:
+                    warn('link', f'Link "{self._name}" to {link.peer}: {link.reason}.')
             elif rospy.core.is_shutdown_requested():  # is_shutdown() is still False here
                 rospy.loginfo('Link "%s" to %s is closed, because this node ends.', self._name,
                               link.peer)
@@ -133,7 +135,8 @@ class LinkReporter:
             status.summary(DiagnosticStatus.WARN, 'starting')
             return status
         if link.connected:
-            status.summary(DiagnosticStatus.OK, 'connected')
+            status.summary(DiagnosticStatus.WARN if link.reason else DiagnosticStatus.OK,
+                           link.reason or 'connected')
         else:
             status.summary(DiagnosticStatus.ERROR, f'{link.phase.value}: {link.reason}')
         now = time.monotonic()

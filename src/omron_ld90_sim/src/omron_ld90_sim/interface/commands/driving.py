@@ -58,9 +58,18 @@ def stop(call: Call) -> None:
 
 @command('go', 'Lets the robot go on')
 @command('stay', 'Lets the robot stay')
+@command('follow', 'Lets the robot follow')
+@command('modeLock', 'Locks the mode')
+@command('modeUnlock', 'Unlocks the mode')
+@command('etaRequest', 'Requests the time of arrival')
+@command('goalDistanceRemaining', 'Gets the distance to the goal')
+@command('trackSectors', 'Lists the sectors')
+@command('scanStart', 'Starts a scan')
+@command('scanStop', 'Stops a scan')
+@command('scanAddGoal', 'Adds a goal to a scan')
 def known_by_name(call: Call) -> None:
-    """A command in the help lists of real robots that no source describes. It does and answers
-    nothing."""
+    """A command in the help lists of real robots whose answer no source describes."""
+    raise CommandFailed(f'{call.line.split()[0]} is not simulated: no source describes its answer')
 
 
 @command('dock', 'Sends the robot to the dock')

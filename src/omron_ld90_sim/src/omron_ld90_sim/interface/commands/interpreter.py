@@ -18,7 +18,8 @@ def execute(server: ArclServer, session: Session, line: str) -> None:
     name, rest = [*line.split(None, 1), '', ''][:2]
     row = TABLE.get(name.lower())
     if row is None or row.name.lower() in server.dialect.missing:
-        session.send(f'Unknown command {name}')
+        session.send(f'Unknown command {name}' if server.dialect.names_unknown
+                     else 'Unknown command')
         return
     call = Call(server, session, line, rest)
     if len(call.arguments) < row.required:

@@ -1,10 +1,13 @@
 """The robot's part of queuing: queries of a fleet manager, or of a client in its place."""
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Tuple
 
+from omron_ld90_sim.behaviour import activities
 from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.behaviour.states import DockingState, Motors
+from omron_ld90_sim.behaviour.states import DockingState, Motors, Script
+from omron_ld90_sim.interface.commands.driving import check_drivable, find_goal
 from omron_ld90_sim.interface.commands.table import Call, command
 
 
@@ -22,6 +25,36 @@ def queue_show_robot_local(call: Call) -> None:
 def queue_query_local(call: Call) -> None:
     """Lists the robot's matching jobs; without a fleet manager there are none."""
     call.reply('EndQueueQuery')
+
+
+@command('queueDropoff', 'Queues a drop-off', '<goalName> [priority] [jobId]', 1, 'qd')
+def queue_dropoff(call: Call) -> None:
+    """Drives to a goal as a job of the robot's own queue (ARCL manual I617-E-01 p. 198)."""
+    goal = find_goal(call, call.arguments[0])
+    priority, server = int(call.number(1, 20.0)), call.server
+    check_drivable(call)
+    number = server.next_job()
+    job = call.arguments[2] if len(call.arguments) > 2 else f'JOB{number}'
+    task = f'DROPOFF{number}'
+    queued = server.date_time
+
+    def update(status: str, detail: str) -> None:
+        finished = server.date_time if status == 'Completed' else 'None None'
+        server.broadcast(f'QueueUpdate: {task} {job} {priority} {status} {detail} Goal '
+                         f'"{goal.name}" "{server.robot_name}" {queued} {finished} 0')
+
+    drive = activities.go_to_goal(call.robot, goal)
+
+    def script() -> Script:
+        update('InProgress', 'Driving')
+        yield from drive.script
+        update('Completed', 'None')
+
+    call.reply(f'queuedropoff attempting to queue goal "{goal.name}" with priority {priority}')
+    call.reply(f'queuedropoff goal "{goal.name}" with priority {priority}, id {task} and job_id '
+               f'{job} successfully queued')
+    update('Pending', 'None')
+    call.robot.start(replace(drive, script=script()))
 
 
 def _echo(call: Call, index: int) -> str:

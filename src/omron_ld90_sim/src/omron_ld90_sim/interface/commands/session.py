@@ -41,14 +41,14 @@ def send_text(call: Call) -> None:
 @command('connectOutgoing', '(re)connects a socket to the given outside server',
          '<hostname> <port>', 2)
 def connect_outgoing(call: Call) -> None:
-    """Moves the outgoing connection to another address."""
+    """Moves the outgoing connection to another address; answers when it stands."""
     host, port = call.arguments[0], call.arguments[1]
     if not port.isdigit() or not 0 < int(port) < 65536:
         raise CommandFailed(f"Bad port '{port}'")
     settings = call.server.configuration
     settings.set(OUTGOING, 'OutgoingHostname', host)
     settings.set(OUTGOING, 'OutgoingPort', port)
-    call.reply(f'Outgoing connected to {host} {port}')
+    call.server.outgoing_asked = lambda: call.reply(f'Outgoing connected to {host} {port}')
     for session in list(call.server.sessions):
         if session.outgoing:
             session.close()

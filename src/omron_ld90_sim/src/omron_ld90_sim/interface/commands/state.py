@@ -5,9 +5,11 @@ from typing import Callable, Dict, List
 
 from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.interface.dialect import Dialect
 
 LASER = 'Laser_1'
 TEMPERATURE = 36        # deg C
+EMPTY, FULL = 22.0, 28.0    # V, of an empty and of a full battery
 
 # A robot's own infos: those of I617-E-02 p. 124 and 126, and those that clients of real robots ask
 # for and read numbers from. Infos that are not simulated have plausible constant values.
@@ -39,32 +41,37 @@ def location(robot: Robot) -> str:
     return f'Location: {x} {y} {theta}'
 
 
-def status_lines(robot: Robot) -> List[str]:
+def _battery(robot: Robot, dialect: Dialect) -> str:
+    """The battery's field: percent, or volts as in ARCL manual I617-E-01 p. 240."""
+    percent = robot.docking.percent
+    return (f'BatteryVoltage: {EMPTY + percent * (FULL - EMPTY) / 100.0:.1f}' if dialect.volts
+            else f'StateOfCharge: {percent:.1f}')
+
+
+def status_lines(robot: Robot, dialect: Dialect) -> List[str]:
     """The lines of `status`, in an LD robot's order; `Temperature:` is the last."""
-    charge = robot.docking.percent
-    return [f'ExtendedStatusForHumans: {robot.extended}', f'Status: {robot.status}',
-            f'StateOfCharge: {charge:.1f}', location(robot),
+    extended = [f'ExtendedStatusForHumans: {robot.extended}'] if dialect.extended else []
+    return [*extended, f'Status: {robot.status}', _battery(robot, dialect), location(robot),
             f'LocalizationScore: {robot.localization.score:.6f}', f'Temperature: {TEMPERATURE}']
 
 
-def one_line_status(robot: Robot) -> str:
+def one_line_status(robot: Robot, dialect: Dialect) -> str:
     """The line of `oneLineStatus`."""
-    charge = robot.docking.percent
-    return (f'Status: {robot.status} StateOfCharge: {charge:.1f} {location(robot)} '
+    return (f'Status: {robot.status} {_battery(robot, dialect)} {location(robot)} '
             f'Temperature: {TEMPERATURE}')
 
 
 @command('status', "Gives the operational state of the robot")
 def status(call: Call) -> None:
     """Answers the six status lines."""
-    for line in status_lines(call.robot):
+    for line in status_lines(call.robot, call.server.dialect):
         call.reply(line)
 
 
 @command('oneLineStatus', 'Gives the operational state of the robot in one line')
 def answer_one_line_status(call: Call) -> None:
     """Answers the status in one line."""
-    call.reply(one_line_status(call.robot))
+    call.reply(one_line_status(call.robot, call.server.dialect))
 
 
 @command('odometer', 'Shows the robot trip odometer')

@@ -1,4 +1,4 @@
-"""The motion authority: which giver moves the robot.
+"""The records of drives: which giver moves the robot, and does it obey.
 
 No drive passes a stop or drive that its giver does not know of. A stop is owed until the robot has
 obeyed it.
@@ -6,21 +6,21 @@ obeyed it.
 from __future__ import annotations
 
 from itertools import count
-from typing import Any, List, Optional
+from typing import Any, List, Optional, Tuple
 
 import pytest
-from arcl_builders import Conversation
+from arcl_builders import Conversation, outcome
 
 from omron_arcl import Execution, Giver, Outcome, parse_command
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.motion_authority import (
-    AT_ONCE,
-    LATE,
+from omron_arcl.drives import (
     LOOK,
     RETRY,
+    STOPPINGS,
     Cause,
+    Drives,
+    Fate,
     Memory,
-    MotionAuthority,
     MotionState,
     Overruled,
     Unclear,
@@ -29,6 +29,7 @@ from omron_arcl.motion_authority import (
 
 ROUTE, PERSON, OTHER = Giver('/bridge', 'a'), Giver('/rviz', 'b'), Giver('/adapter', 'c')
 DOCKING = 'DockingState: Docking ForcedState: Unforced ChargeState: Not'
+DOCKED = 'DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
 UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 
 
@@ -39,14 +40,14 @@ class Bench(Conversation):
         super().__init__()
         self.kept: List[Memory] = []
         numbers = count(101)
-        self.authority = MotionAuthority(stored, self.kept.append, lambda: next(numbers))
-        self.dispatcher = Dispatcher(self.authority)
+        self.records = Drives(stored, self.kept.append, lambda: next(numbers))
+        self.dispatcher = Dispatcher(self.records)
         self.now = 100.0
         self.connect()
 
     @property
     def memory(self) -> Memory:
-        return self.authority.motion.memory
+        return self.records.motion.memory
 
     @property
     def epoch(self) -> int:
@@ -54,7 +55,7 @@ class Bench(Conversation):
 
     @property
     def state(self) -> MotionState:
-        return self.authority.motion.state
+        return self.records.motion.state
 
     def connect(self) -> None:
         self.dispatcher.on_connected(self.now)
@@ -88,23 +89,26 @@ class TestEpochs:
 
     def test_one_lasts_while_one_giver_drives(self, bench):
         bench.drive(ROUTE, 'goto 1')
+        bench.robot('Going to 1')
         epoch = bench.epoch
         bench.drive(ROUTE, 'goto 2', known_epoch=epoch)
+        bench.robot('Going to 2')
         assert (bench.epoch, bench.memory.giver, bench.memory.cause) == (
             epoch, ROUTE, Cause.OTHER_GIVER)
 
     @pytest.mark.parametrize(('does', 'cause'), [
-        (lambda bench: bench.drive(PERSON, 'goto 3'), Cause.OTHER_GIVER),
+        (lambda bench: (bench.drive(PERSON, 'goto 3'), bench.robot('Going to 3')),
+         Cause.OTHER_GIVER),
         (lambda bench: bench.stop(PERSON), Cause.STOP),
         (lambda bench: bench.robot('Stopping'), Cause.OTHER_CLIENT),
         (lambda bench: bench.robot('Going to 9'), Cause.OTHER_CLIENT),
         (lambda bench: bench.robot('EStop pressed'), Cause.EMERGENCY_STOP),
-        (lambda bench: bench.status('Teleop driving', 2 * AT_ONCE), Cause.OTHER_CLIENT)])
+        (lambda bench: bench.status('Teleop driving', 2.0), Cause.OTHER_CLIENT)])
     def test_another_begins_with_what_others_do_and_the_driver_does_not_pass_it(
             self, bench, does, cause):
         bench.drive(ROUTE)
         bench.robot('Going to 12')
-        bench.pass_time(2 * AT_ONCE)
+        bench.pass_time(2.0)
         known = bench.epoch
         does(bench)
         # if there is only a status, it must last for some time
@@ -126,6 +130,7 @@ class TestEpochs:
     def test_a_giver_that_was_restarted_is_another_one(self, bench):
         known = bench.epoch
         bench.drive(ROUTE, known_epoch=known)
+        bench.robot('Going to 12')
         with pytest.raises(Overruled):
             bench.drive(Giver(ROUTE.name, 'another process'), known_epoch=known)
 
@@ -149,6 +154,7 @@ class TestEpochs:
     def test_two_programs_that_alternate_are_told_and_decide_again(self, bench):
         known = bench.epoch
         bench.drive(ROUTE, known_epoch=known)
+        bench.robot('Going to 12')
         with pytest.raises(Overruled):
             bench.drive(OTHER, 'goto 3', known_epoch=known)
         bench.drive(OTHER, 'goto 3', known_epoch=bench.epoch)
@@ -163,7 +169,7 @@ class TestEpochs:
             bench.drive(ROUTE, known_epoch=7)
 
     def test_a_start_begins_one_and_names_the_one_before(self):
-        bench = Bench(Memory(55, giver=ROUTE, cause=Cause.STOP))
+        bench = Bench(Memory(55, cause=Cause.STOP))
         assert (bench.memory.cause, bench.memory.previous_epoch) == (Cause.RESTART, 55)
         assert bench.kept[0] == bench.memory, 'the memory must be stored before anything is sent'
 
@@ -171,7 +177,8 @@ class TestEpochs:
         del bench.kept[:]
         bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE)
         assert bench.sent == []
-        assert (bench.kept[-1].giver, bench.kept[-1].goal) == (ROUTE, '12')
+        record = bench.kept[-1].records[-1]
+        assert (record.giver, record.goal, record.fate) == (ROUTE, '12', Fate.GIVEN)
 
     @pytest.mark.parametrize('text', ['getGoals', 'say hello', 'localizeToPoint 0 0 0'])
     def test_what_does_not_move_the_robot_changes_nothing(self, bench, text):
@@ -227,11 +234,10 @@ class TestAnotherClientOfTheRobot:
         bench.drive(ROUTE)
         bench.stop(ROUTE)
         known = bench.epoch
-        bench.robot('Stopping')
-        bench.robot('Stopped')
-        bench.pass_time(LATE / 2)
-        bench.robot('Stopping')
+        bench.robot('Stopping', 'Stopped')
         assert bench.epoch == known
+        bench.robot('Stopping')
+        assert bench.memory.cause is Cause.OTHER_CLIENT, 'one stop gets one `Stopping`'
 
     def test_nor_one_that_stops_for_an_instant_to_replace_a_drive(self, bench):
         bench.drive(ROUTE, 'goto 1')
@@ -263,14 +269,14 @@ class TestAnotherClientOfTheRobot:
         bench.status('DockingState: Docked ForcedState: Unforced ChargeState: Bulk')
         bench.drive(ROUTE, command)
         bench.robot(*lines)
-        bench.pass_time(2 * AT_ONCE)
+        bench.pass_time(2.0)
         known = bench.epoch
         bench.robot('Stopping', 'Stopped')
         assert bench.epoch == known
 
     def test_a_drive_that_may_have_been_on_the_wire_leaves_a_stop_owed(self, bench):
+        bench.status('Stopped')
         bench.drive(ROUTE)
-        bench.pass_time(AT_ONCE / 2)
         bench.robot('Stopping')
         bench.send()
         assert bench.sent == ['goto 12', 'stop']
@@ -289,7 +295,7 @@ class TestAnotherClientOfTheRobot:
     def test_nothing_is_sent_while_it_is_not_known_whether_the_robot_obeys(self, bench):
         bench.drive(ROUTE)
         bench.robot('Going to 12')
-        bench.status('Stopped', 2 * AT_ONCE)
+        bench.status('Stopped', 2.0)
         with pytest.raises(Unclear):
             bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
         bench.status('Going to 12')
@@ -301,7 +307,7 @@ class TestAnotherClientOfTheRobot:
         bench.robot('Arrived at 12')
         known = bench.epoch
         for _ in range(3):
-            bench.status('Going to 9', AT_ONCE)
+            bench.status('Going to 9', 1.0)
         assert bench.epoch != known
         assert bench.memory.cause is Cause.OTHER_CLIENT
 
@@ -318,6 +324,93 @@ class TestAnotherClientOfTheRobot:
         bench.robot(UNDOCKED)
         bench.robot(DOCKING)
         assert bench.memory.cause is Cause.ROBOT
+
+
+class TestAfterAnOutage:
+    """D1: nobody drives on a robot that a person stopped while there was no link."""
+
+    @staticmethod
+    def after(outage: str, text: str = 'goto 12', *said: str) -> Tuple[Bench, int]:
+        """A drive, an outage, and a new connection; and the epoch that the driver knows."""
+        bench = Bench()
+        bench.status('Stopped')
+        bench.drive(ROUTE, text)
+        bench.robot(*said)
+        if outage == 'restart':
+            again = Bench(bench.kept[-1])
+            assert again.memory.previous_epoch == bench.epoch
+            return again, again.epoch
+        bench.lose()
+        bench.pass_time(10.0)
+        bench.connect()
+        return bench, bench.epoch
+
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    @pytest.mark.parametrize('shown', [
+        'Stopped', 'Stopping', 'Arrived at 5', 'Going to 5', 'Teleop driving', DOCKED, 'Parked',
+        'Failed going to 12', 'Robot lost', 'Motors disabled', 'Interrupted: Going to 12',
+        'EStop pressed', 'a text of no known kind'])
+    def test_a_robot_that_does_not_show_our_drive_has_a_new_epoch(self, outage, shown):
+        bench, known = self.after(outage, 'goto 12', 'Going to 12')
+        bench.status(shown)
+        assert bench.epoch != known
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, 'goto 14', known_epoch=known)
+
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    @pytest.mark.parametrize(('text', 'line', 'shown'), [
+        ('goto 12', 'Going to 12', 'Going to 12'), ('goto 12', 'Going to 12', 'Arrived at 12'),
+        ('gotoPoint 1 2', 'Going to point', 'Going to point'), ('dock', DOCKING, DOCKED),
+        ('dock', DOCKING, DOCKING), ('patrolOnce a', 'Patrolling route a once',
+                                     'Finished patrolling route a')])
+    def test_one_that_shows_it_under_way_or_completed_goes_on(self, outage, text, line, shown):
+        bench, known = self.after(outage, text, line)
+        bench.status(shown)
+        assert bench.epoch == known
+        bench.drive(ROUTE, 'goto 14', known_epoch=known)
+
+    def test_the_drive_that_the_robot_shows_is_the_one_under_way(self):
+        bench, known = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.status('Going to 12')
+        bench.drive(ROUTE, 'goto 14')
+        bench.lose()
+        bench.connect()
+        bench.status('Going to 12')
+        assert (bench.epoch, bench.memory.goal, bench.memory.giver) == (known, '12', ROUTE)
+
+    @pytest.mark.parametrize('end', ['Arrived at 12', 'Stopped'])
+    def test_the_statuses_show_the_end_of_a_drive_whose_command_was_lost(self, end):
+        bench, known = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.status('Going to 12')
+        for _ in range(3):
+            bench.status(end, 1.0)
+        assert (bench.epoch == known, bench.state) == (end != 'Stopped', MotionState.STANDING)
+
+    def test_one_that_we_stopped_does_not_drive_to_our_goal_because_of_us(self):
+        bench, _ = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.status('Going to 12')
+        bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        bench.lose()
+        bench.connect()
+        known = bench.epoch
+        bench.status('Going to 12')
+        assert (bench.epoch != known, bench.memory.cause) == (True, Cause.OTHER_CLIENT)
+
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    def test_no_program_drives_before_the_robot_has_said_what_it_does(self, outage):
+        bench, known = self.after(outage, 'goto 12', 'Going to 12')
+        with pytest.raises(Unclear):
+            bench.drive(ROUTE, 'goto 14', known_epoch=known)
+
+    @pytest.mark.parametrize('command', ['goto 14', 'stop'])
+    def test_a_command_for_any_epoch_does_not_hide_what_others_did(self, command):
+        bench, known = self.after('lost link', 'goto 12', 'Going to 12')
+        bench.give(command, giver=ROUTE)
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, 'goto 15', known_epoch=known)
+        bench.robot('Stopped' if command == 'stop' else 'Going to 14')
+        assert bench.memory.giver == ROUTE
 
 
 class TestOwedStop:
@@ -398,9 +491,18 @@ class TestOwedStop:
         bench.drive(ROUTE)
         known = bench.epoch
         bench.drive(PERSON, 'goto 3')
+        bench.robot('Going to 3')
         with pytest.raises(Overruled):
             bench.stop(ROUTE, known_epoch=known)
         assert bench.sent == ['goto 12', 'goto 3']
+
+    def test_a_stop_is_sent_while_the_robot_has_not_answered_another_drive(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        known = bench.epoch
+        bench.drive(PERSON, 'goto 3')
+        bench.stop(ROUTE, known_epoch=known)
+        assert bench.sent == ['goto 12', 'goto 3', 'stop']
 
     def test_nor_is_it_owed_where_there_is_no_link(self, bench):
         bench.drive(ROUTE)
@@ -427,7 +529,7 @@ class TestOwedStop:
     def test_a_stop_for_one_that_anything_else_has_ended_is_sent(self, bench, end):
         bench.drive(ROUTE)
         bench.robot('Going to 12')
-        bench.pass_time(2 * AT_ONCE)
+        bench.pass_time(2.0)
         known = bench.epoch
         bench.robot(end)
         bench.stop(ROUTE, known_epoch=known)
@@ -464,7 +566,7 @@ class TestOwedStop:
         bench.robot('Going to 12')
         bench.stop(ROUTE)
         bench.drive(PERSON, 'goto 13')
-        bench.authority.take_word(PERSON, bench.now)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Stopping')
         bench.robot('Stopped')
         assert bench.memory.stop_owed, 'the robot has not received that drive yet'
@@ -479,14 +581,14 @@ class TestOwedStop:
         bench.stop(ROUTE)
         bench.robot('Stopping', 'Stopped')
         bench.drive(PERSON, 'goto 4')
-        bench.authority.take_word(PERSON, bench.now)
+        bench.records.all_cancelled(PERSON)
         bench.pass_time(0.0)
         assert bench.sent == ['stop', 'goto 4', 'stop']
 
     def test_a_cancelled_drive_is_stopped_although_another_clients_drive_is_heard_first(
             self, bench):
         bench.drive(PERSON, 'goto 4')
-        bench.authority.take_word(PERSON, bench.now)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Going to 3')  # sent before `goto 4` reached the robot
         assert bench.memory.cause is Cause.OTHER_CLIENT
         assert bench.sent == ['goto 4', 'stop'], 'otherwise the robot would drive on to 4'
@@ -494,7 +596,7 @@ class TestOwedStop:
     def test_a_drive_on_its_way_is_stopped_that_an_emergency_stop_seems_to_have_ended(self, bench):
         bench.drive(PERSON, 'goto 4')
         bench.robot('EStop pressed')  # sent before `goto 4` reached the robot
-        bench.authority.take_word(PERSON, bench.now)
+        bench.records.all_cancelled(PERSON)
         bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'Going to 4')
         assert bench.sent == ['goto 4', 'stop']
 
@@ -503,7 +605,7 @@ class TestOwedStop:
         bench.stop(PERSON)
         bench.drive(PERSON, 'goto 4')
         bench.robot('Going to 3', 'Stopping')
-        bench.authority.take_word(PERSON, bench.now)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Going to 4')
         bench.pass_time(RETRY)
         assert bench.sent[:2] == ['stop', 'goto 4']
@@ -512,13 +614,285 @@ class TestOwedStop:
     def test_another_clients_drive_long_after_ours_ends_the_stop_that_is_owed(self, bench):
         bench.drive(PERSON, 'goto 4')
         bench.robot('Going to 4')
-        bench.authority.take_word(PERSON, bench.now)
+        bench.records.all_cancelled(PERSON)
         bench.robot('Going to 3')
         assert not bench.memory.stop_owed
         assert bench.sent == ['goto 4']
 
 
+class TestTwoGivers:
+    def test_a_refused_command_takes_the_robot_from_nobody(self, bench):
+        """D3: it ended the route, and the robot drove on without an owner."""
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        before = bench.memory
+        typo = bench.drive(PERSON, 'executeMacro Typo')
+        bench.robot('CommandError: executeMacro Typo', "CommandErrorDescription: No macro 'Typo'")
+        assert outcome(typo) is Outcome.REJECTED
+        assert bench.memory == before
+        bench.drive(ROUTE, 'goto 14', known_epoch=before.epoch)
+
+    def test_nobody_passes_a_drive_that_the_robot_has_not_answered(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(PERSON, 'goto 3')
+        with pytest.raises(Unclear):
+            bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
+
+    def test_the_drive_under_way_is_known_after_a_refused_newer_one(self, bench):
+        """D4: a drive without a goal's name then counted as another client's."""
+        bench.drive(ROUTE, 'gotoPoint 1000 0 0')
+        bench.robot('Going to point')
+        known = bench.epoch
+        bench.drive(PERSON, 'executeMacro Typo')
+        bench.robot('CommandError: executeMacro Typo', "CommandErrorDescription: No macro 'Typo'")
+        for _ in range(3):
+            bench.status('Going to point', 1.0)
+        assert (bench.epoch, bench.state, bench.memory.giver) == (
+            known, MotionState.DRIVING, ROUTE)
+
+    def test_the_last_drive_that_the_robot_obeys_names_the_giver(self, bench):
+        """D5: two clients at once; the robot obeys ours last."""
+        bench.drive(ROUTE)
+        bench.robot('Going to 5')
+        assert bench.memory.giver.name == ''
+        bench.robot('Interrupted: Going to 5', 'Going to 12')
+        assert (bench.memory.giver, bench.memory.goal) == (ROUTE, '12')
+
+    def test_a_drive_of_unknown_fate_has_no_named_giver_until_the_robot_shows_it(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.lose()
+        assert bench.memory.giver.name == ''
+        bench.connect()
+        bench.status('Going to 12')
+        assert bench.memory.giver == ROUTE
+
+
+class TestWhoseStopping:
+    """D2: the controller stopped its own drive after a `Stopping` that it had not explained."""
+
+    @staticmethod
+    def obeys(bench: Bench, *lines: str) -> None:
+        drive = bench.drive(ROUTE, 'goto 14')
+        known = bench.epoch
+        bench.robot(*lines, 'Going to 14')
+        assert bench.sent[-1] == 'goto 14', 'the drive was stopped'
+        assert (bench.memory.giver, drive.result) == (ROUTE, None)
+        assert bench.memory.cause is not Cause.OTHER_CLIENT, known
+
+    @pytest.mark.parametrize('before', ['own', 'lost link', 'restart', 'another client'])
+    def test_a_robot_that_replaces_a_drive_may_stop_for_an_instant(self, before):
+        bench = Bench()
+        bench.status('Stopped')
+        if before != 'another client':
+            bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        if before == 'lost link':
+            bench.lose()
+            bench.connect()
+        elif before == 'restart':
+            bench = Bench(bench.kept[-1])
+        bench.status('Going to 12')
+        self.obeys(bench, 'Interrupted: Going to 12', 'Stopping')
+
+    def test_a_stop_after_a_replacing_drive_gets_a_stopping_of_its_own(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(ROUTE, 'goto 14')
+        bench.stop(PERSON)
+        known = bench.epoch
+        bench.robot('Interrupted: Going to 12', 'Stopping', 'Going to 14',
+                    'Interrupted: Going to 14', 'Stopping', 'Stopped')
+        assert (bench.epoch, bench.memory.giver, bench.memory.stop_owed) == (known, PERSON, False)
+
+    @pytest.mark.parametrize('seconds', [0.0, 0.9, 5.0])
+    def test_one_that_has_undocked_stops_once_more(self, bench, seconds):
+        bench.status(DOCKED)
+        bench.drive(ROUTE, 'undock')
+        bench.robot('DockingState: Undocking ForcedState: Unforced ChargeState: Not', UNDOCKED)
+        bench.pass_time(seconds)
+        self.obeys(bench, 'Stopping', 'Stopped')
+
+    def test_one_whose_fault_was_cleared_says_stopping(self, bench):
+        bench.status('Stopped')
+        bench.give('applicationFaultClear f', giver=ROUTE)
+        bench.robot('FaultCleared: Fault_Driving_Application f "s" "l" true false true')
+        self.obeys(bench, 'Stopping', 'ApplicationFaultClear cleared f')
+
+    def test_one_whose_motors_were_enabled_stops(self, bench):
+        bench.status('Stopped')
+        bench.robot('Motors enabled')
+        bench.pass_time(3.0)
+        self.obeys(bench, 'Stopping', 'Stopped')
+
+    def test_a_stop_of_ours_as_the_motors_come_on_gets_a_pair_of_its_own(self, bench):
+        bench.stop(ROUTE)
+        known = bench.epoch
+        bench.robot('Motors enabled', 'Stopping', 'Stopped', 'Stopping', 'Stopped')
+        assert bench.epoch == known
+
+    @pytest.mark.parametrize('before', [
+        [], ['Motors enabled', 'Stopping', 'Stopped'],
+        ['FaultCleared: Fault_Driving_Application f "s" "l" true false true', 'Stopping']])
+    def test_any_other_is_another_clients(self, bench, before):
+        bench.status('Stopped')
+        bench.robot(*before)
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.robot('Stopping')
+        assert bench.memory.cause is Cause.OTHER_CLIENT
+
+    def test_a_stop_of_a_robot_that_only_replaced_a_drive_is_another_clients(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.pass_time(60.0)
+        bench.drive(ROUTE, 'goto 14')
+        bench.robot('Stopping', 'Stopped')
+        assert bench.sent == ['goto 12', 'goto 14', 'stop'], 'the newer drive may still come'
+        assert bench.memory.cause is Cause.OTHER_CLIENT
+
+
+    def test_the_stopped_of_another_client_does_not_end_our_stop(self, bench):
+        """The stop is owed for a drive that the robot obeys only after that."""
+        bench.status('Stopped')
+        bench.drive(ROUTE)
+        bench.robot('Stopping', 'Stopped', 'Going to 12')
+        assert bench.sent == ['goto 12', 'stop']
+        assert bench.memory.stop_owed
+        bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
+        assert not bench.memory.stop_owed
+
+
+FAULT = 'FaultCleared: Fault_Driving_Application f "s" "l" true false true'
+UNDOCKING = 'DockingState: Undocking ForcedState: Unforced ChargeState: Not'
+# For each row of STOPPINGS: the status, our command, the lines, and whether the robot then stops.
+OCCASIONS = {
+    'our stop': ('Stopped', 'stop', []),
+    'undocked': ('Docked', 'undock', [UNDOCKING, UNDOCKED]),
+    'motors enabled': ('Stopped', 'enableMotors', ['Motors enabled']),
+    'cleared fault': ('Stopped', 'applicationFaultClear f', [FAULT]),
+    'attempt to dock': ('Going to 5', 'dock', ['Going to DockLynx', DOCKING]),
+    'replacement': ('Going to 5', 'goto 12', []),
+}
+
+
+class TestEachRowOfTheTable:
+    @staticmethod
+    def is_attributed_to_another_client(row: str) -> bool:
+        bench = Bench()
+        shown, command, said = OCCASIONS[row]
+        bench.status(shown)
+        bench.give(command, giver=ROUTE)
+        bench.robot(*said, 'Stopping')
+        return bench.memory.cause is Cause.OTHER_CLIENT
+
+    def test_each_has_its_occasion(self):
+        assert list(OCCASIONS) == list(STOPPINGS)
+
+    @pytest.mark.parametrize('row', OCCASIONS)
+    def test_it_explains_a_stopping(self, row):
+        assert not self.is_attributed_to_another_client(row)
+
+    @pytest.mark.parametrize('row', OCCASIONS)
+    def test_without_it_the_stopping_counts_as_another_clients(self, row, monkeypatch):
+        monkeypatch.delitem(STOPPINGS, row)
+        assert self.is_attributed_to_another_client(row)
+
+
+    def test_a_drive_between_stops_is_ours_although_an_older_stop_is_answered_late(self, bench):
+        bench.status('Stopped')
+        bench.stop(PERSON)
+        bench.stop(PERSON)
+        bench.drive(PERSON, 'goto 3')
+        bench.stop(PERSON)
+        known = bench.epoch
+        bench.robot('Stopping', 'Stopped', 'Stopping', 'Stopped', 'Going to 3',
+                    'Interrupted: Going to 3', 'Stopping', 'Stopped')
+        assert (bench.epoch, bench.memory.giver) == (known, PERSON)
+
+
+class TestLinesWithoutAName:
+    @pytest.mark.parametrize('line', ['Unknown command', 'SetUpError: start a list first'])
+    def test_one_does_not_end_the_drive_under_way(self, bench, line):
+        """D6: a robot without oneLineStatus lost each goto by the heartbeat."""
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        query = bench.give('arclStat')
+        bench.robot(line)
+        assert (drive.result, query.result is None) == (None, False)
+
+    @pytest.mark.parametrize('line', ['Unknown command', 'SetUpError: start a list first'])
+    def test_nor_one_that_leaves_the_dock(self, bench, line):
+        """D7."""
+        bench.status(DOCKED)
+        drive = bench.drive(ROUTE)
+        bench.robot('DockingState: Undocking ForcedState: Unforced ChargeState: Float')
+        other = bench.give('listAdd say hello')
+        bench.robot(line)
+        assert (drive.result, other.result is None) == (None, False)
+        bench.robot(UNDOCKED, 'Going to 12')
+        assert bench.memory.giver == ROUTE
+
+    def test_one_ends_a_query_rather_than_a_drive_that_the_robot_may_carry_out(self, bench):
+        query = bench.give('arclStat')
+        drive = bench.drive(ROUTE)
+        bench.robot('Unknown command')
+        assert (drive.result, outcome(query)) == (None, Outcome.UNKNOWN_COMMAND)
+        bench.robot('Unknown command')
+        assert outcome(drive) is Outcome.UNKNOWN_COMMAND
+
+
+class TestOtherMotions:
+    @pytest.mark.parametrize('command', [
+        'follow', 'go', 'pauseTaskCancel', 'localizeToPoint 1 2 3', 'localizeAtGoal 1',
+        'doTaskInstant x', 'enableMotors', 'queueDropoff 12', 'applicationBlockDrivingClear x'])
+    def test_whatever_moves_the_robot_does_not_pass_a_stop(self, bench, command):
+        """D14."""
+        known = bench.epoch
+        bench.stop(PERSON)
+        with pytest.raises(Overruled):
+            bench.give(command, giver=ROUTE, known_epoch=known)
+
+    def test_another_clients_drive_during_our_docking_is_told_at_once(self, bench):
+        """D13: after 30 s."""
+        bench.status('Stopped')
+        dock = bench.drive(ROUTE, 'dock')
+        bench.robot(DOCKING)
+        known = bench.epoch
+        bench.robot('Going to 5')
+        assert (bench.epoch != known, outcome(dock)) == (True, Outcome.INTERRUPTED)
+
+    @pytest.mark.parametrize('line', ['Going to DockLynx', 'Going to dock at Dock1'])
+    def test_a_robot_may_drive_to_its_dock_by_name(self, bench, line):
+        dock = bench.drive(ROUTE, 'dock')
+        bench.robot(line, DOCKING, line, DOCKED)
+        assert outcome(dock) is Outcome.SUCCEEDED
+        assert bench.memory.giver == ROUTE
+
+
 class TestState:
+    def test_it_follows_the_lines(self, bench):
+        """D12: it followed the heartbeat, up to 1.5 s later."""
+        bench.status('Stopped')
+        for line, state in (('Going to 9', MotionState.DRIVING), ('Stopping', MotionState.STOPPING),
+                            ('Stopped', MotionState.STANDING), (DOCKING, MotionState.DOCKING),
+                            (DOCKED, MotionState.DOCKED)):
+            bench.robot(line)
+            assert bench.state is state, line
+
+    def test_a_drive_that_another_client_ended_does_not_seem_to_go_on(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12', 'Going to 9', 'Arrived at 9')
+        bench.status('Arrived at 9')
+        assert bench.state is MotionState.STANDING
+
+    def test_an_answer_about_the_dock_does_not_say_that_the_robot_stands(self, bench):
+        bench.robot('Going to 9')
+        bench.give('queryDockStatus')
+        bench.robot(UNDOCKED)
+        assert bench.state is MotionState.DRIVING
+
     def test_it_is_what_the_robot_does(self, bench):
         assert bench.state is MotionState.UNKNOWN, 'no line has come from the robot'
         for shown, state in (('Stopped', MotionState.STANDING),

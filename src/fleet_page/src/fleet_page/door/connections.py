@@ -1,0 +1,295 @@
+"""Listens, and limits connections before their persons are known."""
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import re
+import socket
+import ssl
+import time
+from typing import Any, Callable, Dict, Optional, Set, cast
+
+from fleet_page.core.admissions import Admissions, place_of
+
+HEAD_WITHIN = 5.0       # s for the head of a request, the TLS handshake and the body, each
+IDLE = 60.0             # s for the next request of a connection
+STRANGER_WITHIN = 20.0  # s for the answer to a request without a login
+BACKLOG = 4096          # connections that wait in the kernel until they are accepted
+LONGEST_HEAD = 16384    # bytes
+_AT_ONCE = 256          # connections accepted before those that are open have their turn,
+_ADMITTED_AT_ONCE = 16  # and the most of these that are let in
+_PAUSE = 0.2            # s without accepting, if the operating system gives no connection
+_TLS_HANDSHAKE = b'\x16'  # the type of a record, its first byte; bytes 4 and 5: its length
+_ENCODING = re.compile(rb'\n[ \t]*content-encoding[ \t]*:', re.IGNORECASE)
+_KEPT = 64             # bytes of the text before, in which the name may have begun
+_REFUSED_ENCODING = (
+    b'HTTP/1.1 415 Unsupported Media Type\r\nContent-Type: text/plain\r\nContent-Length: 37\r\n'
+    b'Connection: close\r\n\r\nCompressed requests are not accepted.')
+_LOG = logging.getLogger(__name__)
+
+
+class Connection(asyncio.Protocol):
+    """One connection: passes the bytes to aiohttp's protocol, and ends it if they do not come.
+
+    At first it is a bare socket, until the head of a request (with TLS the first record) is there.
+    So half a request costs little. Later, a head and body that do not come in time end it.
+
+    The header `Content-Encoding` ends it too, before aiohttp expands the content: old versions of
+    aiohttp cannot be told not to. In a JSON body these bytes cannot occur, because a line end in a
+    string is escaped.
+    """
+
+    def __init__(self, listener: Listener, sock: socket.socket, place: str) -> None:
+        self._listener, self._sock, self.place = listener, sock, place
+        self.inner: Any = None
+        self._transport: Optional[asyncio.Transport] = None
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._begun: Optional[asyncio.Future[None]] = None
+        self._is_idle = True  # no byte of the next request has come
+        self._tail = b''
+        self._work: Optional[asyncio.Future[Any]] = None
+
+    # -- a bare socket -----------------------------------------------------------------------------
+
+    def wait_for_head(self) -> None:
+        """Begins as soon as the head is there. Until then its bytes stay with the kernel."""
+        self._end_after(HEAD_WITHIN)
+        self._look(0)
+
+    def _look(self, seen: int) -> None:
+        """Looks at the bytes; `seen`: their number at the last look."""
+        data = _peek(self._sock)
+        if data is None:
+            asyncio.get_event_loop().add_reader(self._sock, self._look, 0)
+        elif self._listener.is_whole(data) and not self._listener.is_foreign(data):
+            self._stop_timer()
+            self._look_no_more()
+            self._begun = asyncio.ensure_future(self._begin())
+        elif len(data) <= seen or len(data) >= LONGEST_HEAD or self._listener.is_foreign(data):
+            self.end()  # the other side has ended it, sends too much, or something else
+        else:
+            # The kernel tells when there are more bytes than these.
+            self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, len(data) + 1)
+            asyncio.get_event_loop().add_reader(self._sock, self._look, len(data))
+
+    def _look_no_more(self) -> None:
+        asyncio.get_event_loop().remove_reader(self._sock)
+        self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
+
+    async def _begin(self) -> None:
+        """Makes the transport: with TLS, this is the handshake."""
+        self._listener.admissions.count(self, self.place)  # others give way before it
+        loop = cast(asyncio.BaseEventLoop, asyncio.get_event_loop())
+        try:
+            await loop.connect_accepted_socket(lambda: self, self._sock, **self._listener.options)
+        except (OSError, asyncio.TimeoutError):  # ssl.SSLError is an OSError
+            self._listener.left(self)
+            self._sock.close()
+
+    # -- the protocol of asyncio -------------------------------------------------------------------
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Waits for the first request."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        self.inner = self._listener.protocol()
+        self._listener.by_protocol[self.inner] = self
+        self._end_after(HEAD_WITHIN)
+        self.inner.connection_made(transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Passes bytes of a request."""
+        text = self._tail + data
+        self._tail = text[-_KEPT:]
+        if _ENCODING.search(text) is not None and self._transport is not None:
+            self._transport.write(_REFUSED_ENCODING)
+            self._transport.close()
+            return
+        if self._is_idle:
+            self._is_idle = False
+            self._end_after(HEAD_WITHIN)
+        self.inner.data_received(data)
+
+    def eof_received(self) -> None:
+        """The other side sends no more: the connection ends."""
+        self.inner.eof_received()
+
+    def connection_lost(self, error: Optional[Exception]) -> None:
+        """The connection has ended."""
+        self._stop_timer()
+        self._listener.by_protocol.pop(self.inner, None)
+        self._listener.left(self)
+        self.inner.connection_lost(error)
+        if self._work is not None:
+            self._work.cancel()
+
+    def pause_writing(self) -> None:
+        """The other side reads slowly."""
+        self.inner.pause_writing()
+
+    def resume_writing(self) -> None:
+        """The other side has read."""
+        self.inner.resume_writing()
+
+    # -- what the door says about it ---------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def serving(self, is_known: bool) -> Any:
+        """Serves one request; `is_known`: of a person, so that it is not displaced meanwhile."""
+        self._is_idle = False
+        if is_known:
+            self._stop_timer()
+            self._listener.admissions.leave(self)
+        else:
+            self._end_after(STRANGER_WITHIN)
+        try:
+            yield
+        finally:
+            self._is_idle, self._tail = True, b''
+            if self._listener.by_protocol.get(self.inner) is self:
+                self._end_after(IDLE)
+                if is_known:
+                    self._listener.admissions.count(self, self.place)
+
+    def work_with(self, work: asyncio.Future[Any]) -> None:
+        """Cancels this work if the connection ends before it."""
+        self._work = work
+
+    def end(self) -> None:
+        """Ends the connection at once, even in its TLS handshake."""
+        if self._transport is not None:
+            self._transport.abort()
+        elif self._begun is not None:
+            with contextlib.suppress(OSError):  # it may have ended by itself
+                self._sock.shutdown(socket.SHUT_RDWR)
+        else:
+            self._stop_timer()
+            self._listener.left(self)
+            asyncio.get_event_loop().remove_reader(self._sock)
+            self._sock.close()
+
+    def _end_after(self, seconds: float) -> None:
+        self._stop_timer()
+        self._timer = asyncio.get_event_loop().call_later(seconds, self.end)
+
+    def _stop_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+
+class Listener:
+    """Accepts connections at one address, within the limits of `Admissions`."""
+
+    def __init__(self, protocol: Callable[[], asyncio.Protocol],
+                 certificates: Optional[ssl.SSLContext]) -> None:
+        self.protocol = protocol
+        self.is_whole: Callable[[bytes], bool] = _is_head if certificates is None else _is_record
+        self.is_foreign: Callable[[bytes], bool] = (
+            _is_never if certificates is None else _cannot_be_record)
+        self.options: Dict[str, Any] = {} if certificates is None else {
+            'ssl': certificates, 'ssl_handshake_timeout': HEAD_WITHIN}
+        self.admissions = Admissions()
+        self.by_protocol: Dict[Any, Connection] = {}
+        self._open: Set[Connection] = set()
+        self._socket: Optional[socket.socket] = None
+
+    def listen(self, host: str, port: int) -> int:
+        """Begins to accept; returns the port. Raises OSError."""
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        self._socket = socket.socket(family, kind, protocol)
+        try:
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            self._socket.bind(address)
+            self._socket.listen(BACKLOG)
+        except OSError:
+            self._socket.close()
+            raise
+        self._socket.setblocking(False)
+        asyncio.get_event_loop().add_reader(self._socket, self._accept)
+        return int(self._socket.getsockname()[1])
+
+    def close(self) -> None:
+        """Accepts no more, and ends all connections."""
+        if self._socket is not None:
+            asyncio.get_event_loop().remove_reader(self._socket)
+            self._socket.close()
+            self._socket = None
+        for connection in tuple(self._open):
+            connection.end()
+
+    def left(self, connection: Connection) -> None:
+        """A connection has ended."""
+        self.admissions.leave(connection)
+        self._open.discard(connection)
+
+    def _accept(self) -> None:
+        admitted = 0
+        for _ in range(_AT_ONCE):
+            if self._socket is None or admitted == _ADMITTED_AT_ONCE:
+                return
+            try:
+                sock, address = self._socket.accept()
+            except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+                return
+            except OSError as error:
+                self._pause(error)
+                return
+            admitted += self._arrived(sock, place_of(address[0]))
+
+    def _arrived(self, sock: socket.socket, place: str) -> bool:
+        """Returns whether the connection was let in."""
+        sock.setblocking(False)
+        if self.admissions.must_bring_request(place, time.monotonic()) and not (
+                self.is_whole(_peek(sock) or b'')):
+            sock.close()
+            return False
+        connection = Connection(self, sock, place)
+        self._open.add(connection)
+        displaced = self.admissions.arrive(connection, place)
+        if isinstance(displaced, Connection):
+            displaced.end()
+        connection.wait_for_head()
+        return True
+
+    def _pause(self, error: OSError) -> None:
+        """Accepts nothing for a moment: the operating system has no room for connections."""
+        _LOG.warning('The page cannot accept a connection (%s).', error)
+        loop, sock = asyncio.get_event_loop(), self._socket
+        if sock is not None:
+            loop.remove_reader(sock)
+            loop.call_later(_PAUSE, self._resume)
+
+    def _resume(self) -> None:
+        if self._socket is not None:
+            asyncio.get_event_loop().add_reader(self._socket, self._accept)
+
+
+def _peek(sock: socket.socket) -> Optional[bytes]:
+    """The bytes that have come, which stay there; None: no byte yet; empty: the end."""
+    try:
+        return sock.recv(LONGEST_HEAD, socket.MSG_PEEK)
+    except (BlockingIOError, InterruptedError):
+        return None
+    except OSError:
+        return b''
+
+
+def _is_head(data: bytes) -> bool:
+    """Whether the head of a request is complete."""
+    return b'\r\n\r\n' in data or b'\n\n' in data
+
+
+def _is_never(_: bytes) -> bool:
+    return False
+
+
+def _is_record(data: bytes) -> bool:
+    """Whether the first record of TLS is complete."""
+    return len(data) >= 5 and len(data) >= 5 + int.from_bytes(data[3:5], 'big')
+
+
+def _cannot_be_record(data: bytes) -> bool:
+    return data[:1] != _TLS_HANDSHAKE

@@ -1,0 +1,38 @@
+"""Carries out stops: one runs, and one waits for all requests that come meanwhile."""
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+from typing import Callable, Optional
+
+from fleet_page.core.acts import Outcome
+
+
+class Stops:
+    """Stops the fleet in a thread of its own.
+
+    A stop that begins after a request serves this request, so any number of requests needs at most
+    two stops: the one that runs, and the next.
+    """
+
+    def __init__(self, stop: Callable[[], Outcome]) -> None:
+        self._stop = stop
+        self._thread = concurrent.futures.ThreadPoolExecutor(1, 'stop')
+        self._running: Optional[asyncio.Future[Outcome]] = None
+        self._next: Optional[asyncio.Future[Outcome]] = None
+
+    async def stop(self) -> Outcome:
+        """Returns the outcome of a stop that began after this call."""
+        if self._next is None:
+            self._next = asyncio.ensure_future(self._after(self._running))
+        return await asyncio.shield(self._next)
+
+    async def _after(self, before: Optional[asyncio.Future[Outcome]]) -> Outcome:
+        if before is not None:
+            await asyncio.wait([before])
+        self._running, self._next = self._next, None
+        return await asyncio.get_event_loop().run_in_executor(self._thread, self._stop)
+
+    def close(self) -> None:
+        """Begins no further stop."""
+        self._thread.shutdown(wait=False)

@@ -1,0 +1,30 @@
+"""The stop of the whole fleet, as the door of the page carries it out."""
+from __future__ import annotations
+
+import sys
+
+import rospy
+
+from fleet_page.core.acts import Outcome
+from graph_fleet_manager.commands.command_line import CommandError
+from graph_fleet_manager.commands.stop import stop
+
+
+def forget_node_arguments() -> None:
+    """Forgets the arguments of the page's node, e.g. its name, in the process of the door.
+
+    A direct stop makes this process a ROS node. With the name of the page, it would end the page.
+    """
+    sys.argv[1:] = [word for word in sys.argv[1:] if word.startswith('__master:=')]
+    rospy.names.reload_mappings(sys.argv)
+
+
+def stop_fleet() -> Outcome:
+    """Stops all robots, even if the fleet manager hangs.
+
+    One stop may run at a time, because a direct stop uses the topics of the robots.
+    """
+    try:
+        return Outcome(True, stop())
+    except CommandError as error:
+        return Outcome(False, str(error))

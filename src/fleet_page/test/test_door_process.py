@@ -1,0 +1,120 @@
+"""The process of the door: it opens, says why it cannot, and ends with the page's process."""
+from __future__ import annotations
+
+import json
+import os
+import resource
+import socket
+import time
+import urllib.request
+
+import pytest
+
+pytest.importorskip('aiohttp')
+
+from page_builders import PAGE_FOLDER, TOKENS, token_file  # noqa: E402
+
+from fleet_page.core.acts import Outcome  # noqa: E402
+from fleet_page.door.process import DoorError, DoorProcess, DoorSettings  # noqa: E402
+
+
+def stop() -> Outcome:
+    return Outcome(True, f'stopped in process {os.getpid()}, whose arguments are none of a node')
+
+
+@pytest.fixture
+def door():
+    process = DoorProcess(stop)
+    yield process
+    process.close()
+    process.wait()
+
+
+def settings(folder, **more) -> DoorSettings:
+    return DoorSettings(**{'listen': '127.0.0.1', 'port': 0, 'worker': str(folder / 'socket'),
+                           'files': str(PAGE_FOLDER), **more})
+
+
+def post(port: int, content) -> dict:
+    url = f'http://127.0.0.1:{port}'
+    request = urllib.request.Request(f'{url}/api/act', json.dumps(content).encode(), {
+        'Origin': url, 'Content-Type': 'application/json'})
+    with urllib.request.urlopen(request, timeout=5.0) as answer:
+        return dict(json.load(answer))
+
+
+def test_the_door_stops_the_fleet_in_its_own_process_without_the_page(tmp_path, door):
+    outcome = post(door.open(settings(tmp_path)), {'act': 'stop'})
+    assert outcome['ok'] and f'process {os.getpid()},' not in outcome['text']
+
+
+def test_the_door_ends_with_the_process_that_opened_it(tmp_path):
+    process = DoorProcess(stop)
+    port = process.open(settings(tmp_path))
+    process.close()
+    process.wait()
+    with pytest.raises(OSError):
+        socket.create_connection(('127.0.0.1', port), 1.0)
+
+
+def test_a_door_that_was_never_opened_ends_too():
+    process = DoorProcess(stop)
+    process.close()
+    process.wait()
+
+
+@pytest.mark.parametrize('more, words', [
+    ({'token_file': '/no/tokens'}, 'The token file /no/tokens cannot be read'),
+    ({'certificate': '/no/certificate'}, 'The certificate .* cannot be used'),
+    ({'listen': '192.0.2.1'}, 'cannot listen at 192.0.2.1, port 0')])
+def test_a_door_that_cannot_open_says_why(tmp_path, door, more, words):
+    with pytest.raises(DoorError, match=words):
+        door.open(settings(tmp_path, **more))
+
+
+def test_a_port_that_another_program_uses_is_told(tmp_path, door):
+    with socket.socket() as other:
+        other.bind(('127.0.0.1', 0))
+        other.listen(1)
+        with pytest.raises(DoorError, match='end the program that uses the port'):
+            door.open(settings(tmp_path, port=other.getsockname()[1]))
+
+
+def test_few_descriptors_are_enough_for_all_connections_that_the_limits_allow(tmp_path):
+    """Floods never take the descriptors of a STOP, even with the smallest usual limit."""
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (1024, 1024))
+        process = DoorProcess(stop)
+        port = process.open(settings(tmp_path, token_file=token_file(tmp_path)))
+        os.write(write, str(port).encode())
+        process.wait()
+        os._exit(0)
+    port = int(os.read(read, 10))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(before[1], 4096), before[1]))
+    flood = []
+    try:
+        for number in range(1500):
+            half = socket.socket()
+            half.bind((f'127.0.3.{1 + number % 100}', 0))
+            half.connect(('127.0.0.1', port))
+            half.sendall(b'POST /api/act HTTP/1.1\r\n')
+            flood.append(half)
+        url = f'http://127.0.0.1:{port}'
+        begun = time.monotonic()
+        request = urllib.request.Request(
+            f'{url}/api/login', json.dumps({'token': TOKENS['operate']}).encode(),
+            {'Origin': url, 'Content-Type': 'application/json'})
+        with urllib.request.urlopen(request, timeout=5.0) as answer:
+            assert answer.status == 200
+        assert time.monotonic() - begun < 2.0
+    finally:
+        for half in flood:
+            half.close()
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+        os.kill(child, 15)
+        os.waitpid(child, 0)
+        os.close(read)
+        os.close(write)

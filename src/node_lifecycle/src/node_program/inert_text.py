@@ -1,0 +1,70 @@
+"""Text of others that does nothing to what shows it: a terminal, a log, or a spreadsheet.
+
+Control characters move the cursor of a terminal, erase lines, change its title, or let it type.
+A cell that begins like a formula is calculated by a spreadsheet.
+"""
+from __future__ import annotations
+
+import io
+import re
+import sys
+from typing import Any
+
+LONGEST_ENTRY = 4000
+"""Characters of one log entry; the rest of a longer one is only counted."""
+
+# C0 and C1 except tab and line feed, and what reorders the letters of a line
+_ACTIVE = re.compile('[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]')
+_FORMULA = ('=', '+', '-', '@', '\uff1d', '\uff0b', '\uff0d', '\uff20')
+_NUMBERS = re.compile(r'[-+]?[\d.][\d.,eE%: -]*\Z')
+
+
+def inert(text: str) -> str:
+    """The text with its control characters escaped, except tabs and line ends."""
+    return _ACTIVE.sub(lambda found: found.group().encode('unicode_escape').decode(), text)
+
+
+def entry(text: str) -> str:
+    """An entry for a log: inert, and at most LONGEST_ENTRY characters."""
+    left_out = len(text) - LONGEST_ENTRY
+    if left_out > 0:
+        text = f'{text[:LONGEST_ENTRY]}... ({left_out} more characters)'
+    return inert(text)
+
+
+def cell(text: str) -> str:
+    """A cell of a CSV file: inert, and no formula. Numbers stay what they are."""
+    text = inert(text)
+    is_formula = text.lstrip().startswith(_FORMULA) and not _NUMBERS.match(text)
+    return f"'{text}" if is_formula else text
+
+
+class InertStream(io.TextIOWrapper):
+    """An output stream that escapes the control characters of all that is printed."""
+
+    def write(self, text: str) -> int:
+        """Writes the text."""
+        return super().write(inert(text))
+
+    def return_to_line_begin(self) -> None:
+        """Lets the next text replace the line of a terminal."""
+        super().write('\r')
+
+
+def return_to_line_begin(stream: Any) -> None:
+    """Lets the next text replace the line of a terminal, on any stream."""
+    if isinstance(stream, InertStream):
+        stream.return_to_line_begin()
+    else:
+        stream.write('\r')
+
+
+def make_output_inert() -> None:
+    """Replaces the standard output streams of this process by inert ones."""
+    for name in ('stdout', 'stderr'):
+        stream = getattr(sys, name)
+        if type(stream) is io.TextIOWrapper:
+            stream.flush()
+            setattr(sys, name, InertStream(
+                stream.buffer, encoding=stream.encoding, errors='backslashreplace',
+                line_buffering=stream.line_buffering, write_through=stream.write_through))
