@@ -549,11 +549,16 @@ class Agv:
         self.arc, self._stayed = arc, None
 
     @property
+    def done(self) -> int:
+        """Number, in its route record, of the edge under way, or of the next one."""
+        return self.knows['first'] + self.current
+
+    @property
     def ahead(self) -> Tuple[int, ...]:
         """The edges that it drives, or on which it rolls on without a route."""
         if self.phase is Phase.RUNNING:
             return self.edges[self.current:]
-        return (self.edge,) if self._rolls else ()
+        return (self.edge, *self._rolls_along) if self._rolls > 0.0 else ()
 
     @property
     def pose(self) -> Pose:

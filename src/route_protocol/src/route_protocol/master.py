@@ -204,7 +204,7 @@ def hear(state: MasterState, said: RouteReport, me: str, next_number: int,
     is_new = said.epoch != state.epoch
     is_older = is_mine and _is_in_gap(state, said)
     shown = next((one for one in state.open if one.number == order), None)
-    _check(state, said, order, is_new, is_older, shown)
+    _check(state, said, order, refused, is_new, is_older, shown)
     failed = is_mine and order > 0 and said.is_failed
     still = tuple(one for one in state.open if (
         (not one.edges or one.epoch == said.epoch)
@@ -259,15 +259,16 @@ def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
         low < said.order or said.refused < high)
 
 
-def _check(state: MasterState, said: RouteReport, order: int, is_new: bool, is_older: bool,
-           shown: Optional[Order]) -> None:
+def _check(state: MasterState, said: RouteReport, order: int, refused: int, is_new: bool,
+           is_older: bool, shown: Optional[Order]) -> None:
     """Raises WrongReport for a report that contradicts what was ordered or reported before."""
-    if is_older or is_new:
-        if order > state.number and not is_older:
-            raise WrongReport(f'it shows order {order}, but the last one was {state.number}')
+    if is_older:
         return
-    if order > state.number:
-        raise WrongReport(f'it shows order {order}, but the last one was {state.number}')
+    newest = max(order, refused)
+    if newest > state.number:
+        raise WrongReport(f'it shows order {newest}, but the last one was {state.number}')
+    if is_new:
+        return
     if order < state.order:
         raise WrongReport(f'it shows order {order} after order {state.order}')
     if state.order and said.done < state.done:
