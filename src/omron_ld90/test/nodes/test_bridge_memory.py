@@ -1,10 +1,11 @@
 """The bridge's record is read unchanged by the next bridge; wrong content is rejected."""
 from __future__ import annotations
 
+import json
 import math
 import threading
 from dataclasses import replace
-from typing import Any, Dict, Iterator, List
+from typing import Any, Iterator, List
 
 import pytest
 import rospy
@@ -50,13 +51,13 @@ class Parameters:
 
     def get(self, name: str, default: Any) -> Any:
         assert name == PARAMETER
-        return default if self.content is None else self.content
+        return default if self.content is None else json.dumps(self.content)
 
-    def set(self, name: str, content: Dict[str, Any]) -> None:
+    def set(self, name: str, content: str) -> None:
         assert name == PARAMETER
         if self.failures:
             raise self.failures.pop()
-        self.content = content
+        self.content = json.loads(content)
         self.written.release()
 
 

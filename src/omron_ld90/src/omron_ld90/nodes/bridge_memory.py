@@ -76,8 +76,9 @@ class RouteMemory:
         person ended that launch, so it died.
         """
         found: List[Tuple[Moment, RouteRecord, bool]] = []
-        for content, outlives in ((rospy.get_param(PARAMETER, None), False), (self._read(), True)):
+        for text, outlives in ((rospy.get_param(PARAMETER, ''), False), (self._read(), True)):
             try:
+                content = json.loads(text)
                 counts = content['launch'] == self._launch or outlives and not content['closed']
                 found.append((Moment.read(content), _record_of(content), counts))
             except (KeyError, TypeError, ValueError):
@@ -136,23 +137,23 @@ class RouteMemory:
     @staticmethod
     def _write_parameter(content: Dict[str, Any]) -> None:
         try:
-            rospy.set_param(PARAMETER, content)
+            rospy.set_param(PARAMETER, json.dumps(content))  # as one text: one parameter
         except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
             rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
                                          'ROS master does not answer (%s).', error)
 
-    def _read(self) -> Any:
-        """The content of the file; None if there is no file or it is not JSON."""
+    def _read(self) -> str:
+        """The content of the file; empty if there is no file, or it is not text."""
         try:
             with open(self._file, encoding='utf-8') as stream:
-                return json.load(stream)
+                return stream.read()
         except (OSError, ValueError):
-            return None
+            return ''
 
 
 def _content_of(record: RouteRecord) -> Dict[str, Any]:
-    """The record as plain values; a parameter carries integers of 32 bits only, so the larger ones
-    are texts.
+    """The record as plain values; large integers are texts, because some readers of JSON round
+    them.
     """
     return {**Moment.now().content(), 'vehicle': _content_of_state(record.vehicle),
             'target': -1 if record.target is None else record.target, 'goal': record.goal,
