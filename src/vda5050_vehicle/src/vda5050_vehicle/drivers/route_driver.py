@@ -198,13 +198,14 @@ class RouteDriver(Driver[RouteDrive]):
 
     def see(self, robot: RobotView, now: float) -> None:
         """See Driver; a stop counts as obeyed when the robot is known to stand after it."""
-        self._epoch, self._pose = robot.epoch, robot.pose
+        self._pose = robot.pose
         at = self.drive_state.stopped_at
         if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
             self._set(stop=None, stopped_at=None, rest_since=at)
 
     def on_report(self, report: RouteReport, now: float) -> None:
         """Evaluates a message of execution_route_states."""
+        self._epoch = report.epoch
         drive = self.drive_state
         if drive.stop is not None and report.route_id == drive.stop:
             at = None if report.reason else drive.stopped_at or now

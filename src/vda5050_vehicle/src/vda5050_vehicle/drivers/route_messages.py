@@ -25,6 +25,7 @@ class RouteReport:
 
     states           -- the states of its edges: `route_protocol.values.EdgeState`
     edge, percentage -- the robot's position on the graph; edge 0: not on the graph
+    epoch            -- what a route must name as known_epoch; 0: unknown
     """
 
     route_id: int
@@ -32,6 +33,7 @@ class RouteReport:
     edge: int
     percentage: float
     reason: Reason = NO_REASON
+    epoch: int = 0
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class RouteLink:
         report = RouteReport(
             message.route_id, tuple(edge.state for edge in message.edge_states),
             message.symbolic_pose.edge_id, message.symbolic_pose.percentage,
-            reason_of(message.reason_code, message.reason))
+            reason_of(message.reason_code, message.reason), message.epoch)
         self._tell(lambda now: self._driver.on_report(report, now))
 
     def _on_refused(self, message: RouteRefused) -> None:
