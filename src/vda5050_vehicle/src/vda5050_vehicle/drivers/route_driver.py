@@ -79,6 +79,7 @@ class RouteDriver(Driver[RouteDrive]):
         self._abilities = abilities
         self._first_id = first_id
         self._epoch = 0  # the robot's present epoch
+        self._route_epoch = 0  # the same, as the reports on routes tell it; 0: they do not
         self._pose: Optional[Pose] = None
 
     # --- planning ---------------------------------------------------------------------------------
@@ -163,7 +164,7 @@ class RouteDriver(Driver[RouteDrive]):
         self._follow(SentRoute(self._new_id(), before + edges, first - len(before)), now)
 
     def _follow(self, route: SentRoute, now: float) -> None:
-        self._set(route=replace(route, epoch=self._epoch), stop=None, stopped_at=None,
+        self._set(route=replace(route, epoch=self._route_epoch or self._epoch), stop=None, stopped_at=None,
                   waiting_since=now)
         self._send(now)
 
@@ -198,14 +199,14 @@ class RouteDriver(Driver[RouteDrive]):
 
     def see(self, robot: RobotView, now: float) -> None:
         """See Driver; a stop counts as obeyed when the robot is known to stand after it."""
-        self._pose = robot.pose
+        self._epoch, self._pose = robot.epoch, robot.pose
         at = self.drive_state.stopped_at
         if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
             self._set(stop=None, stopped_at=None, rest_since=at)
 
     def on_report(self, report: RouteReport, now: float) -> None:
         """Evaluates a message of execution_route_states."""
-        self._epoch = report.epoch
+        self._route_epoch = report.epoch
         drive = self.drive_state
         if drive.stop is not None and report.route_id == drive.stop:
             at = None if report.reason else drive.stopped_at or now
