@@ -100,23 +100,25 @@ def test_what_a_robot_held_on_another_graph_blocks_nobody_for_ever() -> None:
 def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
     """Checks that released edges stay released.
 
-    - A route id belongs to one robot.
-    - Under one id, a route only becomes longer, or shorter if a mission was cancelled or paused.
-    - Only the previous order is sent again as a repeat.
+    - The numbers of the orders to one robot grow, and only the last order is sent again.
+    - In one epoch, the edge with a number in the route record changes only if orders may be
+      refused, or become shorter because a mission was cancelled or paused.
     """
-    owner: Dict[int, str] = {}
     last: Dict[str, SendRoute] = {}
     for order in sent:
-        assert owner.setdefault(order.route_id, order.robot) == order.robot
         before = last.get(order.robot)
-        if order.repeated:
-            assert before is not None
-            assert (before.route_id, before.edges) == (order.route_id, order.edges), order
-        elif before is not None and before.route_id == order.route_id:
-            common = min(len(order.edges), len(before.edges))
-            assert order.edges[:common] == before.edges[:common], (before, order)
-            assert len(order.edges) >= len(before.edges) or may_shorten, (before, order)
         last[order.robot] = order
+        if before is None:
+            assert not order.repeated, order
+        elif order.repeated:
+            assert before.order == order.order, (before, order)
+        else:
+            now, was = order.order, before.order
+            assert now.number > was.number, (before, order)
+            if not may_shorten and now.edges and was.edges and now.epoch == was.epoch:
+                begin = max(now.first, was.first)
+                assert now.end >= was.end and now.steps(begin)[:len(was.steps(begin))] == (
+                    was.steps(begin)), (before, order)
 
 
 def swap(crash_at: int) -> SupervisedFleet:
