@@ -21,6 +21,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 import node_program
 from node_lifecycle import log_file
+from node_lifecycle.clock_watch import watch_clock
 from node_lifecycle.diagnostics import Task, publish_diagnostics
 from node_lifecycle.kept_parameters import KEPT
 from node_lifecycle.master_watch import watch_master
@@ -50,6 +51,7 @@ def run(name: str, start: Callable[[], Any],
     _end_quietly(ending)
     Watchdog((start.__module__.split('.')[0], *libraries))
     watch_master()
+    watch_clock()
     try:
         node = start()
     except ConfigurationError as error:

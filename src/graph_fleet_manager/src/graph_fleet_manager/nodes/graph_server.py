@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -96,15 +97,18 @@ class GraphServer:
         self._is_waiting = self._in_force.must_hear_robots(file)
         if self._is_waiting:
             rospy.logwarn('%s: %s', file, _WAITING)
-            self._first = rospy.Timer(rospy.Duration(_REPORTED_WITHIN), self._load_first,
-                                      oneshot=True)
+            start_worker('first graph', self._load_later)
         else:
             self._load_first()
         self._service = rospy.Service('/reload_graph', Trigger, self._reload)
 
     # -- the graph --------------------------------------------------------------------------------
 
-    def _load_first(self, _: object = None) -> None:
+    def _load_later(self) -> None:
+        time.sleep(_REPORTED_WITHIN)
+        self._load_first()
+
+    def _load_first(self) -> None:
         self._is_waiting = False
         trouble = self._load()
         if trouble:

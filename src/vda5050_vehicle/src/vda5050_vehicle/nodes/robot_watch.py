@@ -22,6 +22,7 @@ from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from node_lifecycle import ConfigurationError
 from node_lifecycle.headings import yaw_from_quaternion
+from node_lifecycle.periodic import Periodic
 from vda5050_vehicle.drivers.robot_view import REST, Pose, RobotView, has_moved, silence
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
@@ -191,7 +192,7 @@ class RobotWatch:
         self._listener = tf2_ros.TransformListener(buffer)
         last = [rospy.Time()]
 
-        def look(_event: rospy.timer.TimerEvent) -> None:
+        def look() -> None:
             try:
                 transform = buffer.lookup_transform(self._frame, base, rospy.Time())
             except (tf2_ros.LookupException, tf2_ros.ConnectivityException,
@@ -203,5 +204,4 @@ class RobotWatch:
                 self._hear_pose(Pose(place.x, place.y,
                                      yaw_from_quaternion(transform.transform.rotation)))
 
-        timer = rospy.Timer(rospy.Duration(TF_PERIOD), look)
-        rospy.on_shutdown(timer.shutdown)
+        Periodic('TF', TF_PERIOD, look)
