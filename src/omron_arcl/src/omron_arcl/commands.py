@@ -54,6 +54,7 @@ class CommandSpec:
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
     needs_standing -- it is not sent while the robot drives
+    adds_job -- each time it is given, the robot gets one more job
     """
 
     syntax: str
@@ -67,6 +68,7 @@ class CommandSpec:
     goal_at: Optional[int] = None
     shortcut: str = ''
     needs_standing: bool = False
+    adds_job: bool = False
 
     @property
     def name(self) -> str:
@@ -77,6 +79,11 @@ class CommandSpec:
     def drives(self) -> bool:
         """Whether the command takes over the wheels."""
         return self.course is not None
+
+    @property
+    def may_repeat(self) -> bool:
+        """Whether the command changes nothing if it is given again while the robot obeys it."""
+        return self.course in (Course.TO_A_PLACE, Course.INTO_THE_DOCK) and not self.adds_job
 
     @property
     def stops(self) -> bool:
