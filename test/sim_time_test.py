@@ -78,8 +78,9 @@ class SimTime(unittest.TestCase):
 
     def test_1_without_a_clock_periodic_work_goes_on_and_every_node_says_what_it_waits_for(self):
         self.go_on('without /clock')
+        others = ('rosout', 'ld90_sim', 'sim_time', 'body_state_publisher')
         nodes = {node for node in rosnode.get_node_names()
-                 if node.rsplit('/', 1)[-1] not in ('rosout', 'ld90_sim', 'sim_time', 'body_state_publisher')}
+                 if node.rsplit('/', 1)[-1] not in others}
         wait_until(lambda: nodes <= self.nodes_with_clock_at(DiagnosticStatus.ERROR), 20.0,
                    f'the message of each of {nodes} that no /clock comes')
 

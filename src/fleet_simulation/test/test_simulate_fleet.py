@@ -124,3 +124,15 @@ def test_an_unreachable_pair_is_told_with_its_line(yard: Graph, files: Files) ->
         site(island, files())
     assert error.value.line == 2
     assert 'no robot can drive from vertex 21 to vertex 25' in error.value.problem
+
+
+def test_no_file_of_the_user_is_overwritten_by_a_report(files: Files, tmp_path: Path,
+                                                        capsys) -> None:
+    (tmp_path / 'mine').mkdir()
+    (tmp_path / 'mine' / 'runs.csv').write_text('my own runs')
+    few = ('--robots=1', '--hours=0.02', '--seeds=1')
+    assert main(arguments(files(SATURATED), tmp_path / 'mine', *few)) == 1
+    assert 'name a new or empty folder' in capsys.readouterr().err
+    assert (tmp_path / 'mine' / 'runs.csv').read_text() == 'my own runs'
+    for _ in range(2):  # a report of before is replaced
+        assert main(arguments(files(SATURATED), tmp_path / 'report', *few)) == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import os
 from html import escape
 from pathlib import Path
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
@@ -24,6 +25,8 @@ from fleet_simulation.statistics import (
 )
 from node_program.inert_text import cell
 
+REPORT = 'report.html'
+_TITLE = 'How many robots does this site need?'
 _WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
           'eleven', 'twelve')
 _TOLD_EDGES = 10
@@ -79,9 +82,20 @@ def write(study: Study, folder: Path) -> Path:
         table = io.StringIO()
         csv.writer(table).writerows([cell(str(one)) for one in row] for row in rows)
         replace_file(folder / name, table.getvalue())
-    path = folder / 'report.html'
+    path = folder / REPORT
     replace_file(path, html(study))
     return path
+
+
+def is_free(folder: Path) -> bool:
+    """Whether reports may be written here: into a new or empty folder, or over an old report."""
+    try:
+        names = os.listdir(folder)
+    except FileNotFoundError:
+        return True
+    if REPORT in names:
+        return _TITLE in (folder / REPORT).read_text(encoding='utf-8', errors='replace')
+    return not names
 
 
 # -- words ----------------------------------------------------------------------------------------
@@ -146,7 +160,7 @@ def html(study: Study) -> str:
     """Returns the whole HTML page."""
     found = sizes(study.runs)
     parts = ['<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
-             f'<title>How many robots does this site need?</title><style>{_STYLE}</style></head>',
+             f'<title>{_TITLE}</title><style>{_STYLE}</style></head>',
              '<body><h1>How many robots does this site need?</h1>',
              f'<p class="words">{escape(in_words(study))}</p>', _warnings(study)]
     if found:

@@ -140,3 +140,15 @@ def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
         ['bash', '-c', f'. {tmp_path}/scripts/common.sh; _newer_than {stamp}'], text=True,
         stdout=subprocess.PIPE, check=True).stdout.split()
     assert newer == ([str(tmp_path / file)] if is_built else [])
+
+
+@pytest.mark.parametrize('name', ['site_fleet.map', 'site_graph.png'])
+def test_new_site_overwrites_no_file_of_the_user(tmp_path, name):
+    shutil.copy(ROOT / 'maps' / 'lab_base.map', tmp_path / 'site.map')
+    (tmp_path / name).write_text('of the user')
+    result = subprocess.run([str(ROOT / 'scripts' / 'new_site.sh'), str(tmp_path / 'site.map'),
+                             '--no-start'], text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, timeout=120, check=False)
+    assert result.returncode == 1
+    assert f'{name} was not made by this script' in result.stdout
+    assert (tmp_path / name).read_text() == 'of the user'

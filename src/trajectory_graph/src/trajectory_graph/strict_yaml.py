@@ -8,7 +8,18 @@ from __future__ import annotations
 import os
 import re
 import stat
-from typing import Callable, Container, Dict, Iterable, List, Optional, Sequence, Tuple, TypeVar, Union
+from typing import (
+    Callable,
+    Container,
+    Dict,
+    Iterable,
+    List,
+    Optional,
+    Sequence,
+    Tuple,
+    TypeVar,
+    Union,
+)
 
 import yaml
 
