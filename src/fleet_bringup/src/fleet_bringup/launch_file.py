@@ -4,6 +4,7 @@ The nodes of one robot are in the launch files of its package, which are include
 """
 from __future__ import annotations
 
+import shlex
 import xml.etree.ElementTree as ET
 from enum import Enum
 from typing import Any, Collection, Dict, Sequence
@@ -21,8 +22,8 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The attributes that make a node a fork of the node host.
-HOSTED = {'launch-prefix': '$(find node_host)/hosted'}
+#: The attributes that make a node a fork of the node host. roslaunch splits the prefix at blanks.
+HOSTED = {'launch-prefix': '"$(find node_host)/hosted"'}
 #: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
     'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
@@ -101,8 +102,8 @@ def _memory(files: Dict[str, str]) -> Dict[str, str]:
 def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
     lists = '' if options.lasers else ' --outgoing-commands 0.5:Status'
     node = _node(root, 'ld90_sim', 'omron_ld90_sim', 'ld90_sim', {})
-    node.set('args', f"--map '{site.map_file}' --robots '{files['robots']}' "
-                     f"--password-file '{files['simulator_password']}' "
+    node.set('args', f"--map {shlex.quote(site.map_file)} --robots {shlex.quote(files['robots'])} "
+                     f"--password-file {shlex.quote(files['simulator_password'])} "
                      f'--speed {options.sim_speed} --control {options.control_port}{lists}')
 
 
@@ -132,7 +133,7 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
           {'fleet_file': files['fleet']}, _hosted(options, RESPAWN))
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
-        node.set('args', f"'{site.map_file}' '{files['rviz']}'")
+        node.set('args', shlex.join((site.map_file, files['rviz'])))
 
 
 def _page(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,

@@ -334,3 +334,33 @@ def test_the_driver_depends_neither_on_simulator_nor_on_adapter():
     assert not depends & {'omron_ld90_sim', 'vda5050_vehicle', 'graph_fleet_manager'}
     for file in (ROOT / 'src' / name / 'CMakeLists.txt' for name in ('omron_ld90', 'ld90_bringup')):
         assert f'/({"|".join(BRINGUP)})[.]launch$' in file.read_text()
+
+
+AWKWARD = "/my robots/l'atelier"
+_PATHS = re.compile(r'\$\((?:find [a-z0-9_]+|arg [a-z_]*(?:_file|_map|_config))\)')
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_a_path_with_a_blank_or_an_apostrophe_stays_one_word(file):
+    """roslaunch splits these attributes as a shell does."""
+    for element in ElementTree.parse(file).iter():
+        lines = [element.get(name, '') for name in ('args', 'launch-prefix')]
+        if element.tag == 'param':
+            lines.append(element.get('command', ''))
+        if element.get('name') == 'hosted_by':
+            lines.append(element.get('default', '') or element.get('value', ''))
+        for line in lines:
+            if line.startswith('$(eval') or '$(arg hosted_by)' in line:
+                continue
+            told = _PATHS.sub(AWKWARD, line)
+            words = [word for word in shlex.split(told) if AWKWARD in word]
+            assert len(words) == len(_PATHS.findall(line)), line
+
+
+def test_the_simulator_gets_any_name_of_a_map(tmp_path):
+    nodes, _ = expand('sim.launch', f'map_file:={AWKWARD}.map', f'base_map:={AWKWARD}_base.map',
+                      f'graph_file:={AWKWARD}.yaml')
+    words = shlex.split(nodes['/omron_ld90/ld90_sim'].args)
+    assert words[words.index('--map') + 1] == f'{AWKWARD}.map'
+    made_from = words.index('--made-from')
+    assert words[made_from + 1:made_from + 3] == [f'{AWKWARD}_base.map', f'{AWKWARD}.yaml']
