@@ -22,8 +22,10 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The attributes that make a node a fork of the node host. roslaunch splits the prefix at blanks.
-HOSTED = {'launch-prefix': '"$(find node_host)/hosted"'}
+#: The program that stands for a fork of the node host. $(find ...) finds it in no quoted text.
+HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
+#: The attributes that make a node such a fork. roslaunch splits the prefix at blanks.
+HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}
 #: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
     'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
@@ -54,6 +56,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: D
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
     parts = [part for part in parts_of(entries, options) if part in parts]
+    ET.SubElement(root, 'arg', HOSTED_BY)
     if options.hosted and parts != [Part.PAGE]:
         _include(root, 'omron_ld90', 'robot_host',
                  {'more_modules': ' '.join(MODULES)} if Part.MANAGER in parts else {})

@@ -140,5 +140,4 @@ def test_paths_with_blanks_and_apostrophes_stay_words_of_the_generated_launch_fi
     assert {'robots.yaml', 'fleet.rviz'} <= told
     prefixes = {node.get('launch-prefix') for node in ET.parse(launch['launch']).iter('node')}
     for prefix in prefixes - {None}:
-        assert shlex.split(prefix.replace('$(find node_host)', str(folder))) == [
-            f'{folder}/hosted']
+        assert shlex.split(prefix.replace('$(arg hosted_by)', str(folder))) == [str(folder)]

@@ -53,6 +53,7 @@ def run(name: str, start: Callable[[], Any],
     watch_master()
     watch_clock()
     try:
+        check_namespace(rospy.get_namespace())
         node = start()
     except ConfigurationError as error:
         rospy.logerr('%s cannot work: %s Correct this and restart the node.', rospy.get_name(),
@@ -79,6 +80,20 @@ def init_node(name: str) -> None:
         if rospy.is_shutdown():
             os._exit(0)  # it ended during its start: rospy's server threads would run for ever
         raise
+
+
+def check_namespace(namespace: str) -> None:
+    """Raises ConfigurationError for a namespace within a namespace.
+
+    A node has relative names, which begin with its namespace, and absolute ones, such as /graph.
+    Other programs find its relative names under one level, for example under the robot's name.
+    """
+    levels = namespace.strip('/').split('/')
+    if len(levels) > 1:
+        raise ConfigurationError(
+            f'its namespace is {namespace.rstrip("/")}, so neither a fleet manager nor the tools '
+            f'of RViz reach /{levels[-1]}: unset ROS_NAMESPACE in the shell that starts the launch '
+            'file, and include the file in no <group ns="...">.')
 
 
 def _wait_for_master() -> None:

@@ -344,17 +344,28 @@ _PATHS = re.compile(r'\$\((?:find [a-z0-9_]+|arg [a-z_]*(?:_file|_map|_config))\
 def test_a_path_with_a_blank_or_an_apostrophe_stays_one_word(file):
     """roslaunch splits these attributes as a shell does."""
     for element in ElementTree.parse(file).iter():
-        lines = [element.get(name, '') for name in ('args', 'launch-prefix')]
+        lines = [element.get('args', '')]
         if element.tag == 'param':
             lines.append(element.get('command', ''))
-        if element.get('name') == 'hosted_by':
-            lines.append(element.get('default', '') or element.get('value', ''))
         for line in lines:
-            if line.startswith('$(eval') or '$(arg hosted_by)' in line:
-                continue
             told = _PATHS.sub(AWKWARD, line)
             words = [word for word in shlex.split(told) if AWKWARD in word]
             assert len(words) == len(_PATHS.findall(line)), line
+
+
+@pytest.mark.parametrize('name', ['robot.launch', 'visualisation.launch', 'fleet_manager.launch'])
+def test_the_program_that_stands_for_a_fork_may_lie_anywhere(name):
+    nodes, _ = expand(name, 'hosted:=true', f'hosted_by:={AWKWARD}/hosted')
+    prefixes = [node.launch_prefix for node in nodes.values() if node.launch_prefix]
+    assert len(prefixes) >= 3
+    assert {tuple(shlex.split(prefix)) for prefix in prefixes} == {(f'{AWKWARD}/hosted',)}
+
+
+def test_the_program_that_stands_for_a_fork_is_found():
+    nodes, _ = expand('robot.launch', 'hosted:=true')
+    program, = {shlex.split(node.launch_prefix)[0] for node in nodes.values()
+                if node.launch_prefix}
+    assert Path(program).is_file()
 
 
 def test_the_simulator_gets_any_name_of_a_map(tmp_path):

@@ -152,3 +152,10 @@ def test_new_site_overwrites_no_file_of_the_user(tmp_path, name):
     assert result.returncode == 1
     assert f'{name} was not made by this script' in result.stdout
     assert (tmp_path / name).read_text() == 'of the user'
+
+
+def test_a_namespace_of_the_shell_is_refused_in_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_NAMESPACE', '/hall')
+    result = run('rviz:=false', folder=tmp_path)
+    assert result.returncode == 1
+    assert 'unset ROS_NAMESPACE' in result.stdout
