@@ -60,6 +60,10 @@ def run(name: str, start: Callable[[], Any],
                      error)
         publish_diagnostics('none', {'configuration': _wrong(str(error))})
         node = misconfigured(str(error))
+    except Exception:
+        if not ending.is_set():
+            raise
+        os._exit(0)  # it was ended during its start, so its topics or its master are gone
     else:
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
@@ -132,9 +136,18 @@ def _end_on_signals() -> None:
 
 
 def _end_quietly(ending: threading.Event) -> None:
-    """Drops errors of callbacks that publish during the end: topics close before is_shutdown()."""
+    """Drops errors of callbacks and threads that use ROS while the node ends.
+
+    Topics close before is_shutdown(), so no thread can know in time that it must not publish.
+    """
     logging.getLogger('rosout').addFilter(
         lambda record: not (ending.is_set() and 'to a closed topic' in record.getMessage()))
+    report = threading.excepthook
+
+    def report_unless_ending(args: Any) -> None:
+        if not (ending.is_set() and isinstance(args.exc_value, rospy.ROSException)):
+            report(args)
+    threading.excepthook = report_unless_ending
 
 
 def _wait_for_end(ending: threading.Event) -> None:
