@@ -58,7 +58,7 @@ convert=(rosrun omron_ld90 omron_ros_map --graph "$graph" --base-map "$map" --ou
 [ -z "$widths" ] || convert+=(--edge-width "$widths")
 do_and_note "${convert[@]}"
 
-run=("$root/scripts/run.sh" "map_file:=$made" "graph_file:=$graph" "dock_vertex:=${dock:-0}" ${launch_args[@]+"${launch_args[@]}"})
+run=("${full_stack[@]}" "map_file:=$made" "graph_file:=$graph" "dock_vertex:=${dock:-0}" ${launch_args[@]+"${launch_args[@]}"})
 commands+=("$(printf '%q ' "${run[@]}")")
 say "The three commands"
 printf '  %s\n' "${commands[@]}"
