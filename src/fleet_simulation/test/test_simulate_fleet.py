@@ -1,4 +1,5 @@
 import csv
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Callable, Dict, List
@@ -136,3 +137,14 @@ def test_no_file_of_the_user_is_overwritten_by_a_report(files: Files, tmp_path: 
     assert (tmp_path / 'mine' / 'runs.csv').read_text() == 'my own runs'
     for _ in range(2):  # a report of before is replaced
         assert main(arguments(files(SATURATED), tmp_path / 'report', *few)) == 0
+
+
+def test_a_report_names_the_edges_that_the_user_has_drawn_and_not_their_sections(
+        files: Files, tmp_path: Path, capsys, yard: Graph) -> None:
+    paths = files(SATURATED)
+    assert main(arguments(paths, tmp_path / 'report', '--robots=3', '--hours=0.1', '--seeds=1',
+                          '--longest-edge=1.5')) == 0
+    page = (tmp_path / 'report' / 'report.html').read_text()
+    named = set(map(int, re.findall(r'<title>edge (\d+):', page)))
+    assert named == set(yard.edges)
+    assert set(map(int, re.findall(r'<tr><td>(\d+)</td><td>[\d.]+ %</td><td>[a-z]', page))) <= named

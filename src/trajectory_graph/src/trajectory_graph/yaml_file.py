@@ -82,6 +82,7 @@ def edge_fields(edge: Edge) -> Dict[str, Any]:
     return {
         'CurveType': edge.curve_type.value, 'Destination_ID': edge.destination, 'Id': edge.id,
         'Origin_ID': edge.origin, 'ParamB': edge.param_b, 'ParamF': edge.param_f,
+        'SectionOf': edge.section_of or None,
         'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward}
 
 
@@ -157,7 +158,7 @@ _VERTEX_FIELDS: _Fields = (
     ('X', 'x', strict_yaml.real),
     ('Y', 'y', strict_yaml.real),
 )
-_OPTIONAL = ('Dock', 'FrameId', 'Label', 'Parking', 'ThetaHolomonic')
+_OPTIONAL = ('Dock', 'FrameId', 'Label', 'Parking', 'SectionOf', 'ThetaHolomonic')
 _OF_SPLINES = ('ParamF', 'ParamB')
 _EDGE_FIELDS: _Fields = (
     ('CurveType', 'curve_type', _curve_type),
@@ -165,6 +166,7 @@ _EDGE_FIELDS: _Fields = (
     ('Destination_ID', 'destination', strict_yaml.whole),
     ('ParamF', 'param_f', strict_yaml.real),
     ('ParamB', 'param_b', strict_yaml.real),
+    ('SectionOf', 'section_of', strict_yaml.whole),
     ('VelocityForward', 'velocity_forward', strict_yaml.real),
     ('VelocityBackwards', 'velocity_backwards', strict_yaml.real),
 )

@@ -51,7 +51,7 @@ def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
     """Why no path of a robot type joins these vertices: a clause to follow `cannot be reached`."""
     starts, times = tuple(starts), network.times(kind)
 
-    def docks_between(with_closed: bool) -> Optional[List[int]]:
+    def docks_on_path(with_closed: bool) -> Optional[List[int]]:
         """The docks that a path leads through, if docks were passable; None: there is no path."""
         came: Dict[int, int] = dict.fromkeys(starts, -1)
         waiting = list(starts)
@@ -65,17 +65,17 @@ def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
                     waiting.append(end)
         if destination not in came:
             return None
-        between, vertex = [], came[destination]
+        passed, vertex = [], came[destination]
         while vertex >= 0 and came[vertex] >= 0:
-            between += [network.vertex_ids[vertex]] if vertex in network.docks else []
+            passed += [network.vertex_ids[vertex]] if vertex in network.docks else []
             vertex = came[vertex]
-        return between
+        return passed
 
-    docks = docks_between(with_closed=False)
+    docks = docks_on_path(with_closed=False)
     if docks:
         return (f': each way leads through a dock, such as dock {docks[-1]}, and no route leads '
                 'through a dock')
-    if network.closed and docks_between(with_closed=True) is not None:
+    if network.closed and docks_on_path(with_closed=True) is not None:
         return f' while edges {listed(sorted(network.closed))} are closed'
     return '; no edges lead there that it may drive'
 
