@@ -45,7 +45,7 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
     """A row for a command that takes over the wheels."""
     return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
                        related or _LEAVING_THE_DOCK, aborted_by, timeout, course, goal_at,
-                       shortcut, adds_job)
+                       shortcut, adds_job=adds_job)
 
 
 def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, related: Predicate,
