@@ -3,6 +3,8 @@
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
+full_stack=("$root/scripts/run.sh")  # starts a robot; an installed workspace has installed_common.sh in place of this file
+
 # One line per package: its name in Debian, and its name on a system where ROS is in /opt/ros/noetic.
 run_packages=(
   "ros-base            ros-noetic-ros-base"
@@ -122,6 +124,9 @@ install_missing() {
 }
 
 _build() {
+  case "$root" in
+    *[\'\"\$\`\\]*) die "catkin cannot build in $root: a path with an apostrophe, a quotation mark, \$, \` or \\ breaks its files; move the repository" ;;
+  esac
   local stamp="$root/build/.built"
   # A workspace that was moved or copied has build files that point elsewhere.
   if [ -f "$root/build/CMakeCache.txt" ] &&

@@ -25,6 +25,9 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   exit 0
 fi
 
+[ -z "${ROS_NAMESPACE:-}" ] ||
+  die "ROS_NAMESPACE is $ROS_NAMESPACE in this shell, so neither a fleet manager nor the tools of RViz would reach the robot: unset ROS_NAMESPACE."
+
 # refuse_what_runs LAUNCH...: fails if one of the launch's nodes runs already. Two launches with nodes of the same name under
 # one ROS master would end each other's nodes for ever.
 refuse_what_runs() {

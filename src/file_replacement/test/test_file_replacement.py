@@ -37,6 +37,18 @@ def test_the_new_content_is_there_and_nothing_else(tmp_path, content):
         assert names(tmp_path) == ['file']
 
 
+def test_a_file_of_others_is_not_replaced_under_a_name_that_the_user_did_not_give(tmp_path):
+    path = tmp_path / 'file'
+    replace_file(path, '# made by me\n1', only_with=b'made by me')
+    replace_file(path, '# made by me\n2', only_with=b'made by me')
+    assert path.read_text() == '# made by me\n2'
+    path.write_text('of the user')
+    with pytest.raises(FileExistsError, match='not written by this program'):
+        replace_file(path, '# made by me\n3', only_with=b'made by me')
+    assert path.read_text() == 'of the user'
+    assert names(tmp_path) == ['file']
+
+
 @pytest.mark.parametrize('failing', ['fsync', 'replace', 'fchmod'])
 def test_where_it_fails_the_old_file_stays_and_nothing_is_left_behind(
         tmp_path, monkeypatch, failing):

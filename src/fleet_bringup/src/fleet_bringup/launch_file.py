@@ -4,6 +4,7 @@ The nodes of one robot are in the launch files of its package, which are include
 """
 from __future__ import annotations
 
+import shlex
 import xml.etree.ElementTree as ET
 from enum import Enum
 from typing import Any, Collection, Dict, Sequence
@@ -21,8 +22,10 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The attributes that make a node a fork of the node host.
-HOSTED = {'launch-prefix': '$(find node_host)/hosted'}
+#: The program that stands for a fork of the node host. $(find ...) finds it in no quoted text.
+HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
+#: The attributes that make a node such a fork. roslaunch splits the prefix at blanks.
+HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}
 #: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
     'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
@@ -53,6 +56,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: D
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
     parts = [part for part in parts_of(entries, options) if part in parts]
+    ET.SubElement(root, 'arg', HOSTED_BY)
     if options.hosted and parts != [Part.PAGE]:
         _include(root, 'omron_ld90', 'robot_host',
                  {'more_modules': ' '.join(MODULES)} if Part.MANAGER in parts else {})
@@ -101,8 +105,8 @@ def _memory(files: Dict[str, str]) -> Dict[str, str]:
 def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
     lists = '' if options.lasers else ' --outgoing-commands 0.5:Status'
     node = _node(root, 'ld90_sim', 'omron_ld90_sim', 'ld90_sim', {})
-    node.set('args', f"--map '{site.map_file}' --robots '{files['robots']}' "
-                     f"--password-file '{files['simulator_password']}' "
+    node.set('args', f"--map {shlex.quote(site.map_file)} --robots {shlex.quote(files['robots'])} "
+                     f"--password-file {shlex.quote(files['simulator_password'])} "
                      f'--speed {options.sim_speed} --control {options.control_port}{lists}')
 
 
@@ -132,7 +136,7 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
           {'fleet_file': files['fleet']}, _hosted(options, RESPAWN))
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
-        node.set('args', f"'{site.map_file}' '{files['rviz']}'")
+        node.set('args', shlex.join((site.map_file, files['rviz'])))
 
 
 def _page(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
