@@ -215,8 +215,8 @@ virtual_environment() {
   local wanted; wanted="$folder $("$python" --version) ${options[*]} $* $(cat "$root/scripts/requirements-focal.txt")"
   [ "$(cat "$folder/.wanted" 2>/dev/null)" != "$wanted" ] || return 0
   rm -rf "$folder"
-  "$python" -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
-    "$folder/bin/python" -m pip install -q --only-binary :all: --disable-pip-version-check "$@" >>"$log" 2>&1 &&
+  "$python" -I -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
+    "$folder/bin/python" -I -m pip install -q --only-binary :all: --disable-pip-version-check "$@" >>"$log" 2>&1 &&
     echo "$wanted" >"$folder/.wanted"
 }
 
@@ -259,7 +259,7 @@ record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 # port_is_free PORT: succeeds if nothing listens on this port of this machine. The check makes no connection: on the port for
 # a robot's outgoing connection the newest connection replaces the running robot's.
 port_is_free() {
-  /usr/bin/python3 - "$1" 2>/dev/null <<'END'
+  /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket
 import sys
 with socket.socket() as probe:
@@ -270,7 +270,7 @@ END
 
 # address_towards HOST: prints this machine's own address on the network route to HOST; fails without such a route.
 address_towards() {
-  /usr/bin/python3 - "$1" 2>/dev/null <<'END'
+  /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket
 import sys
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

@@ -24,7 +24,7 @@ rm -rf "$here"
 mkdir -p "$here/sources"
 cp -r "${pure_libraries[@]/#/$root/src/}" "$here/sources"  # a copy, because building leaves files beside the sources
 for library in "${pure_libraries[@]}"; do
-  "$root/build/wheels/bin/python" -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
+  "$root/build/wheels/bin/python" -I -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
     die "$library was not built: see $log"
 done
 rm -rf "$here/sources"
@@ -36,7 +36,7 @@ drive() {
   port="$(free_port)"
   (cd / && exec "$1/bin/ld90_sim" --map "$root/maps/lab.map" --port "$port" --password adept --speed 10) >>"$log" 2>&1 &
   sim=$!
-  until "$1/bin/python" -c "import socket; socket.create_connection(('127.0.0.1', $port))" 2>/dev/null; do
+  until "$1/bin/python" -I -c "import socket; socket.create_connection(('127.0.0.1', $port))" 2>/dev/null; do
     kill -0 $sim || return 1
   done
   (cd / && timeout 60 "$1/bin/python" "$root/examples/drive_without_ros.py" --port "$port" 127.0.0.1 12 <<<adept)
@@ -51,8 +51,8 @@ for python in "$@"; do
   for kind in whl tar.gz; do
     environment="$here/$(basename "$python")_$kind"
     say "$("$python" --version), from .$kind files"
-    "$python" -m venv "$environment" &&
-      "$environment/bin/python" -m pip install -q --disable-pip-version-check "$here"/*."$kind" >>"$log" 2>&1 ||
+    "$python" -I -m venv "$environment" &&
+      "$environment/bin/python" -I -m pip install -q --disable-pip-version-check "$here"/*."$kind" >>"$log" 2>&1 ||
       die "the .$kind files could not be installed with $python: see $log"
     "$environment/bin/ld_map" info "$root/maps/lab.map" >/dev/null || die "ld_map does not run"
     drive "$environment" || die "the robot did not arrive: see $log"

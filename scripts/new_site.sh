@@ -32,7 +32,7 @@ graph="${map%.map}_graph.yaml" made="${map%.map}_fleet.map"
 
 prepare "${run_packages[@]}"
 commands=()
-graph_value() { /usr/bin/python3 -m graph_editor.graph_values "$@"; }
+graph_value() { /usr/bin/python3 -I "$root/scripts/run_module.py" graph_editor.graph_values "$@"; }
 do_and_note() { commands+=("$(printf '%q ' "$@")"); "$@"; }
 
 

@@ -21,7 +21,8 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
   echo
   echo 'With fleet:=, these arguments instead:'
-  PYTHONPATH="$root/src/fleet_bringup/src" /usr/bin/python3 -c 'from fleet_bringup.options import help_text; print(help_text())'
+  /usr/bin/python3 -I -c 'import sys; sys.path.insert(0, sys.argv[1]); from fleet_bringup.options import help_text; print(help_text())' \
+    "$root/src/fleet_bringup/src"
   exit 0
 fi
 
@@ -52,6 +53,7 @@ start_fleet() {
   fi
   unset OMRON_LD90_PASSWORD
   refuse_what_runs "$launch"
+  umask 077  # journals, records and logs are for this user only
   say "Starting: roslaunch $launch"
   exec roslaunch "$launch"
 }
@@ -140,5 +142,6 @@ if [ -n "${OMRON_LD90_PASSWORD:-}" ] && [ -z "${given[password_file]:-}" ] && [[
 fi
 unset OMRON_LD90_PASSWORD
 
+umask 077  # journals, records and logs are for this user only
 say "Starting: roslaunch omron_ld90 full_stack.launch ${args[*]:-}"
 exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}

@@ -80,7 +80,7 @@ wheels() {  # the libraries without ROS install with pip beside Debian's package
   scripts/make_wheels.sh &&
     "$here/bin/pip" install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
     (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/ld90_sim --help &&
-      bin/python -c 'import omron_arcl, route_protocol, trajectory_graph')
+      bin/python -I -c 'import omron_arcl, route_protocol, trajectory_graph')
 }
 
 lint() {

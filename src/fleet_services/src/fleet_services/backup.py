@@ -93,7 +93,7 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
         public: Contents = {}
         secrets: Contents = {}
         for name, path in by_name.items():
-            content = stack.enter_context(tempfile.TemporaryFile())
+            content = _new(stack)
             read_as_owner(path, content)
             content.seek(0)
             (secrets if is_secret(content.read()) else public)[f'{_SITE}/{name}'] = content
@@ -114,6 +114,11 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
     return said
 
 
+def _new(stack: ExitStack) -> IO[bytes]:
+    """A temporary file without a name, which lasts as long as the stack."""
+    return stack.enter_context(tempfile.TemporaryFile())
+
+
 def _services(home: Path) -> List[int]:
     """The users, other than root, who own the state."""
     return [owner for owner in (_owner(state_folder(home, folder), home) for folder in UNITS)
@@ -130,7 +135,7 @@ def _saved_state(home: Path, stack: ExitStack) -> Contents:
     found: Contents = {}
     for name in (*DATABASES, *TEXTS):
         folder = _folder_of(name, home)
-        stack.enter_context(content := tempfile.TemporaryFile())
+        content = _new(stack)
         as_user(_owner(folder, home), partial(_copy_state, folder / name, content))
         if content.seek(0, os.SEEK_END):
             found[f'{_HOME}/{name}'] = content
@@ -177,7 +182,7 @@ def _write(archive: Path, contents: Contents) -> None:
 def restore(archive: Path, folder: Path, home: Path) -> List[str]:
     """Restores all files, or none if the archive is wrong. Returns lines about the result."""
     with ExitStack() as stack:
-        packed = stack.enter_context(tempfile.TemporaryFile())
+        packed = _new(stack)
         read_as_owner(archive, packed)
         packed.seek(0)
         places: Dict[Path, IO[bytes]] = {}
@@ -188,10 +193,10 @@ def restore(archive: Path, folder: Path, home: Path) -> List[str]:
                 owners[place] = _owner(within, home) if within != folder else owner_of(folder)
                 content = source.extractfile(member)
                 assert content is not None
-                places[place] = stack.enter_context(tempfile.TemporaryFile())
+                places[place] = _new(stack)
                 copy_all(content, places[place])
         journal = _folder_of(JOURNAL, home) / JOURNAL
-        said = stack.enter_context(tempfile.TemporaryFile())
+        said = _new(stack)
         if journal in places:
             as_user(owners[journal], lambda: _renew_journal(journal, places[journal], said))
         for place, content in places.items():
