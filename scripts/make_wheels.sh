@@ -2,8 +2,8 @@
 # Builds wheels and sdists of the libraries that need no ROS: build/dist/*.whl and *.tar.gz.
 #
 #   scripts/make_wheels.sh                       builds them
-#   scripts/make_wheels.sh python3.8 python3.12  then, for each of these Pythons, installs both kinds with their dependencies from
-#                                                PyPI, and drives a simulated robot with them without ROS
+#   scripts/make_wheels.sh python3.8 python3.12  then, for each of these Pythons, installs both kinds, with dependencies from PyPI
+#                                                of known hashes, and drives a simulated robot with them without ROS
 #
 # Exit status: 0 success; 1 the build or the installation failed, or the robot did not arrive.
 set -euo pipefail
@@ -18,7 +18,7 @@ here="$root/build/dist" log="$root/build/wheels.log"
 mkdir -p "$root/build"
 : >"$log"
 install_missing 1 "python3-venv python3-venv"
-virtual_environment wheels /usr/bin/python3 --system-site-packages $wheel_packages ||
+virtual_environment wheels /usr/bin/python3 --system-site-packages ||
   die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
 rm -rf "$here"
 mkdir -p "$here/sources"
@@ -52,7 +52,11 @@ for python in "$@"; do
     environment="$here/$(basename "$python")_$kind"
     say "$("$python" --version), from .$kind files"
     "$python" -I -m venv "$environment" &&
-      "$environment/bin/python" -I -m pip install -q --disable-pip-version-check "$here"/*."$kind" >>"$log" 2>&1 ||
+      "$environment/bin/python" -I -m pip install -q --disable-pip-version-check --require-hashes --only-binary :all: \
+        -r "$root/scripts/pins/wheels.txt" -r "$root/scripts/pins/wheels_run.txt" >>"$log" 2>&1 &&
+      "$environment/bin/python" -I -m pip install -q --disable-pip-version-check --no-index --no-build-isolation \
+        "$here"/*."$kind" >>"$log" 2>&1 &&
+      "$environment/bin/python" -I -m pip check >>"$log" 2>&1 ||
       die "the .$kind files could not be installed with $python: see $log"
     "$environment/bin/ld_map" info "$root/maps/lab.map" >/dev/null || die "ld_map does not run"
     drive "$environment" || die "the robot did not arrive: see $log"
