@@ -225,7 +225,7 @@ virtual_environment() {
   [ "$(cat "$folder/.wanted" 2>/dev/null)" != "$wanted" ] || return 0
   rm -rf "$folder"
   "$python" -I -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
-    "$folder/bin/python" -I -m pip install -q --require-hashes --only-binary :all: --disable-pip-version-check "$@" -r "$pins" >>"$log" 2>&1 &&
+    env -u PYTHONPATH "$folder/bin/python" -I -m pip install -q --require-hashes --only-binary :all: --disable-pip-version-check "$@" -r "$pins" >>"$log" 2>&1 &&
     echo "$wanted" >"$folder/.wanted"
 }
 

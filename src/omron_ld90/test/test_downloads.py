@@ -1,4 +1,4 @@
-"""What the project downloads is pinned: nobody else decides which code runs in a test or a build."""
+"""Each download is pinned, so that only this project decides which code its scripts run."""
 from __future__ import annotations
 
 import json
@@ -18,7 +18,7 @@ KINDS: Dict[str, Tuple[str, str]] = {
     'pip': (r'\bpip3? (?:install|download|wheel)\b', r'--require-hashes|--no-index'),
     'npm': (r'\bnpm (?:install|i|ci|add|exec)\b|\bnpx\b|\byarn\b|\bpnpm\b',
             r'\bnpm ci\b.*--ignore-scripts'),
-    'action': (r'\buses: ', r'@[0-9a-f]{40}(?:\s|$)'),
+    'action': (r'^\s*-?\s*uses: ', r'@[0-9a-f]{40}(?:\s|$)'),
     'git': (r'\bgit clone\b|\bvcs import\b', r'catkin_ws\.repos'),
     'file': (r'\b(?:curl|wget)\b|\burlretrieve\b', r'sha256'),
     'installer': (r'\b(?:go install|cargo install|gem install|pipx|uvx|conda install)\b', r'(?!)'),

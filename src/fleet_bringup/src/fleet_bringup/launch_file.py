@@ -178,7 +178,7 @@ def _include(parent: ET.Element, package: str, launch: str, arguments: Dict[str,
 def literal(value: Any) -> str:
     """A value that roslaunch uses as it is; raises CannotStart for one that it would evaluate.
 
-    roslaunch replaces `$(...)` everywhere, also by what Python computes, and has no way to quote it.
+    roslaunch replaces `$(...)` everywhere, also by results of Python, and has no way to quote it.
     """
     text = str(value)
     if '$(' in text:

@@ -99,8 +99,8 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
             (secrets if is_secret(content.read()) else public)[f'{_SITE}/{name}'] = content
         public.update(_saved_state(home, stack))
         if secrets and os.geteuid() == 0 and owner_of(archive.parent) in _services(home):
-            raise NotDone(f'The folder of {archive} belongs to the user of the services, who must '
-                          'not read all secrets of the site: choose another folder.')
+            raise NotDone(f'The folder of {archive} belongs to the user of the services, which '
+                          'must not read all secrets of the site: choose another folder.')
         _write(archive, public)
         said = [f'{archive}: {", ".join(public) or "nothing"}.']
         if f'{_HOME}/{JOURNAL}' not in public:
@@ -120,13 +120,13 @@ def _new(stack: ExitStack) -> IO[bytes]:
 
 
 def _services(home: Path) -> List[int]:
-    """The users, other than root, who own the state."""
+    """The users, other than root, that own the state."""
     return [owner for owner in (_owner(state_folder(home, folder), home) for folder in UNITS)
             if owner]
 
 
 def _owner(folder: Path, home: Path) -> int:
-    """The owner of a folder of state: whoever owns ROS_HOME may have put a link in its place."""
+    """The owner of a folder of state: the owner of ROS_HOME may have put a link in its place."""
     return owner_of(home) or owner_of(folder)
 
 

@@ -17,7 +17,7 @@ from fleet_bringup.command import gather
 from fleet_services.ownership import NotDone, as_user, owner_of
 from fleet_services.plan import Plan, plan_services
 from fleet_services.site_file import SiteFile
-from fleet_services.state_folders import DATA, LOGS, Moves, move, planned_moves
+from fleet_services.state_folders import DATA, LOGS, move, planned_moves
 from fleet_services.units import System, unit_files
 
 #: Environment variables of this process that the nodes need too.
@@ -123,8 +123,8 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
         _write(machine.path(UNITS, name), text, PUBLIC)
     said.append(f'{len(units)} units in {machine.path(UNITS)}, their files in {settings}.')
     if os.geteuid() == 0 and machine.ids(site.user)[1] < 0:
-        said.append(f'{machine.root} has no group {site.user}, so the services could not read their '
-                    'files: add this user there, then run this command again.')
+        said.append(f'{machine.root} has no group {site.user}, so the services could not read '
+                    'their files: add this user there, then run this command again.')
     if machine.runs_systemd:
         _run('systemctl', 'daemon-reload')
         _run('systemctl', 'enable', system.target)
@@ -208,11 +208,7 @@ def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) 
     for name in (service.name for service in plan.services):
         _own(home / name, user, group, CLOSED)
     if not owner:
-        as_user(max(user, 0), lambda: move(moves))
-    return _moved(moves)
-
-
-def _moved(moves: Moves) -> List[str]:
+        as_user(max(user, 0), lambda: move(moves), group)
     return [f'Moved {source} to {target}.' for source, target in moves]
 
 

@@ -24,17 +24,19 @@ class NotDone(Exception):
 
 
 def owner_of(folder: Path) -> int:
-    """The user who owns a folder, or the nearest one above it that exists."""
+    """The user that owns a folder, or the nearest one above it that exists."""
     while not folder.exists() and folder != folder.parent:
         folder = folder.parent
     return folder.stat().st_uid
 
 
-def as_user(user: int, work: Callable[[], None]) -> None:
+def as_user(user: int, work: Callable[[], None], group: int = _NOBODY) -> None:
     """Calls `work` with the rights of a user; raises NotDone with the reason of a failure.
 
     Root calls it in a process of its own, which gives up the rights of root. Another caller has no
     rights to give up, and calls it in this process.
+
+    group -- the group of a user that this system does not know, such as that of an image
     """
     if os.geteuid() != 0 or user == 0:
         work()
@@ -44,7 +46,7 @@ def as_user(user: int, work: Callable[[], None]) -> None:
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
-        os._exit(_work_as(user, work, writer))
+        os._exit(_work_as(user, group, work, writer))
     os.close(writer)
     with os.fdopen(reader, 'rb') as said:
         problem = said.read().decode()
@@ -52,10 +54,10 @@ def as_user(user: int, work: Callable[[], None]) -> None:
         raise NotDone(problem or f'A process of the user {user} was killed.')
 
 
-def _work_as(user: int, work: Callable[[], None], writer: int) -> int:
+def _work_as(user: int, group: int, work: Callable[[], None], writer: int) -> int:
     """The life of the child: gives up the rights of root, works, and reports a failure."""
     try:
-        group, groups = _groups_of(user)
+        group, groups = _groups_of(user, group)
         os.setgroups(groups)
         os.setresgid(group, group, group)
         os.setresuid(user, user, user)
@@ -69,12 +71,12 @@ def _work_as(user: int, work: Callable[[], None], writer: int) -> int:
     return 1
 
 
-def _groups_of(user: int) -> Tuple[int, List[int]]:
+def _groups_of(user: int, group: int) -> Tuple[int, List[int]]:
     try:
         known = pwd.getpwuid(user)
     except KeyError:
-        return _NOBODY, []
-    return known.pw_gid, [group.gr_gid for group in grp.getgrall() if known.pw_name in group.gr_mem]
+        return group, []
+    return known.pw_gid, [one.gr_gid for one in grp.getgrall() if known.pw_name in one.gr_mem]
 
 
 def read_as_owner(path: Path, into: IO[bytes]) -> None:

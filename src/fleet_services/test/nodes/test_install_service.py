@@ -4,9 +4,10 @@ from __future__ import annotations
 import os
 import stat
 import sys
+import tempfile
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import Iterable, List
+from typing import Iterable, Iterator, List
 
 import pytest
 
@@ -29,8 +30,11 @@ def make_site(folder: Path) -> Path:
 
 
 @pytest.fixture
-def site(tmp_path: Path) -> Path:
-    return make_site(tmp_path)
+def site() -> Iterator[Path]:
+    """A site in a folder that all users reach."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        yield make_site(Path(folder))
 
 
 @pytest.fixture(scope='module')
@@ -129,8 +133,6 @@ def image(site: Path) -> Path:
     (root / 'etc').mkdir(parents=True)
     for name in ('passwd', 'group'):
         (root / 'etc' / name).write_text(f'root:x:0:0::/:\nfleet:x:{SERVICE}:{SERVICE}::/:\n')
-    for folder in (site, *site.parents[:2]):
-        folder.chmod(0o755)  # the user of the services reaches its own folders
     return root
 
 
@@ -154,7 +156,8 @@ STATE = {'graph_fleet_manager/fleet.sqlite': 'manager', 'graph_fleet_manager/fle
          'manager', 'graph_fleet_manager/closed_edges.json': 'manager',
          'fleet_page/page.sqlite': 'page', 'fleet_page/replay/1': 'page',
          'omron_ld90/ld90_1_motion.json': 'robots-1', 'omron_ld90/ld90_1_route.json': 'robots-1',
-         'omron_ld90/ld90_2_route.json': 'robots-2', 'omron_ld90/ld90_2_route.json.lock': 'robots-2'}
+         'omron_ld90/ld90_2_route.json': 'robots-2',
+         'omron_ld90/ld90_2_route.json.lock': 'robots-2'}
 """The unit that has each persistent file."""
 
 

@@ -35,7 +35,7 @@ def find_mosquitto() -> str:
 
 
 def configuration_in_memory(port: int) -> int:
-    """Returns a descriptor of mosquitto.conf. It is in no folder, so nobody else can prepare it."""
+    """Returns a descriptor of mosquitto.conf, which no other user can prepare: it has no name."""
     descriptor = os.memfd_create('mosquitto.conf', 0)  # programs that this process runs inherit it
     os.write(descriptor, configuration(port).encode())
     return descriptor
