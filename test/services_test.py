@@ -69,7 +69,8 @@ class Unit:
         self._process = subprocess.Popen(
             ['sh', '-c', f'umask {mask:04o}; exec "$@"', '-',
              *shlex.split(self.setting('ExecStart')[0])],
-            env=environment, cwd=environment['ROS_HOME'], stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True)
+            env=environment, cwd=environment['ROS_HOME'], stdout=self._log,
+            stderr=subprocess.STDOUT, start_new_session=True)
         if self.setting('Type') == ['notify']:
             self.wait_for('READY=1', START)
 

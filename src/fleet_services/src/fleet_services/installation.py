@@ -193,6 +193,7 @@ def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) 
     Only the owner of the state touches it. What belongs to no unit stays where it is.
     """
     home = machine.path(DATA, site.name)
+    user, group = machine.ids(site.user)
     try:
         moves = planned_moves(home, plan.state, plan.robots)
         owner = owner_of(home)
@@ -200,10 +201,9 @@ def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) 
             _run('systemctl', 'stop', *(unit.name for unit in _units_of(
                 machine.path(UNITS, system.target))))
         if owner:  # the folder of a site of 1.0.0, or of one that never ran
-            as_user(owner, lambda: move(moves))
+            as_user(owner, lambda: move(moves), group)
     except NotDone as error:
         raise NotInstalled(str(error)) from None
-    user, group = machine.ids(site.user)
     _own(home, -1 if os.geteuid() else 0, group, RUNNABLE)
     for name in (service.name for service in plan.services):
         _own(home / name, user, group, CLOSED)

@@ -75,7 +75,7 @@ def _groups_of(user: int, group: int) -> Tuple[int, List[int]]:
     try:
         known = pwd.getpwuid(user)
     except KeyError:
-        return group, []
+        return (group if group > 0 else _NOBODY), []
     return known.pw_gid, [one.gr_gid for one in grp.getgrall() if known.pw_name in one.gr_mem]
 
 
