@@ -90,6 +90,8 @@ def in_package(file: str) -> Iterator[Found]:
     packed = subprocess.Popen(['dpkg-deb', '--fsys-tarfile', file], stdout=subprocess.PIPE)
     with tarfile.open(fileobj=packed.stdout, mode='r|') as content:
         for member in content:
+            if member.name in ('.', './'):
+                continue
             kind = stat.S_IFDIR if member.isdir() else (
                 stat.S_IFLNK if member.issym() else stat.S_IFREG)
             yield (f'PACKAGE/{member.name[2:]}', kind | member.mode, member.uname, member.gname)

@@ -11,14 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from fleet_services import backup
-from fleet_services.backup import JOURNAL, main
-from fleet_services.file_kinds import is_secret
-from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.supervision.journal import Journal, history
-from graph_fleet_manager.supervision.missions import MissionState
-from trajectory_graph import Edge, Graph, Vertex
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / 'test'))
+
+from file_modes import differences, walk  # noqa: E402
+
+from fleet_services import backup  # noqa: E402
+from fleet_services.backup import JOURNAL, main  # noqa: E402
+from fleet_services.file_kinds import is_secret  # noqa: E402
+from fleet_simulation.supervised_fleet import SupervisedFleet  # noqa: E402
+from graph_fleet_manager.fleet import RobotType  # noqa: E402
+from graph_fleet_manager.supervision.journal import Journal, history  # noqa: E402
+from graph_fleet_manager.supervision.missions import MissionState  # noqa: E402
+from trajectory_graph import Edge, Graph, Vertex  # noqa: E402
 
 TEXT = 'graph_fleet_manager/closed_edges.json'
 GRAPH = 'Vertices: []\nEdges: []\n'
@@ -108,9 +112,12 @@ def test_archives_and_what_comes_back_are_for_their_owner_only(tmp_path, home, s
     there = tmp_path / 'there'
     for one in (archive, str(tmp_path / 'backup.secrets.tar.gz')):
         assert main(['restore', one, str(there)]) == 0
-    made = [*tmp_path.glob('*.tar.gz'), *there.iterdir(), home / TEXT]
-    assert {path.name: oct(path.stat().st_mode & 0o777) for path in made} == {
-        path.name: '0o600' for path in made}
+    names = {os.geteuid(): 'user', os.getegid(): 'user'}
+    archives = [one for one in walk(tmp_path, 'BACKUP', names) if one[0].endswith('.tar.gz')]
+    restored = list(walk(there, 'RESTORED', names))
+    assert (len(archives), len(restored)) == (2, 3)
+    assert differences([*archives, *restored]) == []
+    assert (home / TEXT).stat().st_mode & 0o777 == 0o600
     assert there.stat().st_mode & 0o777 == 0o700
 
 

@@ -11,7 +11,7 @@ import tempfile
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Mapping, Tuple
+from typing import Dict, Iterable, List, Mapping, Tuple
 
 from fleet_bringup.command import gather
 from fleet_services.ownership import NotDone, as_user, owner_of
@@ -102,7 +102,7 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
     if machine.is_this:
         _make_user(site.user, machine.path(DATA, site.name))
         _check_reads(site.user, package)
-        _check_sources(site, package)
+        refuse_replaceable((package, *map(Path, site.sources)), pwd.getpwnam(site.user).pw_uid)
     settings.parent.mkdir(parents=True, exist_ok=True, mode=0o755)
     made = Path(tempfile.mkdtemp(prefix='.', dir=settings.parent))
     try:
@@ -175,6 +175,8 @@ def _make_settings(site: SiteFile, system: System, machine: Machine, package: Pa
     shutil.copyfile(package / 'config' / 'restart_pause', folder / 'restart_pause')
     _write(folder / 'environment', _environment(site, os.environ))
     user, group = machine.ids(site.user)
+    if machine.is_this:
+        refuse_replaceable(map(Path, plan.secrets.values()), user)
     for path in (*folder.iterdir(), folder):
         path.chmod(RUNNABLE if path.is_dir() or path.name == 'restart_pause' else READABLE)
         os.chown(path, -1, group)
@@ -197,9 +199,9 @@ def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) 
     try:
         moves = planned_moves(home, plan.state, plan.robots)
         owner = owner_of(home)
-        if moves and machine.runs_systemd:
-            _run('systemctl', 'stop', *(unit.name for unit in _units_of(
-                machine.path(UNITS, system.target))))
+        running = _units_of(machine.path(UNITS, system.target))
+        if moves and running and machine.runs_systemd:
+            _run('systemctl', 'stop', *(unit.name for unit in running))
         if owner:  # the folder of a site of 1.0.0, or of one that never ran
             as_user(owner, lambda: move(moves), group)
     except NotDone as error:
@@ -320,10 +322,12 @@ def _check_reads(user: str, package: Path) -> None:
                            'that all users can read, such as /opt/omron_ld90.')
 
 
-def _check_sources(site: SiteFile, package: Path) -> None:
-    """Root neither reads nor runs files that the services' user can replace."""
-    user = pwd.getpwnam(site.user).pw_uid
-    for path in (package, *map(Path, site.sources)):
+def refuse_replaceable(paths: Iterable[Path], user: int) -> None:
+    """Raises NotInstalled for a file that the services' user, or all users, can replace.
+
+    Root reads and runs these files.
+    """
+    for path in paths:
         for place in (path.absolute(), path.resolve()):
             for one in (place, *place.parents):
                 status = one.lstat()
@@ -331,9 +335,8 @@ def _check_sources(site: SiteFile, package: Path) -> None:
                     status.st_mode & stat.S_ISVTX or stat.S_ISLNK(status.st_mode))
                 if status.st_uid == user or is_open:
                     raise NotInstalled(
-                        f'The user {site.user} of the services can replace {path}, because {one} '
-                        'belongs to that user or all users may write there: move it to a folder of '
-                        'yours.')
+                        f'The user of the services can replace {path}, because {one} belongs to '
+                        'that user, or all users may write there: move it to a folder of yours.')
 
 
 def _run(*command: str) -> None:

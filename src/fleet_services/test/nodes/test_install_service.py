@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[4] / 'test'))
 
 from file_modes import differences, walk  # noqa: E402
 
+from fleet_services import installation  # noqa: E402
 from fleet_services.command import main  # noqa: E402
 
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
@@ -217,6 +218,24 @@ def test_root_moves_nothing_through_a_link_of_a_service(site, image, name):
     main(['--root', str(image), str(site / 'site.yaml')])
     assert [file.name for file in closed.iterdir()] == ['ld90_1_route.json']
     assert closed.stat().st_uid == 0
+
+
+@pytest.mark.parametrize('what', ['file', 'folder', 'link', 'open folder'])
+def test_root_reads_no_file_that_the_services_could_replace(site, what):
+    map_file = site / 'maps' / 'site.map'
+    map_file.parent.mkdir()
+    map_file.write_text('2D-Map')
+    installation.refuse_replaceable([map_file], SERVICE)
+    if what == 'link':
+        map_file.unlink()
+        map_file.symlink_to('/etc/shadow')
+        os.chown(map_file, SERVICE, -1, follow_symlinks=False)
+    elif what == 'open folder':
+        map_file.parent.chmod(0o777)
+    else:
+        os.chown(map_file if what == 'file' else map_file.parent, SERVICE, -1)
+    with pytest.raises(installation.NotInstalled, match='can replace'):
+        installation.refuse_replaceable([map_file], SERVICE)
 
 
 def test_a_unit_imports_only_what_root_has_installed(site, monkeypatch):
