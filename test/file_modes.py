@@ -101,4 +101,4 @@ def in_package(file: str) -> Iterator[Found]:
 if __name__ == '__main__':
     found = [f'{Path(name).name}: {line}' for name in sys.argv[1:]
              for line in differences(in_package(name))]
-    sys.exit('\n'.join(found))
+    sys.exit('\n'.join(found) or None)
