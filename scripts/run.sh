@@ -53,7 +53,7 @@ start_fleet() {
   fi
   unset OMRON_LD90_PASSWORD
   refuse_what_runs "$launch"
-  umask 077  # journals, records and logs are for this user only
+  keep_private
   say "Starting: roslaunch $launch"
   exec roslaunch "$launch"
 }
@@ -62,6 +62,10 @@ start_fleet() {
 # for each file that may be open: in some containers the limit is a thousand million, which takes gigabytes per node.
 limit_files() { ulimit -Sn 16384 2>/dev/null || ulimit -Sn "$(ulimit -Hn)"; }
 limit_files
+
+# keep_private: journals, records and logs are for this user only. roslaunch gives folders of logs the mode of ROS_HOME.
+keep_private() { umask 077; mkdir -p "${ROS_HOME:-$HOME/.ros}"; }
+
 for arg in "$@"; do
   case "$arg" in fleet:=*) start_fleet "$@" ;; esac
 done
@@ -142,6 +146,6 @@ if [ -n "${OMRON_LD90_PASSWORD:-}" ] && [ -z "${given[password_file]:-}" ] && [[
 fi
 unset OMRON_LD90_PASSWORD
 
-umask 077  # journals, records and logs are for this user only
+keep_private
 say "Starting: roslaunch omron_ld90 full_stack.launch ${args[*]:-}"
 exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}

@@ -65,6 +65,10 @@ class Unit:
             environment[name] = value.replace('%S', f'{self._root}/var/lib').replace(
                 '%L', f'{self._root}/var/log')
         environment['NOTIFY_SOCKET'] = self._path
+        for kind in ('State', 'Logs'):
+            folder = {'State': 'lib', 'Logs': 'log'}[kind]
+            (self._root / 'var' / folder / self.setting(f'{kind}Directory')[0]).mkdir(
+                int(self.setting(f'{kind}DirectoryMode')[0], 8), parents=True, exist_ok=True)
         mask = int(self.setting('UMask')[0], 8)
         self._process = subprocess.Popen(
             ['sh', '-c', f'umask {mask:04o}; exec "$@"', '-',
