@@ -15,7 +15,7 @@ from file_replacement import replace_file
 
 SOURCES = Path(__file__).resolve().parents[2]
 ROTATES_ITS_LOG = 'omron_arcl/src/omron_arcl/session_log.py'
-COPIES_WHAT_NO_MEMORY_HOLDS = 'graph_fleet_manager/src/graph_fleet_manager/commands/site_backup.py'
+COPIES_WHAT_NO_MEMORY_HOLDS = 'fleet_services/src/fleet_services/ownership.py'
 
 
 def mode_of(path: Path) -> int:

@@ -10,6 +10,7 @@ from enum import Enum
 from typing import Any, Collection, Dict, Sequence
 from xml.dom import minidom
 
+from fleet_bringup.errors import CannotStart
 from fleet_bringup.files import Site
 from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import AGV, LD90, Entry
@@ -53,7 +54,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: D
                 parts: Collection[Part] = tuple(Part)) -> str:
     """The launch file of some parts. `files`: paths by the kind of file, see `command.prepare`."""
     root = ET.Element('launch')
-    root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
+    root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '.replace('--', '- -')))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
     parts = [part for part in parts_of(entries, options) if part in parts]
     ET.SubElement(root, 'arg', HOSTED_BY)
@@ -103,11 +104,12 @@ def _memory(files: Dict[str, str]) -> Dict[str, str]:
 
 
 def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
-    lists = '' if options.lasers else ' --outgoing-commands 0.5:Status'
+    lists = [] if options.lasers else ['--outgoing-commands', '0.5:Status']
     node = _node(root, 'ld90_sim', 'omron_ld90_sim', 'ld90_sim', {})
-    node.set('args', f"--map {shlex.quote(site.map_file)} --robots {shlex.quote(files['robots'])} "
-                     f"--password-file {shlex.quote(files['simulator_password'])} "
-                     f'--speed {options.sim_speed} --control {options.control_port}{lists}')
+    node.set('args', _words(
+        '--map', site.map_file, '--robots', files['robots'],
+        '--password-file', files['simulator_password'], '--speed', options.sim_speed,
+        '--control', options.control_port, *lists))
 
 
 def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
@@ -136,7 +138,7 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
           {'fleet_file': files['fleet']}, _hosted(options, RESPAWN))
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
-        node.set('args', shlex.join((site.map_file, files['rviz'])))
+        node.set('args', _words(site.map_file, files['rviz']))
 
 
 def _page(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
@@ -166,11 +168,28 @@ def _node(parent: ET.Element, name: str, package: str, kind: str, parameters: Di
     node = ET.SubElement(parent, 'node', {'name': name, 'pkg': package, 'type': kind,
                                           'output': 'screen', **more})
     for key, value in parameters.items():
-        ET.SubElement(node, 'param', name=key, value=str(value))
+        ET.SubElement(node, 'param', name=key, value=literal(value))
     return node
 
 
 def _include(parent: ET.Element, package: str, launch: str, arguments: Dict[str, Any]) -> None:
     include = ET.SubElement(parent, 'include', file=f'$(find {package})/launch/{launch}.launch')
     for key, value in arguments.items():
-        ET.SubElement(include, 'arg', name=key, value=str(value))
+        ET.SubElement(include, 'arg', name=key, value=literal(value))
+
+
+def literal(value: Any) -> str:
+    """A value that roslaunch uses as it is; raises CannotStart for one that it would evaluate.
+
+    roslaunch replaces `$(...)` everywhere, also by results of Python, and has no way to quote it.
+    """
+    text = str(value)
+    if '$(' in text:
+        raise CannotStart(f'"{text}" contains "$(", which roslaunch would evaluate: rename what '
+                          'has this name.')
+    return text
+
+
+def _words(*values: Any) -> str:
+    """Arguments of a program, each as one word."""
+    return ' '.join(shlex.quote(literal(value)) for value in values)
