@@ -10,9 +10,10 @@ WORKDIR /opt/omron_ld90
 COPY . .
 RUN scripts/build.sh && \
     apt-get clean && rm -rf /var/lib/apt/lists/* && \
-    python3 -m compileall -q src devel && \
+    python3 -I -m compileall -q src devel && \
     useradd --uid 900 --create-home --home-dir /data ld90
-ENV HOME=/data ROS_HOME=/data/ros
+# A volume lasts: what a node could write there must not run as a part of Python in the next start.
+ENV HOME=/data ROS_HOME=/data/ros PYTHONNOUSERSITE=1 PYTHONSAFEPATH=1
 VOLUME /data
 USER 900
 ENTRYPOINT ["/opt/omron_ld90/scripts/run.sh"]

@@ -3,6 +3,8 @@
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
+full_stack=("$root/scripts/run.sh")  # starts a robot; an installed workspace has installed_common.sh in place of this file
+
 # One line per package: its name in Debian, and its name on a system where ROS is in /opt/ros/noetic.
 run_packages=(
   "ros-base            ros-noetic-ros-base"
@@ -71,8 +73,6 @@ deb_packages=(
   "lintian             lintian"
 )
 pure_libraries=(browser_guard file_replacement omron_arcl omron_ld90_sim omron_map route_protocol trajectory_graph)  # they need no ROS
-wheel_packages="build==1.2.2 setuptools==75.3.2 wheel==0.45.1"  # from PyPI, for scripts/make_wheels.sh
-docs_packages="mkdocs==1.6.1 mkdocs-material==9.6.23"  # from PyPI, for scripts/docs.sh
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
 
 say() { printf '== %s\n' "$*"; }
@@ -122,6 +122,9 @@ install_missing() {
 }
 
 _build() {
+  case "$root" in
+    *[\'\"\$\`\\]*) die "catkin cannot build in $root: a path with an apostrophe, a quotation mark, \$, \` or \\ breaks its files; move the repository" ;;
+  esac
   local stamp="$root/build/.built"
   # A workspace that was moved or copied has build files that point elsewhere.
   if [ -f "$root/build/CMakeCache.txt" ] &&
@@ -155,9 +158,11 @@ _newer_than() {
 }
 
 # import_multimaster FOLDER: puts the sources of fkie multimaster into FOLDER. They come from $FKIE_ARCHIVE (a .tar.gz with
-# one folder at its top, as GitHub makes it) or else from the address in catkin_ws.repos. Fails with the reason on stderr.
+# one folder at its top, as GitHub makes it) or else from the address in catkin_ws.repos. Only the files in
+# scripts/pins/multimaster_fkie.sha256 are kept, and each must have its hash there: two joined masters need only discovery,
+# synchronisation and their messages. Fails with the reason on stderr.
 import_multimaster() {
-  local folder="$1" staging="$1.part" reason=''
+  local folder="$1" staging="$1.part" pins="$root/scripts/pins/multimaster_fkie.sha256" reason='' wrong
   rm -rf "$folder" "$staging"
   mkdir -p "$staging/multimaster_fkie"
   if [ -n "${FKIE_ARCHIVE:-}" ]; then
@@ -170,18 +175,27 @@ import_multimaster() {
   if [ -z "$reason" ] && ! [ -f "$staging/multimaster_fkie/fkie_master_sync/package.xml" ]; then
     reason="there is no fkie_master_sync/package.xml in the folder at the top of ${FKIE_ARCHIVE:-the clone}; is it multimaster_fkie?"
   fi
+  if [ -z "$reason" ]; then
+    wrong="$(cd "$staging/multimaster_fkie" && _differing_files "$pins" | head -1)"
+    [ -z "$wrong" ] ||
+      reason="${FKIE_ARCHIVE:-the clone} is not the version in catkin_ws.repos: $wrong differs from scripts/pins/multimaster_fkie.sha256"
+  fi
   if [ -n "$reason" ]; then
     rm -rf "$staging"
     echo "$reason" >&2
     return 1
   fi
-  # Two joined masters need only discovery, synchronisation and their messages.
-  local other
-  for other in fkie_multimaster fkie_node_manager fkie_node_manager_daemon; do
-    [ ! -d "$staging/multimaster_fkie/$other" ] || touch "$staging/multimaster_fkie/$other/CATKIN_IGNORE"
+  mkdir "$folder"
+  (cd "$staging/multimaster_fkie" && cut -d' ' -f3- "$pins" | xargs -d '\n' cp --parents -t "$folder")
+  rm -rf "$staging"
+}
+
+# _differing_files PINS: prints the files below this folder that are no regular files with the hash in PINS
+_differing_files() {
+  cut -d' ' -f3- "$1" | while IFS= read -r file; do
+    [ -f "$file" ] && [ ! -L "$file" ] || echo "$file"
   done
-  mv "$staging/multimaster_fkie" "$folder"
-  rmdir "$staging"
+  sha256sum --check --quiet "$1" 2>/dev/null | sed 's/: [^:]*$//' || true
 }
 
 # provide_multimaster: adds fkie multimaster to this environment. It is built in a workspace of its own (build/multimaster,
@@ -190,7 +204,7 @@ import_multimaster() {
 provide_multimaster() {
   ! rospack find fkie_master_sync >/dev/null 2>&1 || return 0
   local workspace="$root/build/multimaster" log="$root/build/multimaster_build.log" made_of
-  made_of="$root $(sha256sum <"$root/catkin_ws.repos")"  # a build contains its own path, so it cannot be moved
+  made_of="$root $(cat "$root"/catkin_ws.repos "$root/scripts/pins/multimaster_fkie.sha256" | sha256sum)"  # a build contains its own path, so it cannot be moved
   if [ "$(cat "$workspace/.made_of" 2>/dev/null)" != "$made_of" ]; then
     say "Building fkie multimaster in build/multimaster"
     rm -rf "$workspace"
@@ -207,16 +221,16 @@ provide_multimaster() {
   _source "$workspace/devel/setup.bash"
 }
 
-# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with these packages; it is made again
-# only if they change
+# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in
+# scripts/pins/NAME.txt, whose files must have the hashes there; it is made again only if they change
 virtual_environment() {
-  local folder="$root/build/$1" python="$2" options=() log="$root/build/pip.log"; shift 2
-  if [ "$1" = --system-site-packages ]; then options=("$1"); shift; fi
-  local wanted; wanted="$folder $("$python" --version) ${options[*]} $* $(cat "$root/scripts/requirements-focal.txt")"
+  local folder="$root/build/$1" pins="$root/scripts/pins/$1.txt" python="$2" options=() log="$root/build/pip.log"; shift 2
+  if [ "${1:-}" = --system-site-packages ]; then options=("$1"); shift; fi
+  local wanted; wanted="$folder $("$python" --version) ${options[*]} $* $(sha256sum <"$pins")"
   [ "$(cat "$folder/.wanted" 2>/dev/null)" != "$wanted" ] || return 0
   rm -rf "$folder"
-  "$python" -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
-    "$folder/bin/python" -m pip install -q --only-binary :all: --disable-pip-version-check "$@" >>"$log" 2>&1 &&
+  "$python" -I -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
+    env -u PYTHONPATH "$folder/bin/python" -I -m pip install -q --require-hashes --only-binary :all: --disable-pip-version-check "$@" -r "$pins" >>"$log" 2>&1 &&
     echo "$wanted" >"$folder/.wanted"
 }
 
@@ -228,7 +242,7 @@ provide_vda5050_schemas() {
   mkdir -p "$folder"
   provide_vda5050_schemas_of 2.0.0 a8974b1f8bc412f72cca237f14c5578fe1b01224
   provide_vda5050_schemas_of 3.0.0 0b2ae43154bcd1ab2be4e2445df8b406dcad77b2
-  virtual_environment vda5050_sdk /usr/bin/python3 --no-deps --ignore-requires-python vda5050-sdk==0.2.0 || return 0
+  virtual_environment vda5050_sdk /usr/bin/python3 --no-deps --ignore-requires-python || return 0
   found="$(find "$root/build/vda5050_sdk/lib" -type d -path '*/vda5050/validation/schemas')"
   [ -n "$found" ] || return 0
   ln -sfn "$found" "$folder/2.1.0"
@@ -248,10 +262,10 @@ provide_vda5050_schemas_of() {
 
 # provide_axe: installs axe-core, which checks the accessibility of a page, in build/axe. Its tests are skipped if it cannot
 # be installed.
-provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps axe-playwright-python==0.1.8 || true; }
+provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps || true; }
 
 # provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
-provide_z3() { virtual_environment z3 /usr/bin/python3 z3-solver==4.15.4.0 || true; }
+provide_z3() { virtual_environment z3 /usr/bin/python3 || true; }
 
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
@@ -259,7 +273,7 @@ record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 # port_is_free PORT: succeeds if nothing listens on this port of this machine. The check makes no connection: on the port for
 # a robot's outgoing connection the newest connection replaces the running robot's.
 port_is_free() {
-  /usr/bin/python3 - "$1" 2>/dev/null <<'END'
+  /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket
 import sys
 with socket.socket() as probe:
@@ -270,7 +284,7 @@ END
 
 # address_towards HOST: prints this machine's own address on the network route to HOST; fails without such a route.
 address_towards() {
-  /usr/bin/python3 - "$1" 2>/dev/null <<'END'
+  /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket
 import sys
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

@@ -15,7 +15,7 @@ esac
 
 mkdir -p "$root/build"
 install_missing 1 "python3-venv python3-venv"
-virtual_environment mkdocs /usr/bin/python3 $docs_packages ||
+virtual_environment mkdocs /usr/bin/python3 ||
   die "mkdocs could not be installed from PyPI (offline?): see build/pip.log"
 cd "$root"
 # --quiet would also hide warnings from --strict

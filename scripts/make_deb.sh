@@ -32,6 +32,7 @@ say "Building Debian packages"
 }
 say "Checking them with lintian"
 lintian --fail-on error --tag-display-limit 0 "$here"/*.changes
+/usr/bin/python3 -I "$root/test/file_modes.py" "$here"/*.deb || die "files of the packages differ from the table in docs/explanation/security.md"
 say "The packages:" "$here"/*.deb
 [ "${1:-}" = --try ] || exit 0
 
@@ -42,7 +43,7 @@ bare="$here/root"
 if [ ! -f "$bare/.bare" ]; then
   say "Making a bare Debian 12 system: $bare"
   rm -rf "$bare"
-  debootstrap --variant=minbase --include=ca-certificates bookworm "$bare" >>"$log" 2>&1 || die "debootstrap failed: see $log"
+  debootstrap --force-check-gpg --variant=minbase --include=ca-certificates bookworm "$bare" >>"$log" 2>&1 || die "debootstrap failed: see $log"
   touch "$bare/.bare"
 fi
 rm -rf "$bare/debs" && mkdir "$bare/debs" && cp "$here"/*.deb "$bare/debs"

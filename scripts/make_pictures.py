@@ -104,7 +104,7 @@ def film(window: RvizWindow) -> None:
     wait_until(calibrated, 60.0, 'a click lands')
     point = clicks.messages[0].point
     window.calibrate(NOTHING_HERE, (point.x, point.y))
-    rospy.sleep(9.0)  # until the text about that click has disappeared
+    time.sleep(9.0)  # until the text about that click has disappeared
     keep(window, 'rviz_map')
 
     pictures = Film(window)

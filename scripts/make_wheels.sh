@@ -2,8 +2,8 @@
 # Builds wheels and sdists of the libraries that need no ROS: build/dist/*.whl and *.tar.gz.
 #
 #   scripts/make_wheels.sh                       builds them
-#   scripts/make_wheels.sh python3.8 python3.12  then, for each of these Pythons, installs both kinds with their dependencies from
-#                                                PyPI, and drives a simulated robot with them without ROS
+#   scripts/make_wheels.sh python3.8 python3.12  then, for each of these Pythons, installs both kinds, with dependencies from PyPI
+#                                                of known hashes, and drives a simulated robot with them without ROS
 #
 # Exit status: 0 success; 1 the build or the installation failed, or the robot did not arrive.
 set -euo pipefail
@@ -18,13 +18,13 @@ here="$root/build/dist" log="$root/build/wheels.log"
 mkdir -p "$root/build"
 : >"$log"
 install_missing 1 "python3-venv python3-venv"
-virtual_environment wheels /usr/bin/python3 --system-site-packages $wheel_packages ||
+virtual_environment wheels /usr/bin/python3 --system-site-packages ||
   die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
 rm -rf "$here"
 mkdir -p "$here/sources"
 cp -r "${pure_libraries[@]/#/$root/src/}" "$here/sources"  # a copy, because building leaves files beside the sources
 for library in "${pure_libraries[@]}"; do
-  "$root/build/wheels/bin/python" -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
+  "$root/build/wheels/bin/python" -I -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
     die "$library was not built: see $log"
 done
 rm -rf "$here/sources"
@@ -36,7 +36,7 @@ drive() {
   port="$(free_port)"
   (cd / && exec "$1/bin/ld90_sim" --map "$root/maps/lab.map" --port "$port" --password adept --speed 10) >>"$log" 2>&1 &
   sim=$!
-  until "$1/bin/python" -c "import socket; socket.create_connection(('127.0.0.1', $port))" 2>/dev/null; do
+  until "$1/bin/python" -I -c "import socket; socket.create_connection(('127.0.0.1', $port))" 2>/dev/null; do
     kill -0 $sim || return 1
   done
   (cd / && timeout 60 "$1/bin/python" "$root/examples/drive_without_ros.py" --port "$port" 127.0.0.1 12 <<<adept)
@@ -51,8 +51,12 @@ for python in "$@"; do
   for kind in whl tar.gz; do
     environment="$here/$(basename "$python")_$kind"
     say "$("$python" --version), from .$kind files"
-    "$python" -m venv "$environment" &&
-      "$environment/bin/python" -m pip install -q --disable-pip-version-check "$here"/*."$kind" >>"$log" 2>&1 ||
+    "$python" -I -m venv "$environment" &&
+      "$environment/bin/python" -I -m pip install -q --disable-pip-version-check --require-hashes --only-binary :all: \
+        -r "$root/scripts/pins/wheels.txt" -r "$root/scripts/pins/wheels_run.txt" >>"$log" 2>&1 &&
+      "$environment/bin/python" -I -m pip install -q --disable-pip-version-check --no-index --no-build-isolation \
+        "$here"/*."$kind" >>"$log" 2>&1 &&
+      "$environment/bin/python" -I -m pip check >>"$log" 2>&1 ||
       die "the .$kind files could not be installed with $python: see $log"
     "$environment/bin/ld_map" info "$root/maps/lab.map" >/dev/null || die "ld_map does not run"
     drive "$environment" || die "the robot did not arrive: see $log"

@@ -30,9 +30,14 @@ for arg in "$@"; do
 done
 graph="${map%.map}_graph.yaml" made="${map%.map}_fleet.map"
 
+picture="${graph%.yaml}.png"
+is_own() { [ ! -e "$1" ] || grep -q "$2" -- "$1"; }  # is_own FILE MARK: there is no such file, or its program has written it
+is_own "$made" omron_ros_map || die "$made was not made by this script and is not overwritten: move it, or give the map another name"
+is_own "$picture" 'written by make_graph' || die "$picture was not made by this script and is not overwritten: move it, or give the map another name"
+
 prepare "${run_packages[@]}"
 commands=()
-graph_value() { /usr/bin/python3 -m graph_editor.graph_values "$@"; }
+graph_value() { /usr/bin/python3 -I "$root/scripts/run_module.py" graph_editor.graph_values "$@"; }
 do_and_note() { commands+=("$(printf '%q ' "$@")"); "$@"; }
 
 
@@ -42,7 +47,7 @@ if [ -e "$graph" ] && ! graph_value unedited "$graph"; then
     die "the graph has errors: open it with  roslaunch graph_editor edit.launch map_file:=$map graph_file:=$graph"
 else
   say "Making $graph"
-  do_and_note rosrun graph_editor make_graph --map "$map" --output "$graph" --draw "${graph%.yaml}.png" ${make_options[@]+"${make_options[@]}"}
+  do_and_note rosrun graph_editor make_graph --map "$map" --output "$graph" --draw "$picture" ${make_options[@]+"${make_options[@]}"}
 fi
 dock="$(graph_value dock "$graph")"
 widths="$(graph_value edge_widths "$graph" "$map")"
@@ -53,7 +58,7 @@ convert=(rosrun omron_ld90 omron_ros_map --graph "$graph" --base-map "$map" --ou
 [ -z "$widths" ] || convert+=(--edge-width "$widths")
 do_and_note "${convert[@]}"
 
-run=("$root/scripts/run.sh" "map_file:=$made" "graph_file:=$graph" "dock_vertex:=${dock:-0}" ${launch_args[@]+"${launch_args[@]}"})
+run=("${full_stack[@]}" "map_file:=$made" "graph_file:=$graph" "dock_vertex:=${dock:-0}" ${launch_args[@]+"${launch_args[@]}"})
 commands+=("$(printf '%q ' "${run[@]}")")
 say "The three commands"
 printf '  %s\n' "${commands[@]}"

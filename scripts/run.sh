@@ -21,9 +21,13 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
   echo
   echo 'With fleet:=, these arguments instead:'
-  PYTHONPATH="$root/src/fleet_bringup/src" /usr/bin/python3 -c 'from fleet_bringup.options import help_text; print(help_text())'
+  /usr/bin/python3 -I -c 'import sys; sys.path.insert(0, sys.argv[1]); from fleet_bringup.options import help_text; print(help_text())' \
+    "$root/src/fleet_bringup/src"
   exit 0
 fi
+
+[ -z "${ROS_NAMESPACE:-}" ] ||
+  die "ROS_NAMESPACE is $ROS_NAMESPACE in this shell, so neither a fleet manager nor the tools of RViz would reach the robot: unset ROS_NAMESPACE."
 
 # refuse_what_runs LAUNCH...: fails if one of the launch's nodes runs already. Two launches with nodes of the same name under
 # one ROS master would end each other's nodes for ever.
@@ -52,6 +56,7 @@ start_fleet() {
   fi
   unset OMRON_LD90_PASSWORD
   refuse_what_runs "$launch"
+  keep_private
   say "Starting: roslaunch $launch"
   exec roslaunch "$launch"
 }
@@ -60,6 +65,10 @@ start_fleet() {
 # for each file that may be open: in some containers the limit is a thousand million, which takes gigabytes per node.
 limit_files() { ulimit -Sn 16384 2>/dev/null || ulimit -Sn "$(ulimit -Hn)"; }
 limit_files
+
+# keep_private: journals, records and logs are for this user only. roslaunch gives folders of logs the mode of ROS_HOME.
+keep_private() { umask 077; mkdir -p "${ROS_HOME:-$HOME/.ros}"; }
+
 for arg in "$@"; do
   case "$arg" in fleet:=*) start_fleet "$@" ;; esac
 done
@@ -140,5 +149,6 @@ if [ -n "${OMRON_LD90_PASSWORD:-}" ] && [ -z "${given[password_file]:-}" ] && [[
 fi
 unset OMRON_LD90_PASSWORD
 
+keep_private
 say "Starting: roslaunch omron_ld90 full_stack.launch ${args[*]:-}"
 exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}

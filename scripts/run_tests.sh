@@ -29,7 +29,7 @@ unit_pytest() {  # unit_pytest OPTION...
 python38_pytest() {  # python38_pytest OPTION...: without this system's ROS, and without real maps (one Python tests them)
   local selection=()
   [ -n "${LD90_LONG_TESTS:-}" ] || selection=(-m 'hypothesis or every_python')
-  env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
+  env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s\n' "$root"/src/*/src | paste -sd:)" \
     build/python3.8/bin/python -m pytest -q -o cache_dir="$results/cache/python38" \
     --ignore-glob='*/test/nodes/*' ${selection[@]+"${selection[@]}"} src "$@"
 }
@@ -45,16 +45,16 @@ unit_tests() {
 find_python38() {
   local candidate
   for candidate in python3.8 "${HOME:-/root}"/.pyenv/versions/3.8*/bin/python3.8; do
-    if "$candidate" -c '' 2>/dev/null; then echo "$candidate"; return; fi
+    if "$candidate" -I -c '' 2>/dev/null; then echo "$candidate"; return; fi
   done
 }
 
 unit_tests_of_python38() {
-  if [ "$(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])')" = '(3, 8)' ]; then return; fi
+  if [ "$(/usr/bin/python3 -I -c 'import sys; print(sys.version_info[:2])')" = '(3, 8)' ]; then return; fi
   local python38; python38="$(find_python38)"
   if [ -z "$python38" ]; then
     record "$results" skipped python3.8 "no Python 3.8 on this machine"
-  elif ! virtual_environment python3.8 "$python38" -r scripts/requirements-focal.txt; then
+  elif ! virtual_environment python3.8 "$python38" --no-binary paho-mqtt --no-build-isolation; then
     record "$results" skipped python3.8 "its packages could not be installed from PyPI (offline?): see build/pip.log"
   else
     say "Tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
@@ -121,7 +121,7 @@ system_tests() {  # TEST_JOBS tests at a time, the longest first: by the last ru
   rm -f "$results/failed"
   touch "$known"
   set -- $(/usr/bin/python3 scripts/test_results.py longest-first "$known" "$@")
-  export PYTHONPATH="$root/test:${PYTHONPATH:-}"
+  export PYTHONPATH="$root/test${PYTHONPATH:+:$PYTHONPATH}"
   trap 'kill -TERM $(jobs -p); wait; exit 130' INT TERM  # the tests end when the script is ended
   for name in "$@"; do
     if [ "$running" -ge "$jobs" ]; then wait -n || true; running=$((running - 1)); fi

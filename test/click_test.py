@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import unittest
 
 import actionlib
@@ -21,6 +22,7 @@ from itrci_nav_msgs.msg import (
     MissionRequest,
     MissionStatus,
 )
+from node_lifecycle.periodic import Periodic
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,
@@ -274,14 +276,22 @@ class FleetManager:
     def __init__(self, publisher: rospy.Publisher) -> None:
         self.state = FleetRobot.OUT_OF_SERVICE
         self._publisher = publisher
-        self._timer = rospy.Timer(rospy.Duration(0.5), lambda _: self._publisher.publish(
-            FleetState(robots=[FleetRobot(name='omron_ld90', state=self.state)])))
+        self._lock = threading.Lock()
+        self._manages = True
+        self._periodic = Periodic('fleet state', 0.5, self._publish)
 
     def end(self) -> None:
         """From the next message on, it manages no robot."""
-        self._timer.shutdown()
-        self._timer.join(2.0)
-        self._publisher.publish(FleetState())
+        self._periodic.shutdown()
+        with self._lock:
+            self._manages = False
+            self._publisher.publish(FleetState())
+
+    def _publish(self) -> None:
+        with self._lock:
+            if self._manages:
+                self._publisher.publish(FleetState(
+                    robots=[FleetRobot(name='omron_ld90', state=self.state)]))
 
 
 class FakeController:

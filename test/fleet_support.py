@@ -293,7 +293,7 @@ class Factory:
 
         def all_stand() -> bool:
             nonlocal before
-            rospy.sleep(0.5)
+            time.sleep(0.5)
             places, last = self.places(), before
             before = places
             return all(math.dist(place, last[name]) < STANDS for name, place in places.items())

@@ -11,6 +11,7 @@ import math
 import os
 import sys
 import tempfile
+import time
 import unittest
 import urllib.request
 from pathlib import Path
@@ -160,7 +161,7 @@ class FleetOnThePage(unittest.TestCase):
             stands.
             """
             self.robot_button(SECOND, ActKind.IN)
-            rospy.sleep(0.5)
+            time.sleep(0.5)
             return self.factory.robot(SECOND).state in READY
         wait_until(is_back, 20.0, f'{SECOND} in service')
 
@@ -241,7 +242,7 @@ class FleetOnThePage(unittest.TestCase):
         stood = [self.place(robot)]
 
         def stands() -> bool:
-            rospy.sleep(0.3)
+            time.sleep(0.3)
             stood.append(self.place(robot))
             return math.dist(stood[-1], stood[-2]) < 0.01
         wait_until(stands, 20.0, f'{robot} stands')

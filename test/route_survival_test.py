@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 import unittest
 from typing import List
 
@@ -60,7 +61,7 @@ class Survival(unittest.TestCase):
         pid = process_of(f'/omron_ld90/{node}')
         os.kill(pid, signal.SIGSTOP)
         try:
-            rospy.sleep(seconds)  # the suspension itself, not a wait for a condition
+            time.sleep(seconds)  # the suspension itself, not a wait for a condition
         finally:
             os.kill(pid, signal.SIGCONT)
 

@@ -14,6 +14,7 @@ import unittest
 from pathlib import Path
 
 import rospy
+from file_modes import differences, walk
 from fleet_support import free_fleet_ports
 from rosnode import rosnode_ping
 
@@ -33,7 +34,9 @@ class RunScript(unittest.TestCase):
         rospy.init_node('run_script')
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        self.logs = Path(self.folder.name) / 'logs'
+        self.home = Path(self.folder.name) / 'ros_home'
+        self.home.mkdir(mode=0o700)
+        self.logs = self.home / 'log'
         self.output = (Path(self.folder.name) / 'output').open('w+')
         self.addCleanup(self.output.close)
 
@@ -59,6 +62,9 @@ class RunScript(unittest.TestCase):
         self.assertTrue(any('roslaunch' in log.name for log in logs), logs)
         self.assertEqual([log.name for log in logs
                           if PASSWORD in log.read_text(errors='replace')], [])
+        names = {os.geteuid(): 'user', os.getegid(): 'user'}
+        self.assertTrue(list(self.home.rglob('*_motion.json')), list(self.home.rglob('*')))
+        self.assertEqual(differences(walk(self.home, 'ROS_HOME', names)), [])
 
     def test_a_fleet_does_not_take_the_nodes_of_one_that_runs(self) -> None:
         """Under one ROS master the two fleets would end and restart each other's nodes for ever."""
@@ -86,6 +92,7 @@ class RunScript(unittest.TestCase):
         return subprocess.Popen(
             [str(ROOT / 'scripts' / 'run.sh'), *args], stdout=self.output,
             stderr=subprocess.STDOUT, env={**os.environ, 'OMRON_LD90_PASSWORD': PASSWORD,
+                                           'ROS_HOME': str(self.home),
                                            'ROS_LOG_DIR': str(self.logs)})
 
 

@@ -19,6 +19,7 @@ import urllib.request
 from pathlib import Path
 from typing import Dict, List, Tuple
 
+from file_modes import differences, walk
 from fleet_support import free_fleet_ports
 
 from fleet_services.units import START
@@ -35,6 +36,7 @@ class Unit:
 
     def __init__(self, file: Path, folder: Path) -> None:
         self.name = file.stem
+        self._root = folder / 'root'
         self._text = file.read_text()
         self._said = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._path = str(folder / f'{self.name}.notify')
@@ -58,12 +60,21 @@ class Unit:
         for line in variables:
             name, _, value = shlex.split(line)[0].partition('=')
             environment[name] = value
-        environment['ROS_LOG_DIR'] = environment['ROS_HOME'] + '/log'
+        for word in self.setting('Environment')[0].split():
+            name, _, value = word.partition('=')
+            environment[name] = value.replace('%S', f'{self._root}/var/lib').replace(
+                '%L', f'{self._root}/var/log')
         environment['NOTIFY_SOCKET'] = self._path
-        os.makedirs(environment['ROS_HOME'], exist_ok=True)
+        for kind in ('State', 'Logs'):
+            folder = {'State': 'lib', 'Logs': 'log'}[kind]
+            (self._root / 'var' / folder / self.setting(f'{kind}Directory')[0]).mkdir(
+                int(self.setting(f'{kind}DirectoryMode')[0], 8), parents=True, exist_ok=True)
+        mask = int(self.setting('UMask')[0], 8)
         self._process = subprocess.Popen(
-            shlex.split(self.setting('ExecStart')[0]), env=environment, cwd=environment['ROS_HOME'],
-            stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True)
+            ['sh', '-c', f'umask {mask:04o}; exec "$@"', '-',
+             *shlex.split(self.setting('ExecStart')[0])],
+            env=environment, cwd=environment['ROS_HOME'], stdout=self._log,
+            stderr=subprocess.STDOUT, start_new_session=True)
         if self.setting('Type') == ['notify']:
             self.wait_for('READY=1', START)
 
@@ -135,6 +146,15 @@ class Services(unittest.TestCase):
             self.assertEqual(answer.status, 200)
         for unit in units[1:]:
             unit.wait_for('WATCHDOG=1', SIGNS)
+        state = self.folder / 'root/var/lib/fleet/hall'
+        self.assertTrue((state / 'manager/graph_fleet_manager/fleet.sqlite').is_file())
+        self.assertTrue((state / 'page/fleet_page/page.sqlite').is_file())
+        names = {os.geteuid(): 'services', os.getegid(): 'services'}
+        for folder in ('lib', 'log'):
+            found = walk(self.folder / f'root/var/{folder}/fleet', f'/var/{folder}/fleet',
+                         names)
+            # the folders above belong to root, as which this test does not run everywhere
+            self.assertEqual(differences(one for one in found if one[0].count('/') > 5), [])
 
     def run_fleet(self, *command: str) -> str:
         """Runs a command of the fleet manager, under the master of the services."""

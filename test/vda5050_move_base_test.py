@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import threading
+import time
 import unittest
 from typing import List, Tuple
 
@@ -15,6 +16,7 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 
+from node_lifecycle.periodic import Periodic
 from system_support import kill_node
 from vda5050_vehicle.conformance.master import Master, Message
 from vda5050_vehicle.conformance.own_broker import OwnBroker
@@ -41,7 +43,7 @@ class Trolley:
         self._lock = threading.Lock()
         self._poses = rospy.Publisher('/trolley/pose', PoseStamped, queue_size=1)
         self._odometry = rospy.Publisher('/trolley/odom', Odometry, queue_size=1)
-        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tell)
+        Periodic('trolley', PERIOD, self._tell)
 
     def start_move_base(self) -> None:
         """Starts the action; before that, the robot reports its pose but takes no goals."""
@@ -52,7 +54,6 @@ class Trolley:
     def _drive(self, goal: MoveBaseGoal) -> None:
         target = goal.target_pose.pose.position
         self.goals.append((target.x, target.y))
-        rate = rospy.Rate(1.0 / PERIOD)
         while not rospy.is_shutdown():
             left = target.x - self.x
             if self._server.is_preempt_requested():
@@ -70,9 +71,9 @@ class Trolley:
                 return
             self._speed = math.copysign(self.speed, left)
             self.x += self._speed * PERIOD
-            rate.sleep()
+            time.sleep(PERIOD)
 
-    def _tell(self, _event: rospy.timer.TimerEvent) -> None:
+    def _tell(self) -> None:
         pose, odometry = PoseStamped(), Odometry()
         pose.header.frame_id = 'map'
         pose.pose.position.x, pose.pose.orientation.w = self.x, 1.0

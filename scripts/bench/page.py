@@ -46,6 +46,7 @@ from itrci_nav_msgs.msg import (  # noqa: E402  # noqa: E402
     Vertex,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage  # noqa: E402
+from node_lifecycle.periodic import Periodic  # noqa: E402
 from ports import free_port  # noqa: E402
 from trajectory_graph.messages import fill_message  # noqa: E402
 
@@ -88,7 +89,7 @@ class Fleet:
         """The position, in m, of the robot whose changes are timed."""
         self._lock = threading.Lock()
         self._ticks = 0
-        self._timer = rospy.Timer(rospy.Duration(0.1), self._tick)
+        Periodic('fleet', 0.1, self._tick)
 
     def move_probe(self, x: float) -> float:
         """Publishes another position at once; returns the time, in s since 1970."""
@@ -99,7 +100,7 @@ class Fleet:
                 FleetPose('probe', x, -2.0, 0.0, rospy.Time.now())]))
         return now
 
-    def _tick(self, _event: object) -> None:
+    def _tick(self) -> None:
         self._ticks += 1
         now, angle = rospy.Time.now(), time.time()
         if self._ticks % 2 == 0:

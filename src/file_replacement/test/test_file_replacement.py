@@ -15,7 +15,7 @@ from file_replacement import replace_file
 
 SOURCES = Path(__file__).resolve().parents[2]
 ROTATES_ITS_LOG = 'omron_arcl/src/omron_arcl/session_log.py'
-COPIES_WHAT_NO_MEMORY_HOLDS = 'graph_fleet_manager/src/graph_fleet_manager/commands/site_backup.py'
+COPIES_WHAT_NO_MEMORY_HOLDS = 'fleet_services/src/fleet_services/ownership.py'
 
 
 def mode_of(path: Path) -> int:
@@ -35,6 +35,18 @@ def test_the_new_content_is_there_and_nothing_else(tmp_path, content):
         replace_file(path, content)
         assert path.read_bytes() == (content.encode() if isinstance(content, str) else content)
         assert names(tmp_path) == ['file']
+
+
+def test_a_file_of_others_is_not_replaced_under_a_name_that_the_user_did_not_give(tmp_path):
+    path = tmp_path / 'file'
+    replace_file(path, '# made by me\n1', only_with=b'made by me')
+    replace_file(path, '# made by me\n2', only_with=b'made by me')
+    assert path.read_text() == '# made by me\n2'
+    path.write_text('of the user')
+    with pytest.raises(FileExistsError, match='not written by this program'):
+        replace_file(path, '# made by me\n3', only_with=b'made by me')
+    assert path.read_text() == 'of the user'
+    assert names(tmp_path) == ['file']
 
 
 @pytest.mark.parametrize('failing', ['fsync', 'replace', 'fchmod'])

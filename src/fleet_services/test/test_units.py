@@ -15,7 +15,8 @@ PAUSE = Path(__file__).resolve().parents[1] / 'config' / 'restart_pause'
 SERVICES = (
     Service('master', 'ROS master', '/usr/bin/env a', is_watched=False),
     Service('robots-1', 'Robots', '/usr/bin/env b', ('ld90_1.password',)),
-    Service('page', 'Web page', '/usr/bin/env c', ('token_file',)))
+    Service('page', 'Web page', '/usr/bin/env c', ('token_file',), reads=('robots-1',),
+            peers=('10.0.0.0/24',)))
 
 
 def system(version: int = 252) -> System:
@@ -60,6 +61,23 @@ def test_an_older_systemd_lets_the_user_read_the_kept_secret():
     old = system(245)
     assert settings(unit_files(SERVICES, old)['fleet-hall-page.service'], 'LoadCredential') == []
     assert old.secret('page', 'token_file') == '/etc/fleet/hall/secrets/token_file'
+
+
+def test_a_unit_sees_its_own_state_only(units):
+    unit = units['fleet-hall-page.service']
+    assert settings(unit, 'TemporaryFileSystem') == ['%S/fleet:ro %L/fleet:ro']
+    assert settings(unit, 'StateDirectory') == ['fleet/hall/page']
+    assert settings(unit, 'BindPaths') == ['%S/fleet/hall/page %L/fleet/hall/page']
+    assert settings(unit, 'BindReadOnlyPaths') == ['-%S/fleet/hall/robots-1']
+    assert settings(units['fleet-hall-robots-1.service'], 'BindReadOnlyPaths') == []
+    assert 'HOME=%S/fleet/hall/page' in settings(unit, 'Environment')[0].split()
+
+
+def test_a_unit_communicates_only_with_what_it_needs(units):
+    assert settings(units['fleet-hall-page.service'], 'IPAddressDeny') == ['any']
+    assert settings(units['fleet-hall-page.service'], 'IPAddressAllow') == [
+        'localhost 10.0.0.0/24']
+    assert settings(units['fleet-hall-master.service'], 'IPAddressDeny') == []
 
 
 def test_pauses_between_restarts_grow():

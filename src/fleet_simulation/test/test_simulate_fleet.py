@@ -1,4 +1,5 @@
 import csv
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Callable, Dict, List
@@ -124,3 +125,26 @@ def test_an_unreachable_pair_is_told_with_its_line(yard: Graph, files: Files) ->
         site(island, files())
     assert error.value.line == 2
     assert 'no robot can drive from vertex 21 to vertex 25' in error.value.problem
+
+
+def test_no_file_of_the_user_is_overwritten_by_a_report(files: Files, tmp_path: Path,
+                                                        capsys) -> None:
+    (tmp_path / 'mine').mkdir()
+    (tmp_path / 'mine' / 'runs.csv').write_text('my own runs')
+    few = ('--robots=1', '--hours=0.02', '--seeds=1')
+    assert main(arguments(files(SATURATED), tmp_path / 'mine', *few)) == 1
+    assert 'name a new or empty folder' in capsys.readouterr().err
+    assert (tmp_path / 'mine' / 'runs.csv').read_text() == 'my own runs'
+    for _ in range(2):  # a report of before is replaced
+        assert main(arguments(files(SATURATED), tmp_path / 'report', *few)) == 0
+
+
+def test_a_report_names_the_edges_that_the_user_has_drawn_and_not_their_sections(
+        files: Files, tmp_path: Path, capsys, yard: Graph) -> None:
+    paths = files(SATURATED)
+    assert main(arguments(paths, tmp_path / 'report', '--robots=3', '--hours=0.1', '--seeds=1',
+                          '--longest-edge=1.5')) == 0
+    page = (tmp_path / 'report' / 'report.html').read_text()
+    named = set(map(int, re.findall(r'<title>edge (\d+):', page)))
+    assert named == set(yard.edges)
+    assert set(map(int, re.findall(r'<tr><td>(\d+)</td><td>[\d.]+ %</td><td>[a-z]', page))) <= named

@@ -104,6 +104,12 @@ def test_a_grid_without_free_cells_is_floor_inside_its_outline():
     (('[-2.0, -1.0, 0.0]', '[-2.0, -1.0, 0.5]'), 'yaw 0 '),
     (('negate: 0', 'mode: raw'), 'trinary'),
     (('negate: 0', 'negate: maybe'), 'whole number'),
+    (('occupied_thresh: 0.65', 'occupied_thresh: 65'), 'not percent'),
+    (('free_thresh: 0.196', 'free_thresh: 19.6'), 'not percent'),
+    (('free_thresh: 0.196', 'free_thresh: 0.7'), 'free_thresh is the smaller one'),
+    (('free_thresh: 0.196', 'free_thresh: .nan'), 'free_thresh is nan'),
+    (('occupied_thresh: 0.65', 'occupied_thresh: .nan'), 'occupied_thresh nan'),
+    (('free_thresh: 0.196', 'free_thresh: -0.1'), 'from 0 to 1'),
     (('image: hall.pgm', 'image: [1]'), 'image must be a text'),
     ((ROS_MAP, '- 1\n'), 'must be a mapping'),
     ((ROS_MAP, '{'), 'not YAML')])
@@ -130,3 +136,55 @@ def test_a_file_that_is_not_there_is_told(tmp_path, name):
 def test_a_grid_too_large_to_work_with_is_refused():
     with pytest.raises(SiteError, match='is the most'):
         site_of_grid(np.broadcast_to(np.int8(0), (10_000, 10_000)), 0.05, (0.0, 0.0), SiteOptions())
+
+
+FREE, OCCUPIED, UNKNOWN = 0, 100, -1
+
+
+def pixels_of(tmp_path, name: str, mode: str, *colours: object) -> list:
+    """The cells of a row of pixels, and beyond them a wall, as load_ros_map reads the image."""
+    image = Image.new(mode, (len(colours), 1))
+    for x, colour in enumerate(colours):
+        image.putpixel((x, 0), colour)
+    image.save(tmp_path / name)
+    (tmp_path / 'hall.yaml').write_text(ROS_MAP.replace('hall.pgm', name))
+    return load_ros_map(str(tmp_path / 'hall.yaml')).cells[0].tolist()
+
+
+@pytest.mark.parametrize('name, mode, told', [
+    # what map_server's image_loader.cpp makes of them: the mean of all channels, alpha included
+    ('a.png', 'RGB', {(255, 255, 255): FREE, (255, 255, 0): UNKNOWN, (0, 255, 0): OCCUPIED,
+                      (254, 254, 254): FREE, (205, 205, 205): UNKNOWN, (0, 0, 0): OCCUPIED}),
+    ('a.png', 'RGBA', {(255, 255, 255, 255): FREE, (255, 255, 255, 0): UNKNOWN,
+                       (0, 0, 0, 0): OCCUPIED, (0, 0, 0, 255): OCCUPIED,
+                       (90, 90, 90, 0): OCCUPIED}),
+    ('a.png', 'LA', {(255, 255): FREE, (255, 0): UNKNOWN, (0, 0): OCCUPIED}),
+    ('a.png', 'I;16', {65535: FREE, 205 * 256: UNKNOWN, 205 * 256 + 255: UNKNOWN, 0: OCCUPIED}),
+    ('a.png', '1', {1: FREE, 0: OCCUPIED}),
+    ('a.pgm', 'L', {254: FREE, 205: UNKNOWN, 0: OCCUPIED}),
+    ('a.ppm', 'RGB', {(255, 255, 0): UNKNOWN})])
+def test_a_pixel_of_any_kind_of_image_has_the_value_that_map_server_gives_it(
+        tmp_path, name, mode, told):
+    assert pixels_of(tmp_path, name, mode, *told) == list(told.values())
+
+
+def test_an_image_that_map_server_would_read_otherwise_is_refused(tmp_path):
+    (tmp_path / 'hall.yaml').write_text(ROS_MAP.replace('hall.pgm', 'a.png'))
+    grey = Image.fromarray(hall())
+    grey.convert('P').save(tmp_path / 'a.png')
+    with pytest.raises(SiteError, match='save it as an 8-bit grey PGM or PNG file'):
+        load_ros_map(str(tmp_path / 'hall.yaml'))
+    grey.save(tmp_path / 'a.png', transparency=254)
+    with pytest.raises(SiteError, match='save it as an 8-bit grey PGM or PNG file'):
+        load_ros_map(str(tmp_path / 'hall.yaml'))
+    (tmp_path / 'a.png').write_bytes(b'P5 2 1 65535\n' + bytes(4))  # SDL_image refuses it
+    with pytest.raises(SiteError, match='save it as an 8-bit grey PGM or PNG file'):
+        load_ros_map(str(tmp_path / 'hall.yaml'))
+
+
+def test_a_map_whose_unknown_cells_would_be_free_or_that_has_no_walls_is_warned_of(tmp_path):
+    text = ROS_MAP.replace('free_thresh: 0.196', 'free_thresh: 0.25')
+    assert '205' in load_site(ros_map(tmp_path, text), SiteOptions()).notes[0]
+    assert load_site(ros_map(tmp_path), SiteOptions()).notes == ()
+    light = np.full((40, 60), 254, np.uint8)
+    assert 'no walls' in load_ros_map(ros_map(tmp_path, grey=light)).notes[0]

@@ -28,3 +28,16 @@ def test_a_misspelt_key_is_named(tmp_path, right, wrong, known):
     with pytest.raises(FileError) as error:
         load_fleet(tmp_path / 'fleet.yaml')
     assert wrong[:-1] in str(error.value) and known in str(error.value)
+
+
+@pytest.mark.parametrize('right, wrong, sentence', [
+    ('play: 0.25', 'play: 0,25', 'line 3: a robot type has a number, 25, where the name of a field '
+     'must be; write decimal numbers with a point'),
+    ('absent: true', 'absent: ', 'line 5: absent has no value'),
+    ('absent: true', 'absent', 'line 5: absent has no value')])
+def test_a_key_without_a_value_and_a_key_that_is_a_number_are_refused_with_their_line(
+        tmp_path, right, wrong, sentence):
+    (tmp_path / 'fleet.yaml').write_text(FLEET.replace(right, wrong))
+    with pytest.raises(FileError) as error:
+        load_fleet(tmp_path / 'fleet.yaml')
+    assert sentence in str(error.value)

@@ -7,6 +7,7 @@ import os
 import resource
 import shutil
 import sqlite3
+import subprocess
 import time
 from contextlib import contextmanager
 from dataclasses import replace
@@ -379,3 +380,42 @@ def test_the_history_since_a_time_has_what_changed_and_what_is_open(path):
     journal.store([ended(3)])
     assert [line.request_id for line in history(path, clock.now)] == [1, 3]
     assert [line.request_id for line in history(path, math.inf)] == [1]
+
+
+@pytest.mark.parametrize('runs', [True, False])
+def test_the_history_is_read_where_nothing_may_be_written(on_small_disk, runs):
+    """The page sees the journal of the fleet manager so, whether that one runs or not."""
+    def read(disk):
+        own, shown = disk.folder / 'own', disk.folder / 'shown'
+        own.mkdir()
+        shown.mkdir()
+        journal = Journal(str(own / 'fleet.sqlite'))
+        journal.store([ended(1)])
+        if not runs:
+            journal.close()
+        subprocess.run(['mount', '--bind', str(own), str(shown)], check=True)
+        subprocess.run(['mount', '-o', 'remount,bind,ro', str(shown)], check=True)
+        try:
+            return [line.request_id for line in history(str(shown / 'fleet.sqlite'))]
+        finally:
+            if runs:
+                journal.close()
+            subprocess.run(['umount', str(shown)], check=True)
+    assert on_small_disk(read) == [1]
+
+
+def test_a_journal_that_was_written_while_it_was_read_gives_nothing(path, monkeypatch):
+    journal = Journal(path)
+    journal.store([ended(1)])
+    journal.close()
+    monkeypatch.setattr(os, 'access', lambda *_: False)
+    monkeypatch.setattr('graph_fleet_manager.supervision.journal._history_line', None)
+    connect = sqlite3.connect
+
+    def connect_and_write(*words, **more):
+        database = connect(*words, **more)
+        os.utime(path, ns=(0, 0))
+        return database
+    monkeypatch.setattr(sqlite3, 'connect', connect_and_write)
+    with pytest.raises(JournalError, match='try again'):
+        list(history(path))

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from fleet_builders import AGV, as_files, corridor, graph_of, ladder
 from plan_checker import World, faults
 
 from graph_fleet_manager.commands.plan_fleet import main
+from trajectory_graph import Graph
 
 KEYS = {'solved', 'reason', 'planning_time', 'geometry_time', 'sum_of_costs', 'lower_bound',
         'makespan', 'robots', 'precedence'}
@@ -158,7 +160,20 @@ def test_starts_that_overlap_are_refused(tmp_path, capsys):
 def test_a_destination_behind_a_one_way_edge_is_refused(tmp_path, capsys):
     graph = graph_of({1: (0, 0), 2: (3, 0), 3: (6, 0)}, {1: (2, 1), 2: (2, 3)}, one_way=(1,))
     files = Files(tmp_path, graph, {'a': ('agv', 1)}, {'a': [3]})
-    assert 'Robot a cannot reach vertex 3 from vertex 1' in _refused(files, capsys)
+    assert ('Robot a: vertex 3 cannot be reached from vertex 1; no edges lead there that it may '
+            'drive') in _refused(files, capsys)
+
+
+def test_a_destination_behind_a_dock_is_refused_with_the_true_reason(tmp_path, capsys):
+    """As with two docks on one lane: edges lead there, but no route leads through a dock."""
+    plain = corridor(4)
+    graph = Graph([replace(vertex, dock=vertex.id in (3, 4))
+                   for vertex in plain.vertices.values()], plain.edges.values())
+    files = Files(tmp_path, graph, {'a': ('agv', 1)}, {'a': [4]})
+    refused = _refused(files, capsys)
+    assert ('Robot a: vertex 4 cannot be reached from vertex 1: each way leads through a dock, '
+            'such as dock 3, and no route leads through a dock.') in refused
+    assert 'let edges lead' not in refused
 
 
 def test_more_robots_than_can_park_are_refused(tmp_path, capsys):

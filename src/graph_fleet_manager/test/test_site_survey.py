@@ -144,6 +144,19 @@ class TestRemarks:
         assert 'cannot return from, vertex 12' in ' '.join(
             remark.text for remark in remarks(graph, Fleet((AGV,), (), 0.1), found))
 
+    def test_what_lies_behind_a_dock_is_named_with_the_true_reason(self):
+        """Two docks on one lane: 12 is one, and 20 lies behind it."""
+        graph = ring(2)
+        lane = Graph([*graph.vertices.values(), replace(graph.vertices[12], id=20, x=12.0)],
+                     [*graph.edges.values(), replace(graph.edges[12], id=20, origin=12,
+                                                     destination=20)])
+        for docks in ((12,), (12, 20)):
+            text = ' '.join(told(with_docks(lane, *docks), AGV))
+            assert ('cannot return from, vertex 20: each way leads through a dock, and no route '
+                    'leads through a dock') in text
+            assert 'let edges lead there' not in text
+        assert 'leads through a dock' not in ' '.join(told(with_docks(lane, 20), AGV))
+
     def test_what_fleet_file_and_graph_do_not_agree_on_is_named(self):
         docking = replace(AGV, name='docking', docks=frozenset({2}))
         text = ' '.join(told(with_docks(ring(1, 2), 11), docking,

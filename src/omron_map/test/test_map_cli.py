@@ -100,6 +100,29 @@ class TestExport:
         monkeypatch.chdir(tmp_path / 'here')
         assert main(['export', path]) == main(['draw', path]) == 0
         assert sorted(os.listdir('.')) == ['a.pgm', 'a.png', 'a.yaml']
+        assert main(['export', path]) == main(['draw', path]) == 0, 'its own files are replaced'
+
+    @pytest.mark.parametrize('command, arguments, of_the_user', [
+        ('export', [], 'a.yaml'), ('export', [], 'a.pgm'), ('export', ['a.png'], 'a.yaml'),
+        ('export', ['a.yaml'], 'a.pgm'), ('draw', [], 'a.png')])
+    def test_a_file_of_the_user_stays_if_its_name_was_not_given(
+            self, write, tmp_path, monkeypatch, capsys, command, arguments, of_the_user):
+        path = write(room_bytes())
+        (tmp_path / 'here').mkdir()
+        monkeypatch.chdir(tmp_path / 'here')
+        with open(of_the_user, 'w') as file:
+            file.write('name: hall')
+        assert main([command, path, *arguments]) == 1
+        assert of_the_user in capsys.readouterr().err
+        with open(of_the_user) as file:
+            assert file.read() == 'name: hall'
+
+    def test_a_file_whose_name_was_given_is_replaced(self, write, tmp_path, monkeypatch):
+        path = write(room_bytes())
+        monkeypatch.chdir(tmp_path)
+        for name in ('b.pgm', 'c.png'):
+            (tmp_path / name).write_text('old')
+        assert main(['export', path, 'b.pgm']) == main(['draw', path, 'c.png']) == 0
 
     def test_a_map_without_a_pitch_needs_one(self, write, tmp_path, capsys):
         assert main(['export', write(TWO_SCANS), str(tmp_path / 'grid.png')]) == 1

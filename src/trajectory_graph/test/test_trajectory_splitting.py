@@ -104,3 +104,15 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path, capsys):
     out = str(tmp_path / 'no' / 'out.yaml')
     assert split_edges_main(['--longest', '2', str(tmp_path / 'old.yaml'), out]) == 1
     assert capsys.readouterr().err == f'{out} cannot be written: No such file or directory.\n'
+
+
+def test_a_section_knows_the_edge_that_was_drawn_also_in_a_file_and_when_cut_again(tmp_path):
+    drawn = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 6.0, 0.0, 0.0), Vertex(3, 7.0, 0.0, 0.0)],
+                  [Edge(7, 1, 2), Edge(8, 2, 3)])
+    save_graph(split_edges(split_edges(drawn, 3.0), 1.5), tmp_path / 'cut.yaml')
+    graph = load_graph(tmp_path / 'cut.yaml')
+    sections = {id for id, edge in graph.edges.items() if edge.drawn_id == 7}
+    assert len(sections) == 4 and graph.edges[8].drawn_id == 8
+    for id in (7, *sections):
+        assert graph.whole_edges([id]) == graph.whole_edges([-id]) == sections
+    assert graph.whole_edges([8, 99]) == {8, 99}, 'other ids stay as they are'

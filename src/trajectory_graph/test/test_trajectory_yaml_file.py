@@ -51,6 +51,18 @@ def test_fields_we_do_not_know_are_left_alone(tmp_path):
     assert len(load_graph(file).vertices) == 2
 
 
+def test_fields_that_mean_nothing_may_be_missing(tmp_path):
+    file = tmp_path / 'graph.yaml'
+    file.write_text('Edges:\n- {CurveType: line, Destination_ID: 2, Id: 3, Origin_ID: 1, '
+                    'VelocityBackwards: 0.3, VelocityForward: 0.3}\n'
+                    'Vertices:\n- {Id: 1, Theta: 0.5, X: 0, Y: 0}\n'
+                    '- {Id: 2, Theta: 0, X: 3, Y: 0}\n')
+    graph = load_graph(file)
+    vertex, edge = graph.vertex(1), graph.edge(3)
+    assert (vertex.frame_id, vertex.label, vertex.theta_holonomic) == ('', '', vertex.theta)
+    assert (edge.param_f, edge.param_b) == (0.0, 0.0)
+
+
 def test_docks_and_parking_are_optional_and_the_label_dock_is_a_dock(tmp_path):
     file = tmp_path / 'graph.yaml'
     file.write_text(GOOD.replace('Id: 2, Label: pass', 'Id: 2, Label: dock, Parking: true'))
@@ -82,6 +94,17 @@ def test_a_graph_that_is_saved_and_read_again_is_the_same(tmp_path):
     ('X: 4.17', 'X: [1]', ', line 5: vertex 2: X must be a number.'),
     ('X: 4.17', 'X: east', ", line 5: vertex 2: X is 'east', but must be a number."),
     (', X: 4.17', '', ', line 5: vertex 2: X is missing.'),
+    ('Theta: 1.64, ThetaHolomonic: 2.74, X: 4.17, Y: -3.86', 'Colour: red',
+     ', line 5: vertex 2: Theta, X and Y are missing.'),
+    ('Id: 2, Label: pass, Theta: 1.64, ThetaHolomonic: 2.74, X: 4.17', 'Label: pass',
+     ', line 5: Id, Theta and X are missing.'),
+    ('Edges:\n' + EDGE + 'Vertices:', 'vertices:', ', line 1: Vertices and Edges are missing.'),
+    ('X: 4.17', 'X: 4,17', ', line 5: an entry of Vertices has a number, 17, where'),
+    ('VelocityForward: 0.3', 'VelocityForward: 0,8', ', line 2: an entry of Edges has a number, 8,'
+     ' where the name of a field must be; write decimal numbers with a point.'),
+    ('Label: pass, Theta: 1.64', 'Label: pass, transit, Theta: 1.64',
+     ', line 5: a key has no value.'),
+    ('Label: pass, Theta: 1.64', 'Label: , Theta: 1.64', ', line 5: Label has no value.'),
     ('Destination_ID: 2', 'Destination_ID: 8',
      ', line 2: edge 3: ends at vertex 8, which does not exist.'),
     ('Destination_ID: 2', 'Destination_ID: 1', ', line 2: edge 3: joins vertex 1 to itself.'),

@@ -3,14 +3,17 @@ from __future__ import annotations
 
 import getpass
 import json
+import os
 import queue
 import shutil
 import socket
 import subprocess
+import sys
 import time
 
 import pytest
 
+from vda5050_vehicle.conformance.own_broker import OwnBroker
 from vda5050_vehicle.mqtt.embedded_broker import configuration, find_mosquitto
 from vda5050_vehicle.mqtt.link import Broker, MqttLink, make_client
 
@@ -192,3 +195,41 @@ def test_the_embedded_broker_is_for_this_computer_only():
     text = configuration(18830)
     assert 'listener 18830 127.0.0.1' in text
     assert json.dumps(text).isascii()
+
+
+def test_the_configuration_of_the_broker_is_no_file(tmp_path):
+    """Another user cannot prepare a file that the broker would read, as it has no name."""
+    port = free_port()
+    broker = subprocess.Popen(
+        [sys.executable, '-c', 'from vda5050_vehicle.mqtt.embedded_broker import main; main()',
+         '--port', str(port)],
+        env={**os.environ, 'TMPDIR': str(tmp_path), 'PYTHONPATH': os.pathsep.join(sys.path)})
+    try:
+        deadline = time.monotonic() + 10.0
+        while not is_open(port):
+            assert broker.poll() is None and time.monotonic() < deadline
+            time.sleep(0.02)
+        assert list(tmp_path.iterdir()) == []
+    finally:
+        broker.kill()
+        broker.wait()
+
+
+def test_a_broker_starts_again_after_it_was_killed():
+    port = free_port()
+    broker = OwnBroker(port)
+    try:
+        for _ in range(2):
+            broker.kill()
+            broker.start()
+            deadline = time.monotonic() + 10.0
+            while not is_open(port):
+                assert time.monotonic() < deadline, 'the broker does not listen'
+                time.sleep(0.02)
+    finally:
+        broker.close()
+
+
+def is_open(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(('127.0.0.1', port)) == 0

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import secrets
 import shutil
@@ -15,7 +16,8 @@ _NEW = 0o666  # mode of a new file, before the umask of the process
 
 def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
                  mode: Optional[int] = None, on_disk: bool = True,
-                 backup: Union[str, os.PathLike, None] = None) -> None:
+                 backup: Union[str, os.PathLike, None] = None,
+                 only_with: bytes = b'') -> None:
     """Writes a file so that at every moment either the old file or the whole new one exists.
 
     The content is written to a temporary file in the same folder, which then takes the file's name.
@@ -26,8 +28,13 @@ def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
     on_disk -- True: the new file survives a power cut. False is for a file that must only survive
                its process, if the caller must not wait for a disk
     backup  -- path at which the old file is kept
+    only_with -- a mark that the caller writes into each of its files, within the first 4096 bytes:
+               an old file without it is another's, and FileExistsError is raised. For a file whose
+               name the user did not give
     """
     target = os.path.realpath(path)
+    if only_with and not _has(target, only_with):
+        raise FileExistsError(errno.EEXIST, 'this file was not written by this program', path)
     folder, name = os.path.split(target)
     temporary = os.path.join(folder, f'.{name[:40]}.{secrets.token_hex(8)}.part')
     if mode is None:
@@ -52,6 +59,15 @@ def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
         raise
     if on_disk:
         _sync_folder(folder)
+
+
+def _has(path: str, mark: bytes) -> bool:
+    """Whether the file has this mark, or does not exist."""
+    try:
+        with open(path, 'rb') as file:
+            return mark in file.read(4096)
+    except FileNotFoundError:
+        return True
 
 
 def _sync_folder(folder: str) -> None:

@@ -4,11 +4,13 @@ The nodes of one robot are in the launch files of its package, which are include
 """
 from __future__ import annotations
 
+import shlex
 import xml.etree.ElementTree as ET
 from enum import Enum
 from typing import Any, Collection, Dict, Sequence
 from xml.dom import minidom
 
+from fleet_bringup.errors import CannotStart
 from fleet_bringup.files import Site
 from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import AGV, LD90, Entry
@@ -21,8 +23,10 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The attributes that make a node a fork of the node host.
-HOSTED = {'launch-prefix': '$(find node_host)/hosted'}
+#: The program that stands for a fork of the node host. $(find ...) finds it in no quoted text.
+HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
+#: The attributes that make a node such a fork. roslaunch splits the prefix at blanks.
+HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}
 #: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
     'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
@@ -50,9 +54,10 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: D
                 parts: Collection[Part] = tuple(Part)) -> str:
     """The launch file of some parts. `files`: paths by the kind of file, see `command.prepare`."""
     root = ET.Element('launch')
-    root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
+    root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '.replace('--', '- -')))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
     parts = [part for part in parts_of(entries, options) if part in parts]
+    ET.SubElement(root, 'arg', HOSTED_BY)
     if options.hosted and parts != [Part.PAGE]:
         _include(root, 'omron_ld90', 'robot_host',
                  {'more_modules': ' '.join(MODULES)} if Part.MANAGER in parts else {})
@@ -99,11 +104,12 @@ def _memory(files: Dict[str, str]) -> Dict[str, str]:
 
 
 def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
-    lists = '' if options.lasers else ' --outgoing-commands 0.5:Status'
+    lists = [] if options.lasers else ['--outgoing-commands', '0.5:Status']
     node = _node(root, 'ld90_sim', 'omron_ld90_sim', 'ld90_sim', {})
-    node.set('args', f"--map '{site.map_file}' --robots '{files['robots']}' "
-                     f"--password-file '{files['simulator_password']}' "
-                     f'--speed {options.sim_speed} --control {options.control_port}{lists}')
+    node.set('args', _words(
+        '--map', site.map_file, '--robots', files['robots'],
+        '--password-file', files['simulator_password'], '--speed', options.sim_speed,
+        '--control', options.control_port, *lists))
 
 
 def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
@@ -132,7 +138,7 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
           {'fleet_file': files['fleet']}, _hosted(options, RESPAWN))
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
-        node.set('args', f"'{site.map_file}' '{files['rviz']}'")
+        node.set('args', _words(site.map_file, files['rviz']))
 
 
 def _page(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
@@ -162,11 +168,28 @@ def _node(parent: ET.Element, name: str, package: str, kind: str, parameters: Di
     node = ET.SubElement(parent, 'node', {'name': name, 'pkg': package, 'type': kind,
                                           'output': 'screen', **more})
     for key, value in parameters.items():
-        ET.SubElement(node, 'param', name=key, value=str(value))
+        ET.SubElement(node, 'param', name=key, value=literal(value))
     return node
 
 
 def _include(parent: ET.Element, package: str, launch: str, arguments: Dict[str, Any]) -> None:
     include = ET.SubElement(parent, 'include', file=f'$(find {package})/launch/{launch}.launch')
     for key, value in arguments.items():
-        ET.SubElement(include, 'arg', name=key, value=str(value))
+        ET.SubElement(include, 'arg', name=key, value=literal(value))
+
+
+def literal(value: Any) -> str:
+    """A value that roslaunch uses as it is; raises CannotStart for one that it would evaluate.
+
+    roslaunch replaces `$(...)` everywhere, also by results of Python, and has no way to quote it.
+    """
+    text = str(value)
+    if '$(' in text:
+        raise CannotStart(f'"{text}" contains "$(", which roslaunch would evaluate: rename what '
+                          'has this name.')
+    return text
+
+
+def _words(*values: Any) -> str:
+    """Arguments of a program, each as one word."""
+    return ' '.join(shlex.quote(literal(value)) for value in values)

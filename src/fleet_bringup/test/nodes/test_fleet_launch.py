@@ -1,6 +1,7 @@
 """From a number or a fleet file to launch and RViz files; needs a ROS workspace."""
 from __future__ import annotations
 
+import shlex
 import socket
 import warnings
 import xml.etree.ElementTree as ET
@@ -128,3 +129,34 @@ def test_the_laboratory_is_found_among_sources_and_where_it_is_installed(
     (tmp_path / 'share/omron_ld90/maps').mkdir(parents=True)
     found = laboratory_folder(str(tmp_path / folder))
     assert found == str(tmp_path) + '/' + expected
+
+
+def test_paths_with_blanks_and_apostrophes_stay_words_of_the_generated_launch_file(tmp_path):
+    folder = tmp_path / "my robots" / "l'atelier"
+    folder.mkdir(parents=True)
+    launch = prepare(parse(['fleet:=2', 'rviz:=true']), str(folder), check=False)
+    told = {Path(word).name for node in ET.parse(launch['launch']).iter('node')
+            for word in shlex.split(node.get('args', '')) if word.startswith(str(folder))}
+    assert {'robots.yaml', 'fleet.rviz'} <= told
+    prefixes = {node.get('launch-prefix') for node in ET.parse(launch['launch']).iter('node')}
+    for prefix in prefixes - {None}:
+        assert shlex.split(prefix.replace('$(arg hosted_by)', str(folder))) == [str(folder)]
+
+
+@pytest.mark.parametrize('what', ['host: "$(eval 1 + 1)"', 'password_file: "a$(find roslaunch)"'])
+def test_no_text_of_a_file_is_evaluated_by_roslaunch(tmp_path, what):
+    (tmp_path / 'a$(find roslaunch)').write_text('adept')
+    (tmp_path / 'password').write_text('adept')
+    more = 'password_file: password' if what.startswith('host') else 'host: 10.0.0.5'
+    path = fleet_file(tmp_path, f'name: a, type: ld90, vertex: 18, driver: ld90, {what}, {more}')
+    with pytest.raises(CannotStart, match='roslaunch would evaluate'):
+        prepare(parse([f'fleet:={path}', 'rviz:=false']), str(tmp_path), check=False)
+
+
+def test_a_name_with_blanks_and_quotes_is_one_word(tmp_path):
+    folder = tmp_path / "it's a \"site\""
+    folder.mkdir()
+    launch = prepare(parse(['fleet:=1', 'rviz:=true']), str(folder), check=False)['launch']
+    nodes = {node.get('name'): node for node in ET.parse(launch).getroot().iter('node')}
+    for name, file in (('ld90_sim', 'robots.yaml'), ('rviz', 'fleet.rviz')):
+        assert str(folder / file) in shlex.split(nodes[name].get('args'))

@@ -32,7 +32,7 @@ def module_of(node):
 def test_with_hosted_every_python_node_is_a_fork_of_the_host(file):
     assert len(nodes_of(file)) >= 1
     assert {node.get('launch-prefix') for node in nodes_of(file)} == {
-        "$(eval arg('hosted_by') if arg('hosted') else '')"}
+        "$(eval '\"' + arg('hosted_by') + '\"' if arg('hosted') else '')"}
 
 
 def test_programs_that_are_not_python_are_no_forks():

@@ -47,7 +47,7 @@ def _do(words: List[str]) -> List[str]:
         root, words = Path(words[1]).resolve(), words[2:]
     elif os.geteuid() != 0:
         raise NotInstalled('To install services, root is needed: run the command with sudo.')
-    os.umask(0o022)  # the user of the services reads what root writes here
+    os.umask(0o022)  # folders of the system; all other modes are given explicitly
     machine = Machine(root, systemd_version())
     if machine.is_this and not machine.systemd:
         raise NotInstalled('This computer has no systemd: to make the files for another computer, '

@@ -5,16 +5,19 @@ import os
 import pwd
 import re
 import shutil
+import stat
 import subprocess
 import tempfile
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, List, Mapping
+from typing import Dict, Iterable, List, Mapping, Tuple
 
 from fleet_bringup.command import gather
+from fleet_services.ownership import NotDone, as_user, owner_of
 from fleet_services.plan import Plan, plan_services
 from fleet_services.site_file import SiteFile
+from fleet_services.state_folders import DATA, LOGS, move, planned_moves
 from fleet_services.units import System, unit_files
 
 #: Environment variables of this process that the nodes need too.
@@ -22,8 +25,12 @@ _INHERITED = re.compile(r'ROS_(?!MASTER_URI|IP|HOSTNAME|HOME|LOG_DIR|NAMESPACE)\
                         r'LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
 #: Names of nodes that have no watchdog of this project.
 NOT_WATCHED = re.compile(r'/(?:\w+/)*(?:node_host|ld90_sim|master_discovery|master_sync)\w*\Z')
+#: Those of them that are lists of folders. An empty entry would stand for the working directory.
+_LISTS = re.compile(r'ROS_PACKAGE_PATH|PYTHONPATH|PATH|LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
 UNITS = 'etc/systemd/system'
-SETTINGS, DATA, LOGS = 'etc/fleet', 'var/lib/fleet', 'var/log/fleet'
+SETTINGS = 'etc/fleet'
+READABLE, RUNNABLE = 0o640, 0o750  # modes of what the services' group reads, and runs or enters
+PUBLIC, SECRET, CLOSED = 0o644, 0o600, 0o700
 
 
 class NotInstalled(Exception):
@@ -50,6 +57,22 @@ class Machine:
     def runs_systemd(self) -> bool:
         """Whether services can be started now."""
         return self.is_this and Path('/run/systemd/system').is_dir()
+
+    def ids(self, user: str) -> Tuple[int, int]:
+        """The numbers of a user and the group of the same name; -1, which changes nothing, if the
+        machine does not have them, or only root could use them.
+        """
+        if os.geteuid() != 0:
+            return -1, -1
+        return self._id('etc/passwd', user), self._id('etc/group', user)
+
+    def _id(self, file: str, name: str) -> int:
+        try:
+            text = self.path(file).read_text(encoding='utf-8')
+        except FileNotFoundError:
+            return -1
+        found = re.search(rf'^{re.escape(name)}:[^:]*:(\d+):', text, re.MULTILINE)
+        return int(found[1]) if found else -1
 
     def path(self, *parts: str) -> Path:
         """A path below the root."""
@@ -79,10 +102,12 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
     if machine.is_this:
         _make_user(site.user, machine.path(DATA, site.name))
         _check_reads(site.user, package)
-    settings.parent.mkdir(parents=True, exist_ok=True)
+        refuse_replaceable((package, *map(Path, site.sources)), pwd.getpwnam(site.user).pw_uid)
+    settings.parent.mkdir(parents=True, exist_ok=True, mode=0o755)
     made = Path(tempfile.mkdtemp(prefix='.', dir=settings.parent))
     try:
         plan = _make_settings(site, system, machine, package, made)
+        said = _divide_state(site, plan, system, machine)
         shutil.rmtree(settings, ignore_errors=True)
         made.rename(settings)
     finally:
@@ -95,8 +120,11 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
     for unit in left:
         unit.unlink()
     for name, text in units.items():
-        _write(machine.path(UNITS, name), text)
-    said = [f'{len(units)} units in {machine.path(UNITS)}, their files in {settings}.']
+        _write(machine.path(UNITS, name), text, PUBLIC)
+    said.append(f'{len(units)} units in {machine.path(UNITS)}, their files in {settings}.')
+    if os.geteuid() == 0 and machine.ids(site.user)[1] < 0:
+        said.append(f'{machine.root} has no group {site.user}, so the services could not read '
+                    'their files: add this user there, then run this command again.')
     if machine.runs_systemd:
         _run('systemctl', 'daemon-reload')
         _run('systemctl', 'enable', system.target)
@@ -143,14 +171,58 @@ def _units_of(target: Path) -> List[Path]:
 def _make_settings(site: SiteFile, system: System, machine: Machine, package: Path,
                    folder: Path) -> Plan:
     """Makes all files that the units need, in a new folder: a running site keeps its old one."""
-    folder.chmod(0o755)
     plan = _make_files(site, system, folder)
-    shutil.copy(package / 'config' / 'restart_pause', folder)
+    shutil.copyfile(package / 'config' / 'restart_pause', folder / 'restart_pause')
     _write(folder / 'environment', _environment(site, os.environ))
-    owner = site.user if machine.is_this and not system.has_credentials else ''
+    user, group = machine.ids(site.user)
+    if machine.is_this:
+        refuse_replaceable(map(Path, plan.secrets.values()), user)
+    for path in (*folder.iterdir(), folder):
+        path.chmod(RUNNABLE if path.is_dir() or path.name == 'restart_pause' else READABLE)
+        os.chown(path, -1, group)
     for name, source in plan.secrets.items():
-        _keep_secret(Path(source), folder / 'secrets' / name, owner)
+        _keep_secret(Path(source), folder / 'secrets' / name)
+        if not system.has_credentials:  # the services read it themselves
+            (folder / 'secrets').chmod(RUNNABLE)
+            os.chown(folder / 'secrets', -1, group)
+            os.chown(folder / 'secrets' / name, user, group)
     return plan
+
+
+def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) -> List[str]:
+    """Moves the state of a site of 1.0.0, and of a robot whose unit is another one now.
+
+    Only the owner of the state touches it. What belongs to no unit stays where it is.
+    """
+    home = machine.path(DATA, site.name)
+    user, group = machine.ids(site.user)
+    try:
+        moves = planned_moves(home, plan.state, plan.robots)
+        owner = owner_of(home)
+        running = _units_of(machine.path(UNITS, system.target))
+        if moves and running and machine.runs_systemd:
+            _run('systemctl', 'stop', *(unit.name for unit in running))
+        if owner:  # the folder of a site of 1.0.0, or of one that never ran
+            as_user(owner, lambda: move(moves), group)
+    except NotDone as error:
+        raise NotInstalled(str(error)) from None
+    _own(home, -1 if os.geteuid() else 0, group, RUNNABLE)
+    for name in (service.name for service in plan.services):
+        _own(home / name, user, group, CLOSED)
+    if not owner:
+        as_user(max(user, 0), lambda: move(moves), group)
+    return [f'Moved {source} to {target}.' for source, target in moves]
+
+
+def _own(folder: Path, user: int, group: int, mode: int) -> None:
+    """Makes a folder if it is missing, and gives it this owner and mode. Follows no link."""
+    folder.mkdir(parents=True, exist_ok=True)
+    opened = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    try:
+        os.fchown(opened, user, group)
+        os.fchmod(opened, mode)
+    finally:
+        os.close(opened)
 
 
 def _make_files(site: SiteFile, system: System, settings: Path) -> Plan:
@@ -169,8 +241,6 @@ def _make_files(site: SiteFile, system: System, settings: Path) -> Plan:
         launch = settings / f'{name}.launch'
         _write(launch, text)
         _write(launch, _watched(text, name, _nodes_of(launch)))
-    for file in settings.iterdir():
-        file.chmod(0o644)
     return plan
 
 
@@ -210,25 +280,27 @@ def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
     """The EnvironmentFile of all units."""
     kept: Dict[str, str] = {name: value for name, value in sorted(environment.items())
                             if _INHERITED.fullmatch(name)}
-    home = f'/{DATA}/{site.name}'
-    kept.update({'HOME': home, 'ROS_HOME': home, 'ROS_IP': site.address, 'LANG': 'C.UTF-8',
+    for name, value in kept.items():
+        if _LISTS.fullmatch(name):
+            kept[name] = ':'.join(one for one in value.split(':') if one.startswith('/'))
+    kept.update({'ROS_IP': site.address, 'LANG': 'C.UTF-8',
                  'ROS_MASTER_URI': f'http://{site.address}:{site.master_port}',
-                 'PYTHONDONTWRITEBYTECODE': '1'})
+                 # a unit imports only what root has installed
+                 'PYTHONNOUSERSITE': '1', 'PYTHONSAFEPATH': '1', 'PYTHONDONTWRITEBYTECODE': '1'})
     return ''.join(f'{name}="{value}"\n' for name, value in kept.items())
 
 
-def _write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
+def _write(path: Path, text: str, mode: int = READABLE) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o755)
     path.write_text(text, encoding='utf-8')
+    path.chmod(mode)
 
 
-def _keep_secret(source: Path, kept: Path, owner: str) -> None:
-    """Makes a copy that only root, or `owner`, can read."""
-    kept.parent.mkdir(mode=0o711, exist_ok=True)
-    with open(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), 'wb') as stream:
+def _keep_secret(source: Path, kept: Path) -> None:
+    """Makes a copy that only root can read."""
+    kept.parent.mkdir(mode=CLOSED, exist_ok=True)
+    with open(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_EXCL, SECRET), 'wb') as stream:
         stream.write(source.read_bytes())
-    if owner:
-        shutil.chown(kept, owner, owner)
 
 
 def _make_user(name: str, home: Path) -> None:
@@ -248,6 +320,23 @@ def _check_reads(user: str, package: Path) -> None:
     if done.returncode:
         raise NotInstalled(f'The user {user} cannot read {program}: move the workspace to a folder '
                            'that all users can read, such as /opt/omron_ld90.')
+
+
+def refuse_replaceable(paths: Iterable[Path], user: int) -> None:
+    """Raises NotInstalled for a file that the services' user, or all users, can replace.
+
+    Root reads and runs these files.
+    """
+    for path in paths:
+        for place in (path.absolute(), path.resolve()):
+            for one in (place, *place.parents):
+                status = one.lstat()
+                is_open = status.st_mode & stat.S_IWOTH and not (
+                    status.st_mode & stat.S_ISVTX or stat.S_ISLNK(status.st_mode))
+                if status.st_uid == user or is_open:
+                    raise NotInstalled(
+                        f'The user of the services can replace {path}, because {one} belongs to '
+                        'that user, or all users may write there: move it to a folder of yours.')
 
 
 def _run(*command: str) -> None:

@@ -1,21 +1,25 @@
 """Plans the services of a site: their launch files, and the secrets that each may read.
 
 Each secret of the site (ARCL passwords, the page's tokens and key) is read only by the service that
-needs it, from the path at which systemd provides it.
+needs it, from the path at which systemd provides it. Each service keeps its state in a folder of
+its own, and communicates only with the addresses that it needs, if the site file tells them.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Dict, List, Mapping, Sequence, Tuple
+from ipaddress import ip_address
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from fleet_bringup.files import Site
 from fleet_bringup.launch_file import Part, launch_text, parts_of
 from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import LD90, Entry
 from fleet_services.site_file import SiteFile
+from fleet_services.state_folders import DATA, MANAGER, UNITS
 from fleet_services.units import Service, System
 
 MASTER = 'master'
+JOURNAL = 'graph_fleet_manager/fleet.sqlite'
 _DESCRIPTIONS = {Part.SIMULATORS: 'Simulated robots', Part.ROBOTS: 'Robots',
                  Part.MANAGER: 'Fleet manager', Part.PAGE: 'Web page'}
 #: Options of the page that name secret files.
@@ -28,11 +32,19 @@ class Plan:
 
     launches -- texts of launch files, by the names of their services
     secrets  -- the source file of each secret, by the secret's name
+    robots   -- the service of each robot whose nodes run here
     """
 
     services: Tuple[Service, ...]
     launches: Dict[str, str]
     secrets: Dict[str, str]
+    robots: Dict[str, str]
+
+    @property
+    def state(self) -> Dict[str, str]:
+        """The service by the folder of ROS_HOME that it needs, for folders of one service."""
+        names = {service.name for service in self.services}
+        return {folder: name for folder, name in UNITS.items() if name in names}
 
 
 def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: Dict[str, str],
@@ -42,19 +54,22 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
     files    -- paths by the kind of file
     programs -- absolute paths of `roscore` and `roslaunch`
     """
+    files = {**files, 'journal': f'/{DATA}/{site.name}/{MANAGER}/{JOURNAL}'}
+    known = _networks(site, entries)
     services = [Service(MASTER, 'ROS master', f'{programs["roscore"]} -p {site.master_port}',
-                        is_watched=False)]
+                        is_watched=False, peers=known)]
     launches: Dict[str, str] = {}
     secrets: Dict[str, str] = {}
+    robots: Dict[str, str] = {}
 
     def add(name: str, part: Part, own: Sequence[Entry], options: Options,
-            needed: Mapping[str, str]) -> None:
+            needed: Mapping[str, str], peers: Optional[Tuple[str, ...]] = known) -> None:
         launches[name] = launch_text(own, graph, options, files, (part,))
         secrets.update(needed)
         services.append(Service(
             name, _DESCRIPTIONS[part],
             f'{programs["roslaunch"]} --wait --skip-log-check {system.settings}/{name}.launch',
-            tuple(sorted(needed))))
+            tuple(sorted(needed)), reads=(MANAGER,) if part is Part.PAGE else (), peers=peers))
 
     for part in parts_of(entries, site.options):
         if part is Part.ROBOTS:
@@ -63,17 +78,45 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
                              if one.password_file}
                 own = [replace(one, password_file=system.secret(name, f'{one.name}.password'))
                        if one.password_file else one for one in group]
-                add(name, part, own, site.options, passwords)
+                robots.update((one.name, name) for one in group)
+                add(name, part, own, site.options, passwords, _with(
+                    known, [one.host for one in group if one.host]))
         elif part is Part.PAGE:
             needed = {key: getattr(site.options, key) for key in _OF_THE_PAGE
                       if getattr(site.options, key)}
             paths = {key: system.secret(part.value, key) if key in needed else ''
                      for key in _OF_THE_PAGE}
             add(part.value, part, entries, replace(
-                site.options, token_file=paths['token_file'], key_file=paths['key_file']), needed)
+                site.options, token_file=paths['token_file'], key_file=paths['key_file']), needed,
+                None if not site.networks and not _is_loopback(site.options.listen) else known)
         else:
             add(part.value, part, entries, site.options, {})
-    return Plan(tuple(services), launches, secrets)
+    return Plan(tuple(services), launches, secrets, robots)
+
+
+def _networks(site: SiteFile, entries: Sequence[Entry]) -> Optional[Tuple[str, ...]]:
+    """The addresses with which any service may communicate; None: the site file does not tell."""
+    if site.networks:
+        return _with(tuple(site.networks), [site.address])
+    is_alone = _is_loopback(site.address) and not any(entry.computer for entry in entries)
+    return () if is_alone else None
+
+
+def _with(known: Optional[Tuple[str, ...]], hosts: Sequence[str]) -> Optional[Tuple[str, ...]]:
+    """These addresses and others; None if one of them is a name, which only DNS can tell."""
+    if known is None:
+        return None
+    try:
+        return (*known, *(str(ip_address(host)) for host in hosts if not _is_loopback(host)))
+    except ValueError:
+        return None
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == 'localhost'
 
 
 def _groups(entries: Sequence[Entry], size: int) -> List[Tuple[str, List[Entry]]]:

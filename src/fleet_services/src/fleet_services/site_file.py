@@ -5,6 +5,7 @@
     address: 10.0.0.9          # address by which robots' computers reach this one; 127.0.0.1
     master_port: 11311
     robots_per_unit: 10        # most LD-90s whose nodes share a unit
+    networks: [10.0.0.0/24]    # networks with which the services may communicate; without it: all
     arguments:                 # those of scripts/run.sh fleet:=...; files relative to this file
       fleet: fleet.yaml
       graph_file: graph.yaml
@@ -17,7 +18,8 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from typing import List
+from ipaddress import ip_network
+from typing import List, Tuple
 
 import yaml
 
@@ -27,9 +29,12 @@ from graph_fleet_manager.files.errors import FileError
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-KEYS = ('name', 'user', 'address', 'master_port', 'robots_per_unit', 'arguments')
+KEYS = ('name', 'user', 'address', 'master_port', 'robots_per_unit', 'networks', 'arguments')
 _NAME = re.compile(r'[a-z][a-z0-9-]{0,30}\Z')
 _ADDRESS = re.compile(r'[0-9A-Za-z.:-]+\Z')
+#: Arguments that are paths, or may be one.
+_FILES = ('fleet', 'graph_file', 'base_map', 'map_file', 'token_file', 'certificate_file',
+          'key_file')
 #: Arguments that need a screen.
 _NOT_HERE = ('rviz',)
 
@@ -44,6 +49,14 @@ class SiteFile:
     address: str = '127.0.0.1'
     master_port: int = 11311
     robots_per_unit: int = 10
+    networks: Tuple[str, ...] = ()
+    path: str = ''
+
+    @property
+    def sources(self) -> Tuple[str, ...]:
+        """The site file, and the files that its arguments name."""
+        given = (self.path, *(getattr(self.options, name) for name in _FILES))
+        return tuple(path for path in given if path.startswith('/'))
 
 
 def read_site(path: str) -> SiteFile:
@@ -61,7 +74,9 @@ def read_site(path: str) -> SiteFile:
             user=strict_yaml.optional(given, 'user', _name, 'fleet'),
             address=strict_yaml.optional(given, 'address', _address, '127.0.0.1'),
             master_port=strict_yaml.optional(given, 'master_port', tcp_port, 11311),
-            robots_per_unit=strict_yaml.optional(given, 'robots_per_unit', _count, 10))
+            robots_per_unit=strict_yaml.optional(given, 'robots_per_unit', _count, 10),
+            networks=strict_yaml.optional(given, 'networks', _networks, ()),
+            path=os.path.abspath(path))
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -98,6 +113,15 @@ def _address(one: Field) -> str:
     if not _ADDRESS.match(address):
         raise WrongYaml(f'{one[0]} "{address}" is not the address or name of a computer', one[1])
     return address
+
+
+def _networks(one: Field) -> Tuple[str, ...]:
+    texts = strict_yaml.listed(strict_yaml.text)(one)
+    try:
+        return tuple(str(ip_network(text)) for text in texts)
+    except ValueError as error:
+        raise WrongYaml(f'{one[0]} must be a list of networks such as 10.0.0.0/24 ({error})',
+                        one[1]) from None
 
 
 def _count(one: Field) -> int:

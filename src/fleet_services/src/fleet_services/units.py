@@ -5,7 +5,7 @@ The functions here do not look at the machine; `System` describes it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 CREDENTIALS_FROM = 247    # first version of systemd with LoadCredential
 RESTART_STEPS_FROM = 254  # first version of systemd with RestartSteps
@@ -77,6 +77,8 @@ class Service:
     command -- ExecStart
     secrets -- names of the secrets that it may read
     is_watched -- whether it notifies systemd that it is ready, and that it works
+    reads -- names of the services whose state it may read, but not change
+    peers -- addresses and networks with which it may communicate, besides this computer; None: all
     """
 
     name: str
@@ -84,6 +86,8 @@ class Service:
     command: str
     secrets: Tuple[str, ...] = ()
     is_watched: bool = True
+    reads: Tuple[str, ...] = ()
+    peers: Optional[Tuple[str, ...]] = None
 
 
 def unit_files(services: Sequence[Service], system: System) -> Dict[str, str]:
@@ -98,6 +102,8 @@ def unit_files(services: Sequence[Service], system: System) -> Dict[str, str]:
 
 
 def _service(service: Service, before: Sequence[str], system: System) -> str:
+    own = f'{system.site}/{service.name}'
+    state, logs = f'%S/fleet/{own}', f'%L/fleet/{own}'
     lines: List[str] = [
         '[Unit]', f'Description={service.description} of the site {system.site}',
         f'PartOf={system.target}', 'Wants=network-online.target',
@@ -105,10 +111,15 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
         'StartLimitIntervalSec=0',  # restarts never end, but their pauses grow
         '', '[Service]', f'User={system.user}', f'Group={system.user}',
         f'EnvironmentFile={system.settings}/environment',
-        f'Environment=ROS_LOG_DIR=%L/fleet/{system.site}/{service.name}',
-        f'StateDirectory=fleet/{system.site}', f'LogsDirectory=fleet/{system.site}/{service.name}',
-        f'RuntimeDirectory=fleet-{system.site}-{service.name}', 'RuntimeDirectoryPreserve=yes',
-        f'WorkingDirectory=%S/fleet/{system.site}', f'ExecStart={service.command}',
+        f'Environment=HOME={state} ROS_HOME={state} ROS_LOG_DIR={logs}',
+        f'StateDirectory=fleet/{own}', 'StateDirectoryMode=0700',
+        f'LogsDirectory=fleet/{own}', 'LogsDirectoryMode=0700',
+        f'RuntimeDirectory=fleet-{system.site}-{service.name}', 'RuntimeDirectoryMode=0700',
+        'RuntimeDirectoryPreserve=yes',
+        # Of the folders of all sites and units, a unit sees its own.
+        'TemporaryFileSystem=%S/fleet:ro %L/fleet:ro', f'BindPaths={state} {logs}',
+        *(f'BindReadOnlyPaths=-%S/fleet/{system.site}/{other}' for other in service.reads),
+        f'WorkingDirectory={state}', f'ExecStart={service.command}',
         'KillMode=mixed', 'KillSignal=SIGINT', f'TimeoutStopSec={STOP}',
         f'LimitNOFILE={OPEN_FILES}', 'LimitCORE=0', 'Restart=always']
     if system.version >= RESTART_STEPS_FROM:
@@ -120,6 +131,8 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
                   f'WatchdogSec={WATCHDOG}', 'WatchdogSignal=SIGINT']
     else:
         lines += ['Type=exec']
+    if service.peers is not None:
+        lines += ['IPAddressDeny=any', f'IPAddressAllow={" ".join(("localhost", *service.peers))}']
     if system.has_credentials:
         lines += [f'LoadCredential={secret}:{system.kept_secret(secret)}'
                   for secret in service.secrets]

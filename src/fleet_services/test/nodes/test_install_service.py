@@ -3,13 +3,20 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
+import tempfile
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from typing import Iterable, Iterator, List
 
 import pytest
 
 pytest.importorskip('rospkg')
+sys.path.insert(0, str(Path(__file__).resolve().parents[4] / 'test'))
 
+from file_modes import differences, walk  # noqa: E402
+
+from fleet_services import installation  # noqa: E402
 from fleet_services.command import main  # noqa: E402
 
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
@@ -24,8 +31,11 @@ def make_site(folder: Path) -> Path:
 
 
 @pytest.fixture
-def site(tmp_path: Path) -> Path:
-    return make_site(tmp_path)
+def site() -> Iterator[Path]:
+    """A site in a folder that all users reach."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        yield make_site(Path(folder))
 
 
 @pytest.fixture(scope='module')
@@ -112,15 +122,131 @@ def test_only_the_name_of_a_site_is_removed(root, capsys, name):
     assert set(root.rglob('*')) == before
 
 
-def test_the_user_of_the_services_can_read_what_is_no_secret(site):
-    before = os.umask(0o077)
+SERVICE = 61234  # the user of the services in an image
+
+
+@pytest.fixture
+def image(site: Path) -> Path:
+    """The root folder of an image that has the user of the services."""
+    if os.geteuid() != 0:
+        pytest.skip('only root can give files to the user of the services')
+    root = site / 'root'
+    (root / 'etc').mkdir(parents=True)
+    for name in ('passwd', 'group'):
+        (root / 'etc' / name).write_text(f'root:x:0:0::/:\nfleet:x:{SERVICE}:{SERVICE}::/:\n')
+    return root
+
+
+def different(image: Path) -> List[str]:
+    """How the files of the site differ from the table of docs/explanation/security.md."""
+    names = {0: 'root', SERVICE: 'services'}
+    return differences(one for folder in ('etc/fleet', 'var/lib/fleet', 'etc/systemd/system')
+                       for one in walk(image / folder, f'/{folder}', names))
+
+
+def test_the_files_of_a_site_are_those_of_the_table(site, image):
+    before = os.umask(0)
     try:
-        root = install(site)
+        install(site)
     finally:
         os.umask(before)
-    closed = [path for path in root.rglob('*') if path.parent.name != 'secrets'
-              and path.name != 'secrets' and not stat.S_IMODE(path.stat().st_mode) & 0o004]
-    assert closed == []
+    assert different(image) == []
+
+
+STATE = {'graph_fleet_manager/fleet.sqlite': 'manager', 'graph_fleet_manager/fleet.sqlite-wal':
+         'manager', 'graph_fleet_manager/closed_edges.json': 'manager',
+         'fleet_page/page.sqlite': 'page', 'fleet_page/replay/1': 'page',
+         'omron_ld90/ld90_1_motion.json': 'robots-1', 'omron_ld90/ld90_1_route.json': 'robots-1',
+         'omron_ld90/ld90_2_route.json': 'robots-2',
+         'omron_ld90/ld90_2_route.json.lock': 'robots-2'}
+"""The unit that has each persistent file."""
+
+
+def make_site_of_1_0_0(image: Path, files: Iterable[str] = (*STATE, 'notes')) -> Path:
+    """The state of a site as version 1.0.0 left it: one folder, which all units had."""
+    home = image / 'var/lib/fleet/hall'
+    for name in files:
+        (home / name).parent.mkdir(parents=True, exist_ok=True)
+        (home / name).write_text(name)
+    for path in (home, *home.rglob('*')):
+        path.chmod(0o700 if path.is_dir() else 0o600)  # its units had the umask 077
+        os.chown(path, SERVICE, SERVICE)
+    return home
+
+
+def test_a_site_of_1_0_0_loses_no_file(site, image, capsys):
+    home = make_site_of_1_0_0(image)
+    install(site)
+    for name, unit in STATE.items():
+        assert (home / unit / name).read_text() == name
+    assert (home / 'notes').read_text() == 'notes'
+    assert f'Moved {home}/graph_fleet_manager to' in capsys.readouterr().out
+    (home / 'notes').unlink()
+    (home / 'omron_ld90').rmdir()
+    assert different(image) == []
+
+
+def test_a_robot_that_gets_another_unit_takes_its_files_along(site, image):
+    home = make_site_of_1_0_0(image)
+    install(site)
+    (site / 'site.yaml').write_text(
+        'name: hall\nrobots_per_unit: 2\narguments: {fleet: 2, token_file: tokens}\n')
+    install(site)
+    names = {name: 'robots-1' if unit == 'robots-2' else unit for name, unit in STATE.items()}
+    assert [name for name, unit in names.items() if not (home / unit / name).is_file()] == []
+
+
+def test_state_that_is_there_twice_is_left_to_a_person(site, image, capsys):
+    home = make_site_of_1_0_0(image, ['graph_fleet_manager/fleet.sqlite',
+                                      'manager/graph_fleet_manager/fleet.sqlite'])
+    before = {path: path.lstat().st_uid for path in home.rglob('*')}
+    assert main(['--root', str(image), str(site / 'site.yaml')]) == 1
+    assert 'remove the older one' in capsys.readouterr().err
+    assert {path: path.lstat().st_uid for path in home.rglob('*')} == before
+    assert not (image / 'etc/fleet/hall').exists()
+
+
+@pytest.mark.parametrize('name', ['omron_ld90', 'manager', 'page'])
+def test_root_moves_nothing_through_a_link_of_a_service(site, image, name):
+    closed = site / 'closed'
+    closed.mkdir(mode=0o700)
+    (closed / 'ld90_1_route.json').write_text('of root')
+    home = make_site_of_1_0_0(image, ['graph_fleet_manager/fleet.sqlite',
+                                      'fleet_page/page.sqlite'])
+    (home / name).symlink_to(closed)
+    os.chown(home / name, SERVICE, SERVICE, follow_symlinks=False)
+    main(['--root', str(image), str(site / 'site.yaml')])
+    assert [file.name for file in closed.iterdir()] == ['ld90_1_route.json']
+    assert closed.stat().st_uid == 0
+
+
+@pytest.mark.parametrize('what', ['file', 'folder', 'link', 'open folder'])
+def test_root_reads_no_file_that_the_services_could_replace(site, what):
+    map_file = site / 'maps' / 'site.map'
+    map_file.parent.mkdir()
+    map_file.write_text('2D-Map')
+    installation.refuse_replaceable([map_file], SERVICE)
+    if what == 'link':
+        map_file.unlink()
+        map_file.symlink_to('/etc/shadow')
+        os.chown(map_file, SERVICE, -1, follow_symlinks=False)
+    elif what == 'open folder':
+        map_file.parent.chmod(0o777)
+    else:
+        os.chown(map_file if what == 'file' else map_file.parent, SERVICE, -1)
+    with pytest.raises(installation.NotInstalled, match='can replace'):
+        installation.refuse_replaceable([map_file], SERVICE)
+
+
+def test_a_unit_imports_only_what_root_has_installed(site, monkeypatch):
+    for name in ('PYTHONPATH', 'PATH', 'LD_LIBRARY_PATH'):
+        monkeypatch.setenv(name, f':.:{os.environ.get(name, "")}::here:')
+    environment = dict(line.split('=', 1) for line in (
+        install(site) / 'etc/fleet/hall/environment').read_text().splitlines())
+    assert environment['PYTHONNOUSERSITE'] == environment['PYTHONSAFEPATH'] == '"1"'
+    for name in ('PYTHONPATH', 'PATH', 'LD_LIBRARY_PATH', 'ROS_PACKAGE_PATH'):
+        folders = environment.get(name, '""').strip('"')
+        assert [one for one in folders.split(':') if folders and not one.startswith('/')] == []
 
 
 def test_a_wrong_site_file_is_one_sentence_and_writes_nothing(site, capsys):

@@ -22,7 +22,7 @@ from fleet_simulation.batch import Done, Job, Progress, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
-from fleet_simulation.report import Proposed, Study, in_words, write
+from fleet_simulation.report import Proposed, Study, in_words, is_free, write
 from fleet_simulation.site import Order, Site, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
 from graph_fleet_manager.files.errors import FileError
@@ -43,6 +43,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     options = _parser().parse_args(words)
     try:
+        if not is_free(options.output):
+            raise WrongSite(f'{options.output} has files that are no earlier report; they could be '
+                            'overwritten: name a new or empty folder with --output.')
         site = _site(options)
         counts = options.robots or (max(len(site.fleet.robots), 1),)
         for count in counts:

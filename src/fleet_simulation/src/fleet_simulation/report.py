@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import os
 from html import escape
 from pathlib import Path
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
@@ -20,10 +21,14 @@ from fleet_simulation.statistics import (
     quantile,
     sizes,
     waiting_by_cause,
+    waiting_by_drawn_edge,
     waiting_by_edge,
 )
 from node_program.inert_text import cell
+from trajectory_graph import Graph
 
+REPORT = 'report.html'
+_TITLE = 'How many robots does this site need?'
 _WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
           'eleven', 'twelve')
 _TOLD_EDGES = 10
@@ -79,9 +84,20 @@ def write(study: Study, folder: Path) -> Path:
         table = io.StringIO()
         csv.writer(table).writerows([cell(str(one)) for one in row] for row in rows)
         replace_file(folder / name, table.getvalue())
-    path = folder / 'report.html'
+    path = folder / REPORT
     replace_file(path, html(study))
     return path
+
+
+def is_free(folder: Path) -> bool:
+    """Whether reports may be written here: into a new or empty folder, or over an old report."""
+    try:
+        names = os.listdir(folder)
+    except FileNotFoundError:
+        return True
+    if REPORT in names:
+        return _TITLE in (folder / REPORT).read_text(encoding='utf-8', errors='replace')
+    return not names
 
 
 # -- words ----------------------------------------------------------------------------------------
@@ -112,7 +128,7 @@ def in_words(study: Study) -> str:
                     f'{these} {"adds" if number == 1 else "add"} nothing.')
     elif len(found) > 1:
         told.append('This is the largest simulated fleet: a larger one may serve more.')
-    edges = list(waiting_by_edge(best).items())[:2]
+    edges = list(waiting_by_drawn_edge(best, study.site.graph).items())[:2]
     if edges and best.use[Use.WAITING] > 0.01:
         share = 100 * sum(part for _, part in edges)
         ids = ' and '.join(str(id) for id, _ in edges)
@@ -146,7 +162,7 @@ def html(study: Study) -> str:
     """Returns the whole HTML page."""
     found = sizes(study.runs)
     parts = ['<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
-             f'<title>How many robots does this site need?</title><style>{_STYLE}</style></head>',
+             f'<title>{_TITLE}</title><style>{_STYLE}</style></head>',
              '<body><h1>How many robots does this site need?</h1>',
              f'<p class="words">{escape(in_words(study))}</p>', _warnings(study)]
     if found:
@@ -211,11 +227,11 @@ def _use(found: Sequence[Size]) -> str:
 
 
 def _waiting(study: Study, best: Size) -> str:
-    edges = waiting_by_edge(best)
+    graph, edges = study.site.graph, waiting_by_drawn_edge(best, study.site.graph)
     told = list(edges)[:_TOLD_EDGES]
     rows = []
     for edge in told:
-        causes = waiting_by_cause(best, edge)
+        causes = waiting_by_cause(best, graph.whole_edges((edge,)))
         rows.append((str(edge), f'{100 * edges[edge]:.1f} %', ', '.join(
             f'{cause.value} {100 * share:.0f} %' for cause, share in causes.items())))
     told_causes = ', '.join(f'{cause.value} {100 * share:.0f} %'
@@ -223,7 +239,7 @@ def _waiting(study: Study, best: Size) -> str:
     return (f'<h2>Where {best.robots} robots wait</h2>'
             '<p>Waiting counts at the edge that the robot wants to drive next. Causes of all '
             f'waiting: {escape(told_causes or "none")}.</p>'
-            + svg.site_map(study.site.graph, edges, told)
+            + svg.site_map(graph, waiting_by_edge(best), told)
             + _table(('edge', 'share of all waiting', 'causes'), rows))
 
 
@@ -307,7 +323,8 @@ def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
         *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m', 'plans',
         'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s', 'supervisor_cpu_s', 'planner_cpu_s',
         'times_real_time', 'trouble')]
-    waiting: List[Tuple[object, ...]] = [('robots', 'seed', 'edge', 'cause', 'robot_s')]
+    waiting: List[Tuple[object, ...]] = [
+        ('robots', 'seed', 'edge', 'cause', 'robot_s', 'drawn_edge')]
     missions: List[Tuple[object, ...]] = [('robots', 'seed', 'what', 'seconds')]
     failures: List[Tuple[object, ...]] = [('robots', 'seed', 'missions', 'why')]
     for run in study.runs:
@@ -321,7 +338,7 @@ def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
             f'{run.travelled:.0f}', len(run.planning),
             *(f'{quantile(run.planning, share):.4f}' for share in (0.5, 0.95, 1.0)),
             *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble))
-        waiting += [(*key, edge, cause.value, f'{seconds:.0f}')
+        waiting += [(*key, edge, cause.value, f'{seconds:.0f}', _drawn(study.site.graph, edge))
                     for (edge, cause), seconds in sorted(run.waiting.items(), key=_by_edge)]
         missions += [(*key, 'request to start', f'{one:.2f}') for one in run.waits]
         missions += [(*key, 'request to success', f'{one:.2f}') for one in run.leads]
@@ -331,6 +348,10 @@ def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
                   for one in study.proposals]
     return {'runs.csv': runs, 'waiting.csv': waiting, 'missions.csv': missions,
             'failures.csv': failures, 'proposals.csv': proposals}
+
+
+def _drawn(graph: Graph, edge: int) -> int:
+    return graph.edges[edge].drawn_id if edge in graph.edges else edge
 
 
 def _by_edge(item: Tuple[Tuple[int, Cause], float]) -> Tuple[int, str]:

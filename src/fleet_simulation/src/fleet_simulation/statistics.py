@@ -2,12 +2,13 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, NamedTuple, Sequence
+from typing import Container, Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 from scipy.stats import t as students_t
 
 from fleet_simulation.figures import Cause, Figures, Use
+from trajectory_graph import Graph
 
 _WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
 _KEPT_UP = 0.97  # a fleet serves the demand if at least this share of the requests succeeds
@@ -93,13 +94,20 @@ def waiting_by_edge(size: Size) -> Dict[int, float]:
                    for (edge, _), seconds in run.waiting.items())
 
 
-def waiting_by_cause(size: Size, edge: int = 0) -> Dict[Cause, float]:
+def waiting_by_drawn_edge(size: Size, graph: Graph) -> Dict[int, float]:
+    """Returns the same with all sections of an edge that was cut as one edge, by its drawn id."""
+    return _shares((graph.edges[edge].drawn_id if edge in graph.edges else edge, seconds)
+                   for run in size.runs for (edge, _), seconds in run.waiting.items())
+
+
+def waiting_by_cause(size: Size, edges: Optional[Container[int]] = None) -> Dict[Cause, float]:
     """Returns the share (0..1) of all waiting by cause, the highest first.
 
-    edge -- id of the edge whose waiting counts; 0: of all edges
+    edges -- ids of the edges whose waiting counts; None: of all edges
     """
     return _shares((cause, seconds) for run in size.runs
-                   for (one, cause), seconds in run.waiting.items() if edge in (0, one))
+                   for (one, cause), seconds in run.waiting.items()
+                   if edges is None or one in edges)
 
 
 def _shares(pairs: Iterable) -> Dict:

@@ -109,7 +109,7 @@ def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int]) -
     """Returns a map of the graph.
 
     heat     -- by edge id: share (0..1) of all waiting; edges are drawn from grey to red
-    labelled -- ids of the edges whose id is written on the map
+    labelled -- drawn ids of the edges whose id is written on the map
     """
     lines = {id: _line(graph, id) for id in graph.edges}
     points = np.concatenate([*lines.values(), [v.position for v in graph.vertices.values()]])
@@ -125,8 +125,8 @@ def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int]) -
         share = heat.get(id, 0.0) / most
         parts.append(f'<polyline points="{_points([at(point) for point in line])}" fill="none" '
                      f'stroke="{_heat(share)}" stroke-width="{2 + 6 * share:.1f}" '
-                     f'stroke-linecap="round"><title>edge {id}: {100 * heat.get(id, 0.0):.1f} % '
-                     'of all waiting</title></polyline>')
+                     f'stroke-linecap="round"><title>edge {graph.edges[id].drawn_id}: '
+                     f'{100 * heat.get(id, 0.0):.1f} % of all waiting</title></polyline>')
     for vertex in graph.vertices.values():
         x, y = at(vertex.position)
         colour = '#2266aa' if vertex.dock else '#555555'
@@ -134,7 +134,9 @@ def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int]) -
                      f'fill="{colour}"><title>vertex {vertex.id} {escape(vertex.label)}</title>'
                      '</circle>')
     for id in labelled:
-        x, y = at(lines[id][len(lines[id]) // 2])
+        sections = sorted(graph.whole_edges((id,)))
+        line = lines[sections[len(sections) // 2]]
+        x, y = at(line[len(line) // 2])
         parts.append(f'<text x="{x + 7:.1f}" y="{y - 7:.1f}" font-weight="bold" '
                      f'stroke="white" stroke-width="3" paint-order="stroke">{id}</text>')
     return _svg(round(width * scale + 60), round(tall * scale + 60), parts)

@@ -33,6 +33,8 @@ def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> in
         site = load(chosen.map, site_options(chosen))
         rules = CheckRules(robot_width=chosen.robot_width, robot_length=chosen.robot_length,
                            corridor=chosen.corridor)
+        for note in site.notes:
+            print(f'warning: {note}', file=sys.stderr)
         findings = Checker(rules, site).all(Draft.of(graph))
         if chosen.draw:
             draw_graph(site, graph, chosen.draw, chosen.corridor, findings)

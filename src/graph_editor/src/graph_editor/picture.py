@@ -6,6 +6,7 @@ from typing import Sequence, Tuple, Union
 
 import numpy as np
 from PIL import Image, ImageDraw
+from PIL.PngImagePlugin import PngInfo
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.errors import SiteError
@@ -14,6 +15,7 @@ from graph_editor.site import Site
 from omron_map.canvas import label_font
 from trajectory_graph import CurveType, Graph
 
+MADE_BY = 'written by make_graph'  # in each picture; scripts/new_site.sh looks for it
 LARGEST_SIDE = 2000  # px
 PIXELS_PER_METRE = 60.0
 SUPERSAMPLING = 2
@@ -122,7 +124,9 @@ class _Sheet:
         """Scales the image down and writes it; raises SiteError."""
         small = self._image.resize((self._size[0] // SUPERSAMPLING, self._size[1] // SUPERSAMPLING),
                                    Image.LANCZOS)
+        notes = PngInfo()
+        notes.add_text('Software', MADE_BY)
         try:
-            small.save(path, 'PNG', optimize=True)
+            small.save(path, 'PNG', optimize=True, pnginfo=notes)
         except (OSError, ValueError) as error:
             raise SiteError(f'{path}: the picture cannot be written ({error}).') from None

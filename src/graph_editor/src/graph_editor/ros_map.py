@@ -1,10 +1,16 @@
-"""Reads ROS maps, i.e. the `.yaml` file and the image of `map_server`, as occupancy grids."""
+"""Reads ROS maps, i.e. the `.yaml` file and the image of `map_server`, as occupancy grids.
+
+The value of a pixel is that of map_server (image_loader.cpp, mode trinary): the mean of all its
+channels, alpha included. map_server reads images with SDL_image, which takes the high byte of
+16-bit PNG files, refuses 16-bit PGM files, and gives the index of a colour instead of the colour.
+So an image whose value here could differ from that of map_server is refused.
+"""
 from __future__ import annotations
 
 import math
 import os
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Iterator, Tuple
 
 import numpy as np
 from PIL import Image
@@ -14,6 +20,8 @@ from graph_editor.floor import LARGEST_GRID
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import WrongYaml
 
+UNKNOWN = 205  # the grey of unknown cells in images of map_saver
+_MODES = ('1', 'L', 'LA', 'RGB', 'RGBA', 'I', 'I;16', 'I;16B')  # of Pillow
 _KEYS = ('image', 'resolution', 'origin', 'occupied_thresh', 'free_thresh', 'negate', 'mode')
 
 
@@ -23,11 +31,13 @@ class RosMap:
 
     cells  -- (rows, columns) int8: 0 free, 100 occupied, -1 unknown; row 0 has the lowest y
     origin -- x, y in m of the lower left corner
+    notes  -- warnings for people, one sentence each
     """
 
     cells: np.ndarray
     resolution: float
     origin: Tuple[float, float]
+    notes: Tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -58,12 +68,18 @@ def load_ros_map(path: str) -> RosMap:
     if yaw != 0.0 or description.mode != 'trinary':
         raise SiteError(f'{path}: yaw is {yaw:g} and mode {description.mode}, but only maps with '
                         'yaw 0 and mode trinary can be used.')
-    grey = _grey(os.path.join(os.path.dirname(path), description.image), path)
+    if not 0.0 <= description.free_to < description.occupied_from <= 1.0:
+        raise SiteError(
+            f'{path}: free_thresh is {description.free_to:g} and occupied_thresh '
+            f'{description.occupied_from:g}, but they are shares of black from 0 to 1, not '
+            'percent, and free_thresh is the smaller one; map_saver writes 0.196 and 0.65.')
+    grey = _values(os.path.join(os.path.dirname(path), description.image), path)
     darkness = grey / 255.0 if description.inverted else 1.0 - grey / 255.0
     cells = np.full(grey.shape, -1, np.int8)
     cells[darkness < description.free_to] = 0
     cells[darkness > description.occupied_from] = 100
-    return RosMap(cells, description.resolution, (x, y))
+    return RosMap(cells, description.resolution, (x, y),
+                  tuple(_notes(path, description, grey, cells)))
 
 
 def _described(path: str) -> _Description:
@@ -83,14 +99,41 @@ def _described(path: str) -> _Description:
         mode=strict_yaml.optional(fields, 'mode', strict_yaml.text, 'trinary'))
 
 
-def _grey(image_path: str, path: str) -> np.ndarray:
-    """Returns the grey values (rows, columns), 0..255, with the lowest row first."""
+def _notes(path: str, description: _Description, grey: np.ndarray,
+           cells: np.ndarray) -> Iterator[str]:
+    unknown = 1.0 - UNKNOWN / 255.0
+    if not description.inverted and description.free_to > unknown and (grey == UNKNOWN).any():
+        yield (f'{path}: free_thresh is {description.free_to:g}, so the grey {UNKNOWN}, which '
+               f'map_saver writes for unknown cells, is free floor; if it shall be unknown, write '
+               'free_thresh: 0.196.')
+    if not (cells == 100).any():
+        yield (f'{path}: no cell is occupied, so this map has no walls: check the thresholds and '
+               'negate.')
+
+
+def _values(image_path: str, path: str) -> np.ndarray:
+    """Returns the values (rows, columns), 0..255, with the lowest row first."""
     try:
         with Image.open(image_path) as image:
             columns, rows = image.size
             if rows * columns > LARGEST_GRID:
                 raise SiteError(f'{image_path}, the image of {path}, has {rows * columns} pixels, '
                                 f'but {LARGEST_GRID} is the most.')
-            return np.asarray(image.convert('L'), float)[::-1]
+            return _as_map_server(image, image_path, path)[::-1]
     except (OSError, ValueError, Image.DecompressionBombError) as error:
         raise SiteError(f'{image_path}, the image of {path}, cannot be read ({error}).') from None
+
+
+def _as_map_server(image: Image.Image, image_path: str, path: str) -> np.ndarray:
+    """Returns the mean of the channels of each pixel, as map_server computes it, 0..255."""
+    if 'transparency' in image.info or image.mode not in _MODES or (
+            image.mode.startswith('I') and image.format != 'PNG'):
+        raise SiteError(f'{image_path}, the image of {path}, is of a kind that map_server reads '
+                        f'otherwise or not at all ({image.format}, {image.mode}): save it as an '
+                        '8-bit grey PGM or PNG file.')
+    if image.mode.startswith('I'):
+        return np.floor_divide(np.asarray(image, np.int32), 256).astype(float)
+    if image.mode in ('1', 'L'):
+        return np.asarray(image.convert('L'), float)
+    channels = np.asarray(image.convert('RGBA') if image.mode == 'LA' else image, float)
+    return channels.mean(axis=2)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Optional, Tuple
 
@@ -82,7 +82,8 @@ def load_site(path: str, options: SiteOptions) -> Site:
     """
     if os.path.splitext(path)[1].lower() in ('.yaml', '.yml'):
         grid = load_ros_map(path)
-        return site_of_grid(grid.cells, grid.resolution, grid.origin, options, path)
+        site = site_of_grid(grid.cells, grid.resolution, grid.origin, options, path)
+        return replace(site, notes=(*site.notes, *grid.notes))
     return site_of_document(MapDocument.load(path), options)
 
 

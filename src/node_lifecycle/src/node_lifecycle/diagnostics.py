@@ -3,13 +3,13 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping
 
-import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
 
 from node_lifecycle.log_throttle import warn
+from node_lifecycle.periodic import Periodic
 
-PERIOD = rospy.Duration(1.0)
+PERIOD = 1.0  # s
 Task = Callable[[DiagnosticStatusWrapper], Any]  # fills the status in
 
 
@@ -22,8 +22,7 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
     updater.setHardwareID(hardware_id)
     for name, task in tasks.items():
         updater.add(name, guarded(task))
-    timer = rospy.Timer(PERIOD, lambda _: updater.force_update())
-    rospy.on_shutdown(timer.shutdown)
+    Periodic('diagnostics', PERIOD, updater.force_update)
 
 
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:

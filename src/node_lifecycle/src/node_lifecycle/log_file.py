@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import logging
 import logging.handlers
+import os
 import sys
 import tempfile
 from contextlib import contextmanager, suppress
@@ -68,21 +69,32 @@ class _NoFile(logging.NullHandler):
 
 @contextmanager
 def _possible_log_file() -> Iterator[None]:
-    """A context in which no log file is made if it could not be opened."""
+    """A context in which no log file is made if it could not be opened.
+
+    Without a folder for the file, rospy would set up no log at all, and the node could not even
+    report on its console why it cannot work. So rospy gets a folder that exists; it writes nothing.
+    """
     folder = rospkg.get_log_dir()
     try:
+        os.makedirs(folder, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except FileNotFoundError:
-        yield  # rospy creates the folder, or reports that it cannot
     except OSError as error:
-        print(f'There is no log file in {folder} ({error.strerror}).', file=sys.stderr)
+        print(f'There is no log file in {folder} ({error.strerror}): this node logs on its console '
+              f'and on /rosout only. Set ROS_LOG_DIR to a folder that it can write.',
+              file=sys.stderr)
         file_handler = getattr(logging.handlers, _FILE_HANDLER)
         setattr(logging.handlers, _FILE_HANDLER, _NoFile)
+        variable = os.environ.get(rospkg.environment.ROS_LOG_DIR)
+        os.environ[rospkg.environment.ROS_LOG_DIR] = os.sep
         try:
             yield
         finally:
             setattr(logging.handlers, _FILE_HANDLER, file_handler)
+            if variable is None:
+                del os.environ[rospkg.environment.ROS_LOG_DIR]
+            else:
+                os.environ[rospkg.environment.ROS_LOG_DIR] = variable
     else:
         yield
 

@@ -21,6 +21,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 import node_program
 from node_lifecycle import log_file
+from node_lifecycle.clock_watch import watch_clock
 from node_lifecycle.diagnostics import Task, publish_diagnostics
 from node_lifecycle.kept_parameters import KEPT
 from node_lifecycle.master_watch import watch_master
@@ -50,13 +51,19 @@ def run(name: str, start: Callable[[], Any],
     _end_quietly(ending)
     Watchdog((start.__module__.split('.')[0], *libraries))
     watch_master()
+    watch_clock()
     try:
+        check_namespace(rospy.get_namespace())
         node = start()
     except ConfigurationError as error:
         rospy.logerr('%s cannot work: %s Correct this and restart the node.', rospy.get_name(),
                      error)
         publish_diagnostics('none', {'configuration': _wrong(str(error))})
         node = misconfigured(str(error))
+    except Exception:
+        if not ending.is_set():
+            raise
+        os._exit(0)  # it was ended during its start, so its topics or its master are gone
     else:
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
@@ -77,6 +84,20 @@ def init_node(name: str) -> None:
         if rospy.is_shutdown():
             os._exit(0)  # it ended during its start: rospy's server threads would run for ever
         raise
+
+
+def check_namespace(namespace: str) -> None:
+    """Raises ConfigurationError for a namespace within a namespace.
+
+    A node has relative names, which begin with its namespace, and absolute ones, such as /graph.
+    Other programs find its relative names under one level, for example under the robot's name.
+    """
+    levels = namespace.strip('/').split('/')
+    if len(levels) > 1:
+        raise ConfigurationError(
+            f'its namespace is {namespace.rstrip("/")}, so neither a fleet manager nor the tools '
+            f'of RViz reach /{levels[-1]}: unset ROS_NAMESPACE in the shell that starts the launch '
+            'file, and include the file in no <group ns="...">.')
 
 
 def _wait_for_master() -> None:
@@ -115,9 +136,18 @@ def _end_on_signals() -> None:
 
 
 def _end_quietly(ending: threading.Event) -> None:
-    """Drops errors of callbacks that publish during the end: topics close before is_shutdown()."""
+    """Drops errors of callbacks and threads that use ROS while the node ends.
+
+    Topics close before is_shutdown(), so no thread can know in time that it must not publish.
+    """
     logging.getLogger('rosout').addFilter(
         lambda record: not (ending.is_set() and 'to a closed topic' in record.getMessage()))
+    report = threading.excepthook
+
+    def report_unless_ending(args: Any) -> None:
+        if not (ending.is_set() and isinstance(args.exc_value, rospy.ROSException)):
+            report(args)
+    threading.excepthook = report_unless_ending
 
 
 def _wait_for_end(ending: threading.Event) -> None:

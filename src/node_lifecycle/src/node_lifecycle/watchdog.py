@@ -17,6 +17,8 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from node_lifecycle.periodic import Periodic
+
 PERIOD = 1.0  # s
 STANDSTILL = 10.0  # s
 CALLERS = ('actionlib', 'diagnostic_updater', 'interactive_markers')
@@ -122,16 +124,14 @@ class Watchdog:
         self._watch = ThreadWatch((*packages, *CALLERS))
         self._publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
         self._reported = False
-        threading.Thread(target=self._run, name='watchdog', daemon=True).start()
+        Periodic('watchdog', PERIOD, self._look)
 
-    def _run(self) -> None:
-        while not rospy.is_shutdown():
-            time.sleep(PERIOD)
-            found = self._watch.look(time.monotonic())
-            if found and not self._reported:
-                rospy.logerr('%s', _sentence(found))
-            self._reported = bool(found)
-            self._publish(found)
+    def _look(self) -> None:
+        found = self._watch.look(time.monotonic())
+        if found and not self._reported:
+            rospy.logerr('%s', _sentence(found))
+        self._reported = bool(found)
+        self._publish(found)
 
     def _publish(self, found: List[Standstill]) -> None:
         status = DiagnosticStatus(name=f'{rospy.get_name().lstrip("/")}: threads',

@@ -13,6 +13,7 @@ from typing import Callable, List
 from node_program.inert_text import make_output_inert
 
 INTERRUPTED = 130  # exit status of a program ended by Ctrl-C, as in shells
+PRIVATE = 0o077    # umask of nodes
 _when_started: List[Callable[[], None]] = []
 
 
@@ -32,8 +33,9 @@ def run_main(module: str) -> None:
 
     SIGINT ends the program at once until the node itself handles signals. As an exception it could
     be swallowed while libraries are imported: the node would still start, and roslaunch would wait
-    15 s for it to end.
+    15 s for it to end. Files that the node makes are for its own user only.
     """
+    os.umask(PRIVATE)
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(import_module(module).main())
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 import errno
 import logging
 import logging.handlers
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -92,9 +95,31 @@ def test_where_no_log_file_can_be_opened_there_is_a_node_without_one(
     monkeypatch.setattr(log_file.tempfile, 'TemporaryFile', full)
     monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path))
     log_file.init_node('node')
-    assert f'There is no log file in {tmp_path} (no).' in capsys.readouterr().err
+    assert f'There is no log file in {tmp_path} (no)' in capsys.readouterr().err
+    assert os.environ['ROS_LOG_DIR'] == str(tmp_path)
     monkeypatch.undo()
     assert logging.handlers.RotatingFileHandler is not log_file._NoFile
+
+
+LOGS_AN_ERROR = """
+import logging
+from rosgraph import roslogging
+from node_lifecycle import log_file
+with log_file._possible_log_file():
+    roslogging.configure_logging('rospy', filename='node.log')
+logging.getLogger('rosout').error('the node cannot work')
+"""
+
+
+@pytest.mark.parametrize('folder', ['/proc/nowhere', '/dev/null', '/dev/null/log'])
+def test_a_node_whose_log_folder_cannot_be_made_says_so_and_still_logs_on_its_console(folder):
+    """As with a user without a home, and on a read-only root."""
+    result = subprocess.run([sys.executable, '-c', LOGS_AN_ERROR], text=True, check=True,
+                            env={**os.environ, 'ROS_LOG_DIR': folder}, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, timeout=60)
+    assert f'There is no log file in {folder} (' in result.stdout
+    assert 'Set ROS_LOG_DIR to a folder that it can write' in result.stdout
+    assert 'the node cannot work' in result.stdout
 
 
 def test_where_a_log_file_can_be_opened_it_is(tmp_path, monkeypatch, capsys):

@@ -6,6 +6,7 @@ import threading
 import pytest
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 
+from node_lifecycle import marker_server
 from node_lifecycle.marker_server import OrderedMarkerServer
 
 
@@ -19,6 +20,7 @@ def sent(monkeypatch) -> list:
     monkeypatch.setattr(InteractiveMarkerServer, '__init__',
                         lambda self, _, q_size: self.publishInit())
     monkeypatch.setattr(InteractiveMarkerServer, '__del__', lambda self: None)
+    monkeypatch.setattr(marker_server, 'Periodic', lambda *_: None)
     return messages
 
 
@@ -32,7 +34,7 @@ def test_a_keep_alive_waits_for_the_update_that_is_under_way(sent, monkeypatch):
     monkeypatch.setattr(InteractiveMarkerServer, 'applyChanges', slow)
     server = OrderedMarkerServer('handles')
     threads = [threading.Thread(target=server.applyChanges),
-               threading.Thread(target=server.keepAlive, args=(None,))]
+               threading.Thread(target=server.keep_alive)]
     threads[0].start()
     assert begun.wait(10)
     threads[1].start()
@@ -49,6 +51,6 @@ def test_the_whole_state_goes_out_once_after_a_change_and_not_with_each(sent):
     for _ in range(3):
         server.publishInit()
     assert sent == []
-    server.keepAlive(None)
-    server.keepAlive(None)
+    server.keep_alive()
+    server.keep_alive()
     assert sent == ['publishInit', 'keepAlive', 'keepAlive']

@@ -40,11 +40,12 @@ def spec_of(name: str) -> CommandSpec:
 def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
            related: Optional[Predicate] = None, timeout: float = _DRIVE_TIMEOUT,
            goal_at: Optional[int] = None, aborted_by: Optional[Predicate] = None,
-           course: Course = Course.TO_A_PLACE, shortcut: str = '') -> CommandSpec:
+           course: Course = Course.TO_A_PLACE, shortcut: str = '',
+           adds_job: bool = False) -> CommandSpec:
     """A row for a command that takes over the wheels."""
     return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
                        related or _LEAVING_THE_DOCK, aborted_by, timeout, course, goal_at,
-                       shortcut)
+                       shortcut, adds_job=adds_job)
 
 
 def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, related: Predicate,
@@ -116,7 +117,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _drive('queueDropoff <goal> [priority] [jobId]',
            names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0,
            related=any_of(says('queueDropoff'), notices('QueueUpdate'), _LEAVING_THE_DOCK),
-           shortcut='qd'),
+           shortcut='qd', adds_job=True),
     # other commands that move the robot, or let it be moved
     CommandSpec('stop', Category.MOTION, is_one_of(driving.Stopped),
                 acknowledged_by=is_one_of(driving.Stopping),

@@ -58,6 +58,7 @@ class CommandSpec:
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
     needs_standing -- it is not sent while the robot drives
+    adds_job -- each time it is given, the robot gets one more job
     """
 
     syntax: str
@@ -71,6 +72,7 @@ class CommandSpec:
     goal_at: Optional[int] = None
     shortcut: str = ''
     needs_standing: bool = False
+    adds_job: bool = False
 
     @property
     def name(self) -> str:
@@ -87,6 +89,11 @@ class CommandSpec:
         """Whether the command moves the robot, or lets it move; such a command needs an epoch."""
         return self.drives or (self.category is Category.MOTION and not self.stops
                                and self.name not in _NEVER_MOVE)
+
+    @property
+    def may_repeat(self) -> bool:
+        """Whether the command changes nothing if it is given again while the robot obeys it."""
+        return self.course in (Course.TO_A_PLACE, Course.INTO_THE_DOCK) and not self.adds_job
 
     @property
     def stops(self) -> bool:

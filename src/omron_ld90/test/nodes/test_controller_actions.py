@@ -86,8 +86,9 @@ class Bench:
         self.given: List[Tuple[str, Giver, Dict[str, Any]]] = []
         self.cancelled: List[Tuple[object, Giver]] = []
         self.cancelled_all: List[Giver] = []
+        self.obeyed: Optional[str] = None  # the drive that each command would only repeat
         self.commands = ExecuteCommandServer(self._execute, self._cancel, self.cancelled_all.append,
-                                             self.old)
+                                             lambda *_: self.obeyed, self.old)
         self.server = Server.last
 
     def _execute(self, text: str, giver: Giver, **options: Any) -> object:
@@ -243,3 +244,31 @@ def test_an_empty_result_is_no_outcome():
     """D10: a goal recalled before its start had the outcome 0, which was SUCCEEDED."""
     assert ExecuteCommandResult().outcome == ExecuteCommandResult.NONE
     assert ExecuteCommandResult.NONE not in _OUTCOMES.values()
+
+
+def test_a_goal_given_again_takes_the_drive_over_without_a_second_command(bench):
+    first = bench.give('goto 12')
+    bench.obeyed = 'goto 12'
+    second = Handle('again', 'goto 12')
+    bench.server.on_goal(second)
+    assert [text for text, _, _ in bench.given] == ['goto 12']
+    how, _, text = first.calls[-1]
+    assert (how, text) == ('set_canceled', 'the same goal was given again')
+    bench.end(second, Result(Outcome.SUCCEEDED, 'Arrived at 12', ()))
+    assert second.ended[0] == 'set_succeeded'
+    assert len(first.calls) == 2, 'a goal ends once'
+
+
+def test_a_cancellation_of_the_goal_that_took_over_cancels_the_drive(bench):
+    bench.give('goto 12')
+    bench.obeyed = 'goto 12'
+    second = Handle('again', 'goto 12')
+    bench.server.on_goal(second)
+    bench.server.on_cancel(second)
+    assert [execution for execution, _ in bench.cancelled] == ['goto 12']
+
+
+def test_a_drive_that_did_not_come_by_this_action_is_given_anew_because_its_end_must_be_told(bench):
+    bench.obeyed = 'a drive of another interface'
+    bench.give('goto 12')
+    assert [text for text, _, _ in bench.given] == ['goto 12']

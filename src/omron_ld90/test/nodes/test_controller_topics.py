@@ -32,7 +32,9 @@ class Bench:
         self.refused: List[Tuple[str, str, str]] = []
         self.on_end: Callable[[Result], None] = lambda _: None
         monkeypatch.setattr(rospy, 'Subscriber', self._subscribe)
-        TopicCommands(self._execute, self, self, self, 'map', lambda: self.driven_by)
+        self.obeyed: Optional[str] = None  # the command that the robot obeys
+        TopicCommands(self._execute, lambda text, _: text == self.obeyed, self, self, self, 'map',
+                      lambda: self.driven_by)
 
     def _subscribe(self, topic: str, kind: type, callback: Callable, **_: Any) -> None:
         assert TOPICS[topic] is kind
@@ -155,3 +157,12 @@ def test_a_command_that_comes_to_nothing_is_told(bench, outcome, is_told):
     bench.on_end(Result(outcome, 'no path', ()))
     told = [(text, caller) for text, caller, _ in bench.refused]
     assert told == ([('goto 12', '/bridge')] if is_told else [])
+
+
+def test_a_command_that_the_robot_obeys_already_is_not_given_again(bench):
+    bench.hear('send_command', String('goto 12'))
+    bench.obeyed = 'goto 12'
+    bench.hear('send_command', String('goto 12'))
+    bench.hear('send_command', String('goto 13'))
+    assert [text for text, _ in bench.given] == ['goto 12', 'goto 13']
+    assert not bench.refused

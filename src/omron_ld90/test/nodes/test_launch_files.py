@@ -334,3 +334,44 @@ def test_the_driver_depends_neither_on_simulator_nor_on_adapter():
     assert not depends & {'omron_ld90_sim', 'vda5050_vehicle', 'graph_fleet_manager'}
     for file in (ROOT / 'src' / name / 'CMakeLists.txt' for name in ('omron_ld90', 'ld90_bringup')):
         assert f'/({"|".join(BRINGUP)})[.]launch$' in file.read_text()
+
+
+AWKWARD = "/my robots/l'atelier"
+_PATHS = re.compile(r'\$\((?:find [a-z0-9_]+|arg [a-z_]*(?:_file|_map|_config))\)')
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_a_path_with_a_blank_or_an_apostrophe_stays_one_word(file):
+    """roslaunch splits these attributes as a shell does."""
+    for element in ElementTree.parse(file).iter():
+        lines = [element.get('args', '')]
+        if element.tag == 'param':
+            lines.append(element.get('command', ''))
+        for line in lines:
+            told = _PATHS.sub(AWKWARD, line)
+            words = [word for word in shlex.split(told) if AWKWARD in word]
+            assert len(words) == len(_PATHS.findall(line)), line
+
+
+@pytest.mark.parametrize('name', ['robot.launch', 'visualisation.launch', 'fleet_manager.launch'])
+def test_the_program_that_stands_for_a_fork_may_lie_anywhere(name):
+    nodes, _ = expand(name, 'hosted:=true', f'hosted_by:={AWKWARD}/hosted')
+    prefixes = [node.launch_prefix for node in nodes.values() if node.launch_prefix]
+    assert len(prefixes) >= 3
+    assert {tuple(shlex.split(prefix)) for prefix in prefixes} == {(f'{AWKWARD}/hosted',)}
+
+
+def test_the_program_that_stands_for_a_fork_is_found():
+    nodes, _ = expand('robot.launch', 'hosted:=true')
+    program, = {shlex.split(node.launch_prefix)[0] for node in nodes.values()
+                if node.launch_prefix}
+    assert Path(program).is_file()
+
+
+def test_the_simulator_gets_any_name_of_a_map(tmp_path):
+    nodes, _ = expand('sim.launch', f'map_file:={AWKWARD}.map', f'base_map:={AWKWARD}_base.map',
+                      f'graph_file:={AWKWARD}.yaml')
+    words = shlex.split(nodes['/omron_ld90/ld90_sim'].args)
+    assert words[words.index('--map') + 1] == f'{AWKWARD}.map'
+    made_from = words.index('--made-from')
+    assert words[made_from + 1:made_from + 3] == [f'{AWKWARD}_base.map', f'{AWKWARD}.yaml']

@@ -140,3 +140,49 @@ def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
         ['bash', '-c', f'. {tmp_path}/scripts/common.sh; _newer_than {stamp}'], text=True,
         stdout=subprocess.PIPE, check=True).stdout.split()
     assert newer == ([str(tmp_path / file)] if is_built else [])
+
+
+@pytest.mark.parametrize('name', ['site_fleet.map', 'site_graph.png'])
+def test_new_site_overwrites_no_file_of_the_user(tmp_path, name):
+    shutil.copy(ROOT / 'maps' / 'lab_base.map', tmp_path / 'site.map')
+    (tmp_path / name).write_text('of the user')
+    result = subprocess.run([str(ROOT / 'scripts' / 'new_site.sh'), str(tmp_path / 'site.map'),
+                             '--no-start'], text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, timeout=120, check=False)
+    assert result.returncode == 1
+    assert f'{name} was not made by this script' in result.stdout
+    assert (tmp_path / name).read_text() == 'of the user'
+
+
+def test_a_namespace_of_the_shell_is_refused_in_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_NAMESPACE', '/hall')
+    result = run('rviz:=false', folder=tmp_path)
+    assert result.returncode == 1
+    assert 'unset ROS_NAMESPACE' in result.stdout
+
+
+def test_new_site_works_in_an_install_space_too(tmp_path):
+    """There, installed_common.sh is its common.sh, and roslaunch starts the robot."""
+    programs = tmp_path / 'lib' / 'ld90_bringup'
+    programs.mkdir(parents=True)
+    shutil.copy(ROOT / 'scripts' / 'new_site.sh', programs)
+    shutil.copy(ROOT / 'src/ld90_bringup/scripts/installed_common.sh', programs / 'common.sh')
+    site = tmp_path / "l'atelier 2.map"
+    shutil.copy(ROOT / 'maps' / 'lab_base.map', site)
+    result = subprocess.run([str(programs / 'new_site.sh'), str(site), '--no-start'], text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120,
+                            check=False)
+    assert result.returncode == 0, result.stdout
+    assert 'roslaunch omron_ld90 full_stack.launch map_file:=' in result.stdout
+    assert site.with_name("l'atelier 2_fleet.map").exists()
+
+
+@pytest.mark.parametrize('package', ['omron_ld90', 'ld90_bringup'])
+def test_a_package_copied_out_of_the_repository_is_refused_in_a_sentence(tmp_path, package):
+    copy = tmp_path / 'src' / package
+    shutil.copytree(ROOT / 'src' / package, copy)
+    result = subprocess.run(['cmake', '-S', str(copy), '-B', str(tmp_path / 'build')], text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120,
+                            check=False)
+    assert result.returncode != 0
+    assert 'put the whole repository into src/' in ' '.join(result.stdout.split())

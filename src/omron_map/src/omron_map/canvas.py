@@ -8,7 +8,7 @@ from typing import Any, List, Sequence, Tuple, Union
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from omron_map.saving import write_file
+from omron_map.saving import png_notes, write_file
 
 Colour = Tuple[int, int, int]
 Place = Union[Sequence[float], np.ndarray]
@@ -103,17 +103,18 @@ class Canvas:
         (x, _), = self._pixels(place)
         return x - self._width(self._drawable(words)) >= EDGE * SUPERSAMPLING
 
-    def write(self, path: str) -> Tuple[int, int]:
+    def write(self, path: str, is_named: bool = True) -> Tuple[int, int]:
         """Write the picture as a PNG file in one step; returns its size in pixels.
 
+        is_named -- whether the user gave `path`; else only a picture of ld_map is replaced
         Raises MapError if it cannot be written.
         """
         width, height = self._image.size
         image = self._image.resize((width // SUPERSAMPLING, height // SUPERSAMPLING),
                                    Image.LANCZOS)
         buffer = io.BytesIO()
-        image.save(buffer, 'PNG', optimize=True)
-        write_file(path, buffer.getvalue())
+        image.save(buffer, 'PNG', optimize=True, pnginfo=png_notes())
+        write_file(path, buffer.getvalue(), is_named=is_named)
         return image.size
 
     def _pixels(self, places: Place) -> List[Tuple[float, float]]:

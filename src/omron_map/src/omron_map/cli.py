@@ -146,7 +146,8 @@ def _export(options: argparse.Namespace) -> int:
     grid = OccupancyGrid.from_map(
         MapDocument.load(options.file), options.resolution, options.use, options.areas,
         BACKGROUNDS[options.background])
-    for path in export_grid(grid, options.output or _beside_us(options.file, '.pgm')):
+    output = options.output or _beside_us(options.file, '.pgm')
+    for path in export_grid(grid, output, is_named=bool(options.output)):
         print(f'wrote {path}')
     return DONE
 
@@ -169,7 +170,8 @@ def _diff(options: argparse.Namespace) -> int:
 
 def _draw(options: argparse.Namespace) -> int:
     output = options.output or _beside_us(options.file, '.png')
-    width, height = draw_map(MapDocument.load(options.file), output, options.size)
+    width, height = draw_map(MapDocument.load(options.file), output, options.size,
+                             is_named=bool(options.output))
     print(f'wrote {output}, {width} x {height} pixels')
     return DONE
 

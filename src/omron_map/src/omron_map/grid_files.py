@@ -14,19 +14,22 @@ from PIL import Image
 
 from omron_map.errors import MapError
 from omron_map.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from omron_map.saving import write_file
+from omron_map.saving import MADE_BY, png_notes, write_file
 
 #: Grey value of each kind of cell. (255 - 205) / 255 is slightly above the threshold of free cells.
 GREY = {FREE: 254, UNKNOWN: 205, OCCUPIED: 0}
 OCCUPIED_THRESHOLD, FREE_THRESHOLD = 0.65, 0.196
-FORMATS = {'.png': 'PNG', '.pgm': 'PPM'}  # Pillow's PPM writes a grey image as binary PGM
+FORMATS = ('.png', '.pgm')
 
 
-def export_grid(grid: OccupancyGrid, path: str) -> Tuple[str, str]:
+def export_grid(grid: OccupancyGrid, path: str, is_named: bool = True) -> Tuple[str, str]:
     """Write `grid` to `path` (.png, .pgm, or the .yaml of a .pgm).
 
     Returns the paths of the image and of the YAML file in the same folder. The YAML file names the
-    image relative to itself. Each file is replaced in one step, the image first. Raises MapError.
+    image relative to itself. Each file is replaced in one step, the one that may be refused first:
+    a file with a name that the user did not give, and that ld_map has not written. Raises MapError.
+
+    is_named -- whether the user gave `path`
     """
     stem, suffix = os.path.splitext(path)
     if suffix in ('', '.yaml'):
@@ -40,9 +43,16 @@ def export_grid(grid: OccupancyGrid, path: str) -> Tuple[str, str]:
         shades[cell] = grey
     image = Image.fromarray(shades[grid.cells[::-1].view(np.uint8)])
     buffer = io.BytesIO()
-    image.save(buffer, FORMATS[suffix.lower()])
-    write_file(image_path, buffer.getvalue())
-    write_file(yaml_path, _description(grid, os.path.basename(image_path)))
+    if suffix.lower() == '.png':
+        image.save(buffer, 'PNG', pnginfo=png_notes())
+    else:
+        buffer.write(f'P5\n# {MADE_BY}\n{image.width} {image.height}\n255\n'.encode())
+        buffer.write(image.tobytes())
+    description = _description(grid, os.path.basename(image_path))
+    named = path if is_named else ''
+    files = [(image_path, buffer.getvalue()), (yaml_path, description)]
+    for file, data in sorted(files, key=lambda one: one[0] == named):
+        write_file(file, data, is_named=file == named)
     return image_path, yaml_path
 
 
@@ -55,4 +65,5 @@ def _description(grid: OccupancyGrid, image: str) -> bytes:
         'occupied_thresh': OCCUPIED_THRESHOLD,
         'free_thresh': FREE_THRESHOLD,
     }
-    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True).encode()
+    text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
+    return f'# {MADE_BY}\n{text}'.encode()

@@ -32,10 +32,12 @@ GAP = 75  # mm between an object and its name
 LEAST_METRE = 8  # px; narrower lines of the net are not drawn
 
 
-def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE) -> Tuple[int, int]:
+def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE,
+             is_named: bool = True) -> Tuple[int, int]:
     """Write a PNG picture of `document`; returns its size in pixels.
 
     long_side -- length of its longer side, px
+    is_named  -- whether the user gave `path`; else only a picture of ld_map is replaced
     Raises MapError if the map is empty or the file cannot be written.
     """
     picture = MapPicture(document, long_side)
@@ -44,7 +46,7 @@ def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE) -> Tu
     picture.sectors()
     picture.walls()
     picture.places()
-    return picture.canvas.write(path)
+    return picture.canvas.write(path, is_named)
 
 
 class MapPicture:

@@ -6,7 +6,7 @@ driven backwards, from its destination to its origin.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
 from typing import (
@@ -65,7 +65,11 @@ class Vertex:
 
 @dataclass(frozen=True)
 class Edge:
-    """A curve from vertex `origin` to vertex `destination`; lengths in m, speeds in m/s."""
+    """A curve from vertex `origin` to vertex `destination`; lengths in m, speeds in m/s.
+
+    section_of -- id of the drawn edge of which this edge is a section (`split_edges`); 0: this edge
+        was drawn itself. It is not in messages, so it does not count in comparisons
+    """
 
     id: int
     origin: int
@@ -75,6 +79,12 @@ class Edge:
     param_b: float = 0.0
     velocity_forward: float = 0.0
     velocity_backwards: float = 0.0
+    section_of: int = field(default=0, compare=False)
+
+    @property
+    def drawn_id(self) -> int:
+        """The id of this edge in the graph that a person has drawn."""
+        return self.section_of or self.id
 
 
 _Element = TypeVar('_Element', Vertex, Edge)
@@ -160,6 +170,19 @@ class Graph:
             else:
                 self._curves[signed_id] = self._curve_of(edge)
         return self._curves[signed_id]
+
+    def whole_edges(self, ids: Iterable[int]) -> FrozenSet[int]:
+        """Returns the ids of all sections of these edges.
+
+        ids -- ids, signed or not, of edges and sections of this graph, or of drawn edges that were
+            cut into sections; other ids are returned as they are
+        """
+        sections: Dict[int, Set[int]] = {}
+        for edge in self.edges.values():
+            sections.setdefault(edge.drawn_id, set()).add(edge.id)
+        wanted = {abs(id) for id in ids}
+        drawn = {self.edges[id].drawn_id if id in self.edges else id for id in wanted}
+        return frozenset().union(*(sections.get(id, {id}) for id in drawn))
 
     def control_points(self, id: int) -> np.ndarray:
         """Returns the control points (4,2), m, of the edge's curve as a cubic Bezier curve."""

@@ -28,6 +28,7 @@ def split_edges(graph: Graph, longest: float) -> Graph:
     - Edges that are short enough keep their ids.
     - Sections and new vertices get ids above all old ids, in the sequence of the edges, from
       origin to destination.
+    - A section knows the edge of which it is a section (`section_of`).
     - A new vertex has the heading of the edge there. Its label is the edge's id and the number of
       the section that ends there, e.g. `7/2`. It is not a parking vertex.
     """
@@ -65,7 +66,8 @@ def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
             theta = _direction(part)
             vertices.append(Vertex(end, x, y, theta, theta, f'{edge.id}/{k + 1}', origin.frame_id,
                                    parking=False))
-        section = replace(edge, id=first_edge + k, origin=start, destination=end)
+        section = replace(edge, id=first_edge + k, origin=start, destination=end,
+                          section_of=edge.drawn_id)
         if edge.curve_type is CurveType.SPLINE:
             section = replace(section, param_f=math.dist(part[0], part[1]),
                               param_b=math.dist(part[2], part[3]))

@@ -8,7 +8,18 @@ from __future__ import annotations
 import os
 import re
 import stat
-from typing import Callable, Container, Dict, List, Optional, Sequence, Tuple, TypeVar, Union
+from typing import (
+    Callable,
+    Container,
+    Dict,
+    Iterable,
+    List,
+    Optional,
+    Sequence,
+    Tuple,
+    TypeVar,
+    Union,
+)
 
 import yaml
 
@@ -17,6 +28,9 @@ DEEPEST_NESTING = 32  # collections within collections; the C loader crashes at 
 
 _Loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 _PLAIN_TAGS = {f'tag:yaml.org,2002:{tag}' for tag in ('int', 'float', 'str', 'bool', 'null')}
+
+_NUMBERS = ('tag:yaml.org,2002:int', 'tag:yaml.org,2002:float')
+_NULL = 'tag:yaml.org,2002:null'
 
 Field = Tuple[str, yaml.Node]
 """A key and its value."""
@@ -105,6 +119,9 @@ def _nesting(data: bytes) -> int:
 def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str, yaml.Node]:
     """Returns the fields of a mapping; raises WrongYaml, also for a repeated key.
 
+    Raises it for a key that is a number and for a key without a value, too. They are usually parts
+    of a misspelt value: YAML reads `{X: 12,75}` as `X: 12` and a key `75`.
+
     The error names only keys that are `known`. Other keys may come from a file that was given by
     mistake.
     """
@@ -117,15 +134,29 @@ def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str,
         if key.value in fields:
             told = key.value if key.value in known else 'a key'
             raise WrongYaml(f'{told} is given twice', key)
+        if key.tag in _NUMBERS:
+            raise WrongYaml(f'{name} has a number, {key.value}, where the name of a field must be; '
+                            'write decimal numbers with a point', key)
+        if isinstance(value, yaml.ScalarNode) and value.tag == _NULL and not value.value:
+            told = key.value if key.value in known else 'a key'
+            raise WrongYaml(f'{told} has no value', key)
         fields[key.value] = value
     return fields
 
 
 def field(fields: Dict[str, yaml.Node], key: str, where: yaml.Node) -> Field:
     """Returns a required field; raises WrongYaml if it is missing."""
-    if key not in fields:
-        raise WrongYaml(f'{key} is missing', where)
+    require(fields, (key,), where)
     return key, fields[key]
+
+
+def require(fields: Dict[str, yaml.Node], keys: Iterable[str], where: yaml.Node) -> None:
+    """Raises WrongYaml with all of the `keys` that are missing."""
+    missing = [key for key in keys if key not in fields]
+    if missing:
+        *others, last = missing
+        told = f'{", ".join(others)} and {last} are' if others else f'{last} is'
+        raise WrongYaml(f'{told} missing', where)
 
 
 def optional(fields: Dict[str, yaml.Node], key: str, read: Callable[[Field], Read],

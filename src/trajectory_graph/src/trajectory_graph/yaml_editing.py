@@ -137,7 +137,8 @@ def _rewritten(text: str, node: yaml.SequenceNode, records: List[Fields]) -> Edi
 def _record_edits(text: str, record: yaml.MappingNode, old: Fields, new: Fields) -> List[Edit]:
     """Returns the edits for changed values, and for added and removed keys."""
     pairs = {key.value: value for key, value in record.value}
-    implied = {'Dock': new.get('Label') == DOCK_LABEL}
+    implied = {'Dock': new.get('Label') == DOCK_LABEL, 'FrameId': '', 'Label': '', 'ParamB': 0.0,
+               'ParamF': 0.0, 'ThetaHolomonic': new.get('Theta')}
     edits: List[Edit] = []
     added = []
     for name, value in new.items():

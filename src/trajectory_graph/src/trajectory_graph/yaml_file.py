@@ -9,6 +9,8 @@
 Reading is strict (see `strict_yaml`): the file must have each field once, with a valid value.
 Unknown fields are ignored, because the editor may write further fields. A vertex may also have
 `Dock` and `Parking` (true or false). Without `Dock`, the label `dock` makes the vertex a dock.
+`FrameId`, `Label`, `ThetaHolomonic`, and of a line `ParamF` and `ParamB`, may be missing.
+docs/reference/graph_file.md describes the format for users.
 """
 from __future__ import annotations
 
@@ -45,8 +47,9 @@ def parse_graph(data: bytes, file: str) -> Graph:
     try:
         root = strict_yaml.compose_data(data)
         sections = strict_yaml.mapping(root, 'the file', _KEYS)
-        vertices = _elements(sections, root, 'Vertices', 'vertex', _VERTEX_FIELDS, _vertex, file)
-        edges = _elements(sections, root, 'Edges', 'edge', _EDGE_FIELDS, Edge, file)
+        strict_yaml.require(sections, ('Vertices', 'Edges'), root)
+        vertices = _elements(sections, 'Vertices', 'vertex', _VERTEX_FIELDS, _vertex, file)
+        edges = _elements(sections, 'Edges', 'edge', _EDGE_FIELDS, Edge, file)
     except WrongYaml as wrong:
         raise GraphError(wrong.problem, file=file, line=wrong.line) from None
     lines = {('vertex', vertex.id): line for vertex, line in vertices}
@@ -79,6 +82,7 @@ def edge_fields(edge: Edge) -> Dict[str, Any]:
     return {
         'CurveType': edge.curve_type.value, 'Destination_ID': edge.destination, 'Id': edge.id,
         'Origin_ID': edge.origin, 'ParamB': edge.param_b, 'ParamF': edge.param_f,
+        'SectionOf': edge.section_of or None,
         'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward}
 
 
@@ -100,27 +104,30 @@ def flow_mapping(fields: Dict[str, Any]) -> str:
     return text.strip()
 
 
-def _vertex(dock: Optional[bool], label: str, **fields: Any) -> Vertex:
-    return Vertex(label=label, dock=label == DOCK_LABEL if dock is None else dock, **fields)
+def _vertex(theta: float, label: str = '', dock: Optional[bool] = None,
+            theta_holonomic: Optional[float] = None, **fields: Any) -> Vertex:
+    return Vertex(theta=theta, label=label, dock=label == DOCK_LABEL if dock is None else dock,
+                  theta_holonomic=theta if theta_holonomic is None else theta_holonomic, **fields)
 
 
-def _elements(sections: Dict[str, yaml.Node], root: yaml.Node, section: str, kind: str,
-              table: _Fields, make: Callable[..., Any], file: str) -> List[Tuple[Any, int]]:
+def _elements(sections: Dict[str, yaml.Node], section: str, kind: str, table: _Fields,
+              make: Callable[..., Any], file: str) -> List[Tuple[Any, int]]:
     """Returns the vertices or edges of a section with their lines; raises for repeated ids."""
     lines: Dict[int, int] = {}
     elements = []
-    for item in strict_yaml.items(strict_yaml.field(sections, section, root)):
-        id = None
+    for item in strict_yaml.items((section, sections[section])):
+        id: Optional[int] = None
         try:
             fields = strict_yaml.mapping(item, f'an entry of {section}', _KEYS)
-            id = strict_yaml.whole(strict_yaml.field(fields, 'Id', item))
+            if 'Id' in fields:
+                id = strict_yaml.whole(('Id', fields['Id']))
             if id in lines:
                 raise WrongYaml(f'the id is used twice, first in line {lines[id]}', item)
-            values = {name: None if key in _OPTIONAL and key not in fields
-                      else read(strict_yaml.field(fields, key, item))
-                      for key, name, read in table}
+            strict_yaml.require(fields, ('Id', *_required(table, fields)), item)
+            values = {name: read((key, fields[key])) for key, name, read in table if key in fields}
         except WrongYaml as wrong:
             raise GraphError(wrong.problem, kind, id, file, wrong.line) from None
+        assert id is not None
         lines[id] = strict_yaml.line_of(item)
         elements.append((make(id=id, **values), lines[id]))
     return elements
@@ -129,6 +136,14 @@ def _elements(sections: Dict[str, yaml.Node], root: yaml.Node, section: str, kin
 def _curve_type(field: strict_yaml.Field) -> CurveType:
     allowed = [curve_type.value for curve_type in CurveType]
     return CurveType(strict_yaml.choice(allowed, 'a curve type')(field))
+
+
+def _required(table: _Fields, fields: Dict[str, yaml.Node]) -> List[str]:
+    """Returns the keys that an entry must have, apart from its id."""
+    curve_type = fields.get('CurveType')
+    is_line = curve_type is not None and curve_type.value == CurveType.LINE.value
+    return [key for key, _, _ in table
+            if key not in _OPTIONAL and not (is_line and key in _OF_SPLINES)]
 
 
 _Fields = Tuple[Tuple[str, str, Callable[[strict_yaml.Field], Any]], ...]
@@ -143,13 +158,15 @@ _VERTEX_FIELDS: _Fields = (
     ('X', 'x', strict_yaml.real),
     ('Y', 'y', strict_yaml.real),
 )
-_OPTIONAL = ('Dock', 'Parking')
+_OPTIONAL = ('Dock', 'FrameId', 'Label', 'Parking', 'SectionOf', 'ThetaHolomonic')
+_OF_SPLINES = ('ParamF', 'ParamB')
 _EDGE_FIELDS: _Fields = (
     ('CurveType', 'curve_type', _curve_type),
     ('Origin_ID', 'origin', strict_yaml.whole),
     ('Destination_ID', 'destination', strict_yaml.whole),
     ('ParamF', 'param_f', strict_yaml.real),
     ('ParamB', 'param_b', strict_yaml.real),
+    ('SectionOf', 'section_of', strict_yaml.whole),
     ('VelocityForward', 'velocity_forward', strict_yaml.real),
     ('VelocityBackwards', 'velocity_backwards', strict_yaml.real),
 )

@@ -1,10 +1,13 @@
 """Knowledge of the robot's motion, from topics and from signals of the vehicle file."""
 from __future__ import annotations
 
+import math
+
 import pytest
 import yaml
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState
 from vda_builders import PACKAGE
 
 from omron_ld90_msgs.msg import Motion
@@ -96,3 +99,11 @@ def test_poses_count_for_nothing_where_the_robot_has_words_for_its_motion(watch,
         topics_now[0] += 1.0
         tell(topics, 'pose', pose_at(1.0))
     assert not watch.view().stands
+
+
+@pytest.mark.parametrize('told', [23.0, 100.0, 1.5, -0.01, -1.0, math.inf, math.nan])
+def test_a_charge_out_of_range_leaves_the_last_one_and_is_never_a_full_or_an_empty_battery(
+        watch, topics, told):
+    tell(topics, 'battery_state', BatteryState(percentage=0.5, voltage=math.nan))
+    tell(topics, 'battery_state', BatteryState(percentage=told, voltage=math.nan))
+    assert watch.view().battery.charge == 50.0

@@ -23,6 +23,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from fleet_services.health import Health
 from node_lifecycle import parameter, run
+from node_lifecycle.periodic import Periodic
 
 PERIOD = 1.0  # s
 _ENDING = ': threads'  # end of the status names that watchdogs publish
@@ -36,7 +37,7 @@ class ServiceWatch:
         self._is_ready = False
         self._hung: FrozenSet[str] = frozenset()
         rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics, queue_size=100)
-        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._look)
+        Periodic('service watch', PERIOD, self._look)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -44,7 +45,7 @@ class ServiceWatch:
                 self._health.hear('/' + status.name[:-len(_ENDING)],
                                   status.level == DiagnosticStatus.OK, time.monotonic())
 
-    def _look(self, _: object) -> None:
+    def _look(self) -> None:
         hung = self._health.hung(time.monotonic())
         if hung - self._hung:
             rospy.logerr('No good report of the watchdog for 15 s: %s. systemd restarts this unit '

@@ -18,6 +18,7 @@ from graph_fleet_manager.files.missions_file import load_missions
 from graph_fleet_manager.files.plan_file import save_plan, solved_plan, unsolved_plan
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.geometry.exclusions import OutOfTime
+from graph_fleet_manager.planning.explanation import why_apart
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -156,9 +157,9 @@ def _check_reachable(network: RoadNetwork, fleet: Fleet,
             times = network.paths_to(robot.type, (network.index[vertex],))[0]
             seconds = float(times[network.index[at]])
             if seconds == inf:
-                raise WrongInput(f'Robot {robot.name} cannot reach vertex {vertex} from vertex '
-                                 f'{at}; let edges lead there that it may drive, or choose another '
-                                 'vertex.')
+                why = why_apart(network, robot.type, (network.index[at],), network.index[vertex])
+                raise WrongInput(f'Robot {robot.name}: vertex {vertex} cannot be reached from '
+                                 f'vertex {at}{why}. Change the graph, or choose another vertex.')
             total += seconds
             at = vertex
     return total

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import threading
-from typing import Callable, Container, FrozenSet, List, Optional
+from dataclasses import replace
+from typing import Callable, Container, FrozenSet, Iterable, List, Optional
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -27,8 +28,10 @@ class EdgeClosures:
 
     def __init__(self, closures: Closures, lock: threading.RLock,
                  known: Callable[[], Optional[Container[int]]],
+                 whole: Callable[[Iterable[int]], FrozenSet[int]],
                  changed: Callable[[], None]) -> None:
         self._closures, self._lock, self._known, self._changed = closures, lock, known, changed
+        self._whole = whole
         self._subscribers: List[rospy.Subscriber] = []
         self._in_force = rospy.Publisher('/closed_edges_in_force', ClosedEdges, queue_size=1,
                                          latch=True)
@@ -75,6 +78,7 @@ class EdgeClosures:
         closes = operation.action is EdgeAction.CLOSE
         try:
             with self._lock:
+                operation = replace(operation, edges=self._whole(operation.edges))
                 unknown = self._closures.apply(operation, rospy.Time.now().to_nsec(),
                                                self._known())
                 self.publish()
@@ -92,7 +96,7 @@ class EdgeClosures:
         stamp = message.header.stamp
         try:
             with self._lock:
-                unknown = self._closures.take(message.edges, stamp.to_nsec(),
+                unknown = self._closures.take(self._whole(message.edges), stamp.to_nsec(),
                                               rospy.Time.now().to_nsec(), self._known())
                 self.publish()
         except OutOfDate as late:  # also a latched message of a publisher that connected again

@@ -8,6 +8,7 @@ import genpy
 import rospy
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, FleetPose, FleetPoses
+from node_lifecycle.periodic import Periodic
 
 PERIOD = 0.2  # s between two messages
 FRAME = 'map'
@@ -24,7 +25,7 @@ class FleetPosesTopic:
             robot: FleetPose(robot, math.nan, math.nan, math.nan, genpy.Time(0))
             for robot in robots}
         self._publisher = rospy.Publisher('/fleet_poses', FleetPoses, queue_size=1)
-        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
+        Periodic('fleet poses', PERIOD, self._tick)
 
     def note(self, robot: str, report: ExecutionRouteStates) -> None:
         """Takes the pose in a report of a robot. A report without a pose changes nothing."""
@@ -38,11 +39,6 @@ class FleetPosesTopic:
         message.header.stamp, message.header.frame_id = now, FRAME
         return message
 
-    def _tick(self, _event: rospy.timer.TimerEvent) -> None:
-        if not self._publisher.get_num_connections():
-            return
-        try:
+    def _tick(self) -> None:
+        if self._publisher.get_num_connections():
             self._publisher.publish(self.message(rospy.Time.now()))
-        except rospy.ROSException:
-            if not rospy.is_shutdown():  # at shutdown all topics are closed
-                raise

@@ -51,6 +51,7 @@ from itrci_nav_msgs.msg import (
     ParkingPlaces,
 )
 from node_lifecycle import parameter, run
+from node_lifecycle.periodic import Periodic
 from trajectory_graph import Graph
 
 PERIOD = 0.1         # s between two pictures of the robots
@@ -93,7 +94,7 @@ class FleetVisualisation:
                 ('/mission_status', MissionStatus, self._on_status)):
             rospy.Subscriber(topic, kind, callback, queue_size=20)
         FollowedGraph(self._on_graph).subscribe()
-        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
+        Periodic('drawing', PERIOD, self._tick)
 
     # --- callbacks -------------------------------------------------------------------------------
 
@@ -145,16 +146,10 @@ class FleetVisualisation:
             self._pictures['graph'].show(graph_markers(
                 self._graph, self._closed, self._parking - docks, docks))
 
-    def _tick(self, _event: rospy.timer.TimerEvent) -> None:
+    def _tick(self) -> None:
         with self._lock:
-            graph, state = self._graph, self._state
-            if graph is None:
-                return
-            try:
-                self._draw(graph, state)
-            except rospy.ROSException:
-                if not rospy.is_shutdown():  # at shutdown all topics are closed
-                    raise
+            if self._graph is not None:
+                self._draw(self._graph, self._state)
 
     def _draw(self, graph: Graph, state: FleetState) -> None:
         self._ticks += 1

@@ -24,10 +24,11 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import Container, FrozenSet, List, Optional, Tuple
+from typing import Container, FrozenSet, Iterable, List, Optional, Tuple
 
 import rospkg
 import rospy
@@ -85,7 +86,8 @@ class GraphServer:
         self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
         self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
-        self._closures = EdgeClosures(closures, self._lock, self._known_edges, self._begin_parking)
+        self._closures = EdgeClosures(closures, self._lock, self._known_edges, self._whole_edges,
+                                      self._begin_parking)
         publish_diagnostics('none', {'graph': self._report_graph,
                                      'closed edges': self._closures.report})
         self._closures.listen()
@@ -96,15 +98,18 @@ class GraphServer:
         self._is_waiting = self._in_force.must_hear_robots(file)
         if self._is_waiting:
             rospy.logwarn('%s: %s', file, _WAITING)
-            self._first = rospy.Timer(rospy.Duration(_REPORTED_WITHIN), self._load_first,
-                                      oneshot=True)
+            start_worker('first graph', self._load_later)
         else:
             self._load_first()
         self._service = rospy.Service('/reload_graph', Trigger, self._reload)
 
     # -- the graph --------------------------------------------------------------------------------
 
-    def _load_first(self, _: object = None) -> None:
+    def _load_later(self) -> None:
+        time.sleep(_REPORTED_WITHIN)
+        self._load_first()
+
+    def _load_first(self) -> None:
         self._is_waiting = False
         trouble = self._load()
         if trouble:
@@ -143,6 +148,9 @@ class GraphServer:
 
     def _known_edges(self) -> Optional[Container[int]]:
         return None if self._graph is None else self._graph.edges
+
+    def _whole_edges(self, ids: Iterable[int]) -> FrozenSet[int]:
+        return frozenset(map(abs, ids)) if self._graph is None else self._graph.whole_edges(ids)
 
     def _tell(self) -> None:
         """Publishes a new graph in force."""

@@ -72,6 +72,7 @@ from itrci_nav_msgs.msg import (
     PlanAnswer,
 )
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
+from node_lifecycle.measurements import measured
 from route_protocol.messages import WrongReport
 from trajectory_graph import Graph
 
@@ -262,13 +263,11 @@ class PathSupervisor:
             lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived))
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
-        charge = message.percentage
-        if 0.0 <= charge <= 1.0:
+        charge = measured(message.percentage, 0.0, 1.0, f'The charge in battery_state of {robot}')
+        if charge is not None:
+            known = charge
             self._events.put_report(
-                lambda supervisor, _, arrived: supervisor.battery(robot, charge, arrived))
-        elif not math.isnan(charge):
-            rospy.logwarn_throttle(60.0, f'A battery_state of {robot} is ignored: its percentage '
-                                         f'is {charge:g}, but must be from 0 to 1.')
+                lambda supervisor, _, arrived: supervisor.battery(robot, known, arrived))
 
     def _on_answer(self, message: PlanAnswer) -> None:
         def take(supervisor: Supervisor, now: float, _: float) -> Sequence[Action]:

@@ -28,6 +28,7 @@ from graph_fleet_manager.commands.mission_watch import SILENCE, ask_for
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
 from node_lifecycle import parameter, run
+from node_lifecycle.periodic import Periodic
 from trajectory_graph import Graph
 
 PERIOD = 1.0  # s between two checks
@@ -60,7 +61,7 @@ class RandomMissions:
         FollowedGraph(self._on_graph).subscribe()
         rospy.Subscriber('/fleet_state', FleetState, self._on_state, queue_size=1)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
-        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
+        Periodic('missions', PERIOD, self._tick)
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         with self._lock:
@@ -87,7 +88,7 @@ class RandomMissions:
                                   MissionStatus.SUCCEEDED, MissionStatus.FAILED,
                                   MissionStatus.REFUSED, MissionStatus.CANCELLED)))
 
-    def _tick(self, _event: rospy.timer.TimerEvent) -> None:
+    def _tick(self) -> None:
         self._ask()
         with self._lock:
             for request_id, request in self._open.items():

@@ -6,10 +6,21 @@ from functools import partial
 from heapq import heappop, heappush
 from math import inf
 from operator import itemgetter
-from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Tuple
+from typing import (
+    Dict,
+    FrozenSet,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 import numpy as np
 
+from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -22,17 +33,51 @@ _BESIDE_ONE = 1e6
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
     """Why a robot cannot serve its errand even without traffic: what is unreachable from where."""
     seconds_to, origin = agent.errand.seconds_to, _where(network, agent)
+    starts: Sequence[int] = ((agent.errand.vertex,) if agent.mid_edge is None else
+                             [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
     for destination in agent.errand.destinations:
         path = network.paths_to(agent.kind, (destination,))[0]
         if seconds_to(path) == inf:
-            closed = listed(sorted(network.closed))
-            because = (f' while edges {closed} are closed' if closed else
-                       '; no edges lead there that it may drive')
             return (f'vertex {network.vertex_ids[destination]} cannot be reached from '
-                    f'{origin}{because}')
+                    f'{origin}{why_apart(network, agent.kind, starts, destination)}')
         origin = f'vertex {network.vertex_ids[destination]}'
+        starts = (destination,)
         seconds_to = partial(_entry, destination)
     return 'it has nowhere to stay; give the graph more parking'
+
+
+def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
+              destination: int) -> str:
+    """Why no path of a robot type joins these vertices: a clause to follow `cannot be reached`."""
+    starts, times = tuple(starts), network.times(kind)
+
+    def docks_on_path(with_closed: bool) -> Optional[List[int]]:
+        """The docks that a path leads through, if docks were passable; None: there is no path."""
+        came: Dict[int, int] = dict.fromkeys(starts, -1)
+        waiting = list(starts)
+        for vertex in waiting:
+            for signed_id in network.graph.edges_from(network.vertex_ids[vertex]):
+                drive = network.drive(signed_id)
+                end = network.destination(drive)
+                is_open = with_closed or abs(signed_id) not in network.closed
+                if end not in came and times[drive] < inf and is_open:
+                    came[end] = vertex
+                    waiting.append(end)
+        if destination not in came:
+            return None
+        passed, vertex = [], came[destination]
+        while vertex >= 0 and came[vertex] >= 0:
+            passed += [network.vertex_ids[vertex]] if vertex in network.docks else []
+            vertex = came[vertex]
+        return passed
+
+    docks = docks_on_path(with_closed=False)
+    if docks:
+        return (f': each way leads through a dock, such as dock {docks[-1]}, and no route leads '
+                'through a dock')
+    if network.closed and docks_on_path(with_closed=True) is not None:
+        return f' while edges {listed(sorted(network.closed))} are closed'
+    return '; no edges lead there that it may drive'
 
 
 def _entry(vertex: int, path: np.ndarray) -> float:

@@ -27,9 +27,14 @@ def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
                            f'{"; ".join(map(_part, graph.parts))}. A mission stays in one part.'))
     told += _on_parking(fleet, found)
     for part in found.stranded:
-        told.append(Remark(True, f'Robots of type {part.type} cannot reach, or cannot return '
-                           f'from, {_named("vertex", "vertices", part.vertices)}: let edges lead '
-                           'there both ways.'))
+        for vertices, remedy in (
+                (part.vertices, 'let edges lead there both ways'),
+                (part.behind_docks, 'each way leads through a dock, and no route leads through a '
+                 'dock; let edges lead around it')):
+            if vertices:
+                told.append(Remark(True, f'Robots of type {part.type} cannot reach, or cannot '
+                                   f'return from, {_named("vertex", "vertices", vertices)}: '
+                                   f'{remedy}.'))
     for one, other in found.near_edges[:_NAMED]:
         told.append(Remark(False, f'Edges {one} and {other} run so near each other that only one '
                            'robot at a time may be on the two.'))

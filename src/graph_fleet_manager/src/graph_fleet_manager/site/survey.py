@@ -56,10 +56,15 @@ class LongEdge:
 
 @dataclass(frozen=True)
 class Stranded:
-    """Vertices that robots of a type cannot reach, or from which they cannot return."""
+    """Vertices that robots of a type cannot reach, or from which they cannot return.
+
+    vertices     -- because no edges lead there and back
+    behind_docks -- because the only edges lead through a dock, which is only a destination
+    """
 
     type: str
     vertices: Tuple[int, ...]
+    behind_docks: Tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -86,9 +91,9 @@ def survey(network: RoadNetwork, fleet: Fleet) -> Survey:
     largest = max(fleet.types, key=lambda kind: kind.reach)
     distance = 2.0 * largest.reach + fleet.clearance
     parking, capacities = _parking(network, fleet, largest)
+    stranded = (_stranded(network, kind) for kind in fleet.types)
     return Survey(distance, parking, capacities, dead_ends(network),
-                  tuple(_stranded(network, kind) for kind in fleet.types
-                        if _stranded(network, kind).vertices),
+                  tuple(one for one in stranded if one.vertices or one.behind_docks),
                   long_edges(network, largest, distance), near_edges(network, distance))
 
 
@@ -154,10 +159,22 @@ def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
     Within such a set a robot can drive from each vertex to each other one.
     """
     roads = _roads(network, kind)
+    docks = {network.vertex_ids[dock] for dock in network.docks}
+    joined = _joined(network, roads)
+    passed = _joined(network, roads.subgraph(set(roads) - docks))  # by routes, which pass no dock
+    ends = {dock for dock in docks if passed & set(roads.predecessors(dock))
+            and passed & set(roads.successors(dock))}
+    alone = {dock for dock in docks if network.graph.part_of(dock) <= docks}
+    return Stranded(kind.name, tuple(sorted(set(roads) - joined)),
+                    tuple(sorted(joined - passed - ends - alone)))
+
+
+def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
+    """The vertices of the largest strongly connected set in each part of the graph."""
     homes: Dict[FrozenSet[int], Set[int]] = {}
     for home in sorted(nx.strongly_connected_components(roads), key=len):
         homes[network.graph.part_of(min(home))] = home  # the last one, the largest, stays
-    return Stranded(kind.name, tuple(sorted(set(network.vertex_ids).difference(*homes.values()))))
+    return set().union(*homes.values())
 
 
 def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:

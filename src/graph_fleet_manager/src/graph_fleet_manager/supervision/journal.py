@@ -279,7 +279,7 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
         raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
                            'computer, or it is kept elsewhere.')
     try:
-        db = sqlite3.connect(f'file:{quote(os.path.abspath(path))}?mode=ro', uri=True, timeout=2.0)
+        db, unchanged = _opened(path)
         try:
             last = 0
             while True:
@@ -291,6 +291,9 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
                     'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
                     {'active': int(MissionState.ACTIVE), 'last': last, 'since': since,
                      'page': _PAGE}).fetchall()
+                if not unchanged():
+                    raise JournalError(f'The journal {path} was written while it was read: try '
+                                       'again.')
                 yield from (_history_line(*row[1:]) for row in rows)
                 if len(rows) < _PAGE:
                     return
@@ -299,6 +302,24 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
             db.close()
     except sqlite3.Error as error:
         raise JournalError(f'The journal {path} cannot be read ({error}).') from None
+
+
+def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
+    """Opens a journal to read it, and tells whether what was read is the content of one moment.
+
+    SQLite takes care of that with files beside the journal. In a folder that this process may not
+    write, SQLite cannot make them. If no supervisor has made them, the journal is read as it is.
+    """
+    address = f'file:{quote(os.path.abspath(path))}?mode=ro'
+    if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):
+        return sqlite3.connect(address, uri=True, timeout=2.0), lambda: True
+
+    def version() -> Tuple[int, int, int]:
+        status = os.stat(path)
+        return status.st_ino, status.st_size, status.st_mtime_ns
+    before = version()
+    return (sqlite3.connect(f'{address}&immutable=1', uri=True),
+            lambda: version() == before)
 
 
 def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,

@@ -166,7 +166,7 @@ class JournalDatabase:
 def _locked(path: str) -> int:
     """Locks a file beside the journal. Locks of the journal itself belong to SQLite."""
     try:
-        lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o644)
+        lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o600)
     except OSError as error:
         raise JournalUnavailable(path, error.strerror) from None
     try:

@@ -72,6 +72,7 @@ from omron_ld90.nodes.controller_motion import MotionFile, MotionTopic
 from omron_ld90.nodes.controller_move_base import MoveBaseServer
 from omron_ld90.nodes.controller_password import read_password
 from omron_ld90.nodes.controller_refusals import Refusals
+from omron_ld90.nodes.controller_repeats import ObeyedDrive
 from omron_ld90.nodes.controller_topics import TopicCommands
 from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.link_reports import (
@@ -102,6 +103,7 @@ class Controller:
         self._log = log
         self._stop_on_shutdown = stop_on_shutdown
         self._help = HelpReport()
+        self._obeyed = ObeyedDrive()
         self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
         self._motion = MotionTopic()
@@ -112,10 +114,11 @@ class Controller:
                                            on_motion=self._on_motion)
         refusals, old = Refusals(), OldMessages(publishers_by_master).start()
         client = self._client
-        ExecuteCommandServer(self._execute, client.cancel, client.cancel_all, old)
-        self._move_base = MoveBaseServer(self._execute, client.cancel, client.cancel_all, old,
-                                         refusals, map_frame)
-        TopicCommands(self._execute, self._move_base, refusals, old, map_frame,
+        obeyed = self._obeyed.same_as
+        ExecuteCommandServer(self._execute, client.cancel, client.cancel_all, obeyed, old)
+        self._move_base = MoveBaseServer(self._execute, client.cancel, client.cancel_all, obeyed,
+                                         old, refusals, map_frame)
+        TopicCommands(self._execute, obeyed, self._move_base, refusals, old, map_frame,
                       ClickRule.of_this_node().refusal)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
                                                 'robot': self._health.diagnose,
@@ -146,6 +149,7 @@ class Controller:
         """Gives a command of `giver` if it is allowed; raises ArclError."""
         execution = self._client.execute(text, giver=giver, check=self._guard.check, **options)
         self._guard.given(execution)
+        self._obeyed.given(execution)
         self._help.sent(execution.command)
         return execution
 

@@ -1,7 +1,8 @@
 """An actionlib server that differs where a driven robot requires it.
 
 actionlib refuses goals, including stops, whose stamp is not newer than the last cancellation; their
-result is empty. A clock that is ahead would therefore lock out all givers.
+result is empty. A clock that is ahead would therefore lock out all givers. Its timer for the status
+follows ROS time; under /use_sim_time without /clock, clients would believe that it is gone.
 """
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalID
 
+from node_lifecycle.periodic import Periodic
 from omron_arcl import Giver
 from omron_ld90.nodes.support.callers import giver_of
 
@@ -23,6 +25,7 @@ class ActionServer(actionlib.ActionServer):
     `canceller` is the program whose cancellation is being carried out.
     """
 
+    status_frequency: float  # Hz, of actionlib, which reads it from the parameter server
     last_cancel: rospy.Time  # of actionlib: it refuses goals whose stamp is not newer
 
     def __init__(self, name: str, kind: type, on_goal: Callable[..., None],
@@ -32,6 +35,15 @@ class ActionServer(actionlib.ActionServer):
         self.canceller = Giver('')
         self._always_taken = always_taken
         super().__init__(name, kind, on_goal, on_cancel, auto_start=False)
+
+    def start(self) -> None:
+        """Begins to accept goals and to publish the status."""
+        super().start()
+        if self.status_frequency > 0.0:
+            Periodic('action status', 1.0 / self.status_frequency, self.publish_status)
+
+    def publish_status_async(self, event: object) -> None:
+        """Does nothing when actionlib's own timer calls it: the status follows another clock."""
 
     def internal_cancel_callback(self, goal_id: GoalID) -> None:
         """Handles an incoming cancellation."""

@@ -5,6 +5,8 @@ The states of a goal at its end:
 - PREEMPTED: the command was cancelled, or replaced by another command.
 - ABORTED: the command ended in another way; the text says how.
 - REJECTED: the command was never sent.
+A goal with the same command of the same giver as the drive that the robot obeys takes that drive
+over: the robot is not interrupted, and the earlier goal becomes PREEMPTED.
 Commands may run side by side. Queries do so; a driving command replaces the one before it in the
 robot.
 
@@ -33,6 +35,8 @@ _RESULTS_QUEUED = 1000
 
 # Gives a command; raises ArclError. (text, giver, known_epoch, timeout, on_line, on_end)
 Execute = Callable[..., Execution]
+# The drive that a command of a giver would only repeat. (text, giver, known_epoch)
+Obeyed = Callable[..., Optional[Execution]]
 Cancel = Callable[[Execution, Giver], None]  # cancels a command for a giver
 
 _PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
@@ -58,10 +62,11 @@ class CommandActions:
     """The goals of one action server, and their commands."""
 
     def __init__(self, name: str, kind: type, execute: Execute, cancel: Cancel,
-                 cancel_all: Callable[[Giver], None], old: OldMessages) -> None:
+                 cancel_all: Callable[[Giver], None], obeyed: Obeyed, old: OldMessages) -> None:
         self._topic = f'{name}/goal'
         self._execute = execute
         self._cancel = cancel
+        self._obeyed = obeyed
         self._old = old
         self._running: Dict[str, _Goal] = {}
         self._lock = threading.Lock()  # guards _running
@@ -91,23 +96,40 @@ class CommandActions:
         The command may end before the goal is accepted here. Its result is still set afterwards,
         because actionlib holds its lock until this method returns.
         """
-        goal_id = handle.get_goal_id().id
+        goal_id, giver = handle.get_goal_id().id, self._giver(handle)
+        known_epoch = self._known_epoch(handle.get_goal())
+        if self._take_over(handle, self._obeyed(text, giver, known_epoch)):
+            return
         goal = _Goal(handle)
         with self._lock:
             self._running[goal_id] = goal
         try:
             goal.execution = self._execute(
-                text, self._giver(handle), known_epoch=self._known_epoch(handle.get_goal()),
-                timeout=timeout or None, stop_on_timeout=True,
-                on_line=lambda line: self._calls.add(lambda: self._on_line(handle, line),
+                text, giver, known_epoch=known_epoch, timeout=timeout or None,
+                stop_on_timeout=True,
+                on_line=lambda line: self._calls.add(lambda: self._on_line(goal.handle, line),
                                                      optional=True),
-                on_end=lambda result: self._calls.add(
-                    lambda: self._on_end(handle, text, result)))
+                on_end=lambda result: self._calls.add(lambda: self._on_end(goal, text, result)))
         except ArclError:
             with self._lock:
                 del self._running[goal_id]
             raise
         handle.set_accepted()
+
+    def _take_over(self, handle: actionlib.ServerGoalHandle, drive: Optional[Execution]) -> bool:
+        """Gives a goal the drive of an earlier goal of this action; returns whether it has one."""
+        goal_id = handle.get_goal_id().id
+        with self._lock:
+            earlier = next((id for id, goal in self._running.items()
+                            if drive is not None and goal.execution is drive), None)
+            if earlier is None or goal_id in self._running:
+                return False
+            goal = self._running[goal_id] = self._running.pop(earlier)
+            before, goal.handle = goal.handle, handle
+        handle.set_accepted()
+        before.set_canceled(None, 'the same goal was given again')
+        self._tell(earlier, None)
+        return True
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
         goal_id = handle.get_goal_id().id
@@ -118,9 +140,10 @@ class CommandActions:
 
     # --- called by the thread of the call queue --------------------------------------------------
 
-    def _on_end(self, handle: actionlib.ServerGoalHandle, command: str, result: Result) -> None:
-        goal_id = handle.get_goal_id().id
+    def _on_end(self, goal: _Goal, command: str, result: Result) -> None:
         with self._lock:
+            handle = goal.handle
+            goal_id = handle.get_goal_id().id
             del self._running[goal_id]
         message = self._result(result)
         text = f'{result.outcome.value}: {printable(result.words)}'

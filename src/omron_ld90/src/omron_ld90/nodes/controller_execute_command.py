@@ -9,7 +9,14 @@ import actionlib
 from omron_arcl import Giver, NotConnected, Outcome, Result, printable
 from omron_arcl.command_line import is_stop
 from omron_arcl.drives import Overruled, Unclear
-from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, NeverSent, Refused
+from omron_ld90.nodes.controller_actions import (
+    Cancel,
+    CommandActions,
+    Execute,
+    NeverSent,
+    Obeyed,
+    Refused,
+)
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90_msgs.msg import (
     ExecuteCommandAction,
@@ -38,8 +45,9 @@ class ExecuteCommandServer(CommandActions):
     """Action `execute_command`."""
 
     def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
-                 old: OldMessages) -> None:
-        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, cancel_all, old)
+                 obeyed: Obeyed, old: OldMessages) -> None:
+        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, cancel_all,
+                         obeyed, old)
 
     def _known_epoch(self, goal: ExecuteCommandGoal) -> int:
         return int(goal.known_epoch)

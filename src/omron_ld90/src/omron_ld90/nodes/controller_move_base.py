@@ -18,7 +18,7 @@ from move_base_msgs.msg import (
 )
 
 from omron_arcl import Giver, Result
-from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, Refused
+from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, Obeyed, Refused
 from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90.nodes.support.poses import pose_to_robot
@@ -49,12 +49,12 @@ class MoveBaseServer(CommandActions):
     """
 
     def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
-                 old: OldMessages, refusals: Refusals, map_frame: str) -> None:
+                 obeyed: Obeyed, old: OldMessages, refusals: Refusals, map_frame: str) -> None:
         self._map_frame = map_frame
         self._refusals = refusals
         self._forwarded: Dict[str, Giver] = {}  # goal id -> its giver by topic
         self._count = 0
-        super().__init__('move_base', MoveBaseAction, execute, cancel, cancel_all, old)
+        super().__init__('move_base', MoveBaseAction, execute, cancel, cancel_all, obeyed, old)
         self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
         self._await_own_connection()
 

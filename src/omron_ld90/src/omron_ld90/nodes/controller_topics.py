@@ -9,7 +9,7 @@ from std_msgs.msg import String
 
 from omron_arcl import ArclError, Execution, Giver, Result
 from omron_arcl.command_line import is_stop
-from omron_ld90.nodes.controller_actions import Refused
+from omron_ld90.nodes.controller_actions import Obeyed, Refused
 from omron_ld90.nodes.controller_move_base import MoveBaseServer, robot_pose
 from omron_ld90.nodes.controller_refusals import Refusals, failure
 from omron_ld90.nodes.support.callers import giver_of
@@ -20,14 +20,17 @@ class TopicCommands:
     """Subscribes to the topics.
 
     execute       -- gives a command; raises ArclError
+    obeyed        -- returns the drive that a command would only repeat, or None
     refuse_click  -- returns why a person's click must not move the robot now, or None if it may;
                      messages of 2D Nav Goal and 2D Pose Estimate are clicks
     """
 
-    def __init__(self, execute: Callable[..., Execution], move_base: MoveBaseServer,
+    def __init__(self, execute: Callable[..., Execution], obeyed: Obeyed,
+                 move_base: MoveBaseServer,
                  refusals: Refusals, old: OldMessages, map_frame: str,
                  refuse_click: Callable[[], Optional[str]]) -> None:
         self._execute = execute
+        self._obeyed = obeyed
         self._refuse_click = refuse_click
         self._move_base = move_base
         self._refusals = refusals
@@ -80,6 +83,8 @@ class TopicCommands:
 
     def _send(self, text: str, giver: Giver) -> None:
         """Sends a command for whose result no caller waits; failures are reported."""
+        if self._obeyed(text, giver):
+            return
         def on_end(result: Result) -> None:
             reason = failure(text, result)
             if reason:

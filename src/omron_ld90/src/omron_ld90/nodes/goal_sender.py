@@ -50,6 +50,7 @@ from std_msgs.msg import String
 
 from node_lifecycle import number, parameter, run
 from node_lifecycle.headings import yaw_from_quaternion
+from node_lifecycle.periodic import Periodic
 from omron_arcl import InvalidCommand, parse_line
 from omron_arcl.replies import driving
 from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
@@ -60,6 +61,7 @@ from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.fleet_missions import SILENCE, FleetMissions
 from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
+from omron_ld90.nodes.support.transforms import wait_for_transform
 from omron_ld90.operator.goal_clicks import (
     Target,
     explain_miss,
@@ -73,8 +75,8 @@ from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
 from omron_map import MapDocument
 
-TRANSFORM_TIMEOUT = rospy.Duration(0.3)
-CHECK_PERIOD = rospy.Duration(0.5)
+TRANSFORM_TIMEOUT = 0.3  # s
+CHECK_PERIOD = 0.5  # s
 
 # The commands of those menu entries that have the same command everywhere.
 COMMANDS = {Action.DOCK: 'dock', Action.UNDOCK: 'undock', Action.STOP: 'stop'}
@@ -136,13 +138,11 @@ class GoalSender:
                 ('clicked_point', PointStamped, self._on_click)):
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
         DisplayedMap(self._on_map, without='Clicks do nothing').subscribe()
-        self._timer = rospy.Timer(CHECK_PERIOD, lambda _: self._check())
-        self._asking = rospy.Timer(rospy.Duration(SILENCE / 2), lambda _: self._missions.ask())
+        Periodic('commands', CHECK_PERIOD, self._check)
+        Periodic('missions', SILENCE / 2, self._missions.ask)
 
     def close(self) -> None:
         """Ends the threads."""
-        self._timer.shutdown()
-        self._asking.shutdown()
         self._commands.close()
 
     def _check(self) -> None:
@@ -200,7 +200,9 @@ class GoalSender:
         x, y = message.point.x, message.point.y
         if message.header.frame_id not in ('', self._map_frame):
             try:
-                point = self._buffer.transform(message, self._map_frame, TRANSFORM_TIMEOUT).point
+                point = wait_for_transform(
+                    TRANSFORM_TIMEOUT, lambda: self._buffer.transform(message, self._map_frame)
+                ).point
                 x, y = point.x, point.y
             except tf2_ros.TransformException as error:
                 self._feedback.say(

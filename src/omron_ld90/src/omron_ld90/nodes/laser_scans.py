@@ -60,6 +60,8 @@ class LaserScans:
         """Takes the `pose` of the robot's base in the map at the time `stamp`."""
         with self._lock:
             before, self._last = self._last, StampedPose(stamp, pose)
+            if before is not None and stamp < before.stamp:  # the clock was set back
+                before, self._waiting, self._published = None, None, rospy.Time()
             cloud = self._waiting
             if cloud is None or cloud.header.stamp > stamp:
                 return

@@ -57,11 +57,13 @@ from node_lifecycle import number, parameter, publish_diagnostics, run
 from node_lifecycle.headings import yaw_from_quaternion
 from omron_ld90.nodes.laser_scans import LaserScans
 from omron_ld90.nodes.support import poses, shared_parameters
+from omron_ld90.nodes.support.transforms import wait_for_transform
 from omron_ld90.odometry import Location, Motion, Odometer
 from omron_ld90_msgs.msg import RobotStatus
 
 SILENCE = 3.0  # s without a location before /diagnostics warns; the robot sends two a second
 REFUSALS_TOLD = 10.0  # s between two log lines about them
+ODOMETRY_TIMEOUT = 0.1  # s in which the odometry of a location comes
 UNUSED_AXES = 1e-6  # variance of motions that a robot on a floor cannot make
 
 
@@ -143,14 +145,15 @@ class RobotStatePublisher:
                 odometry_of(motion, pose, stamp, self._map_frame, self._base_frame))
 
     def _publish_transform(self, stamp: rospy.Time, pose: Pose) -> None:
+        buffer = self._buffer
         transform = TransformStamped()
         transform.header.stamp = stamp
         transform.header.frame_id = self._map_frame
         transform.child_frame_id = self._base_frame
-        if self._odom_frame and self._buffer is not None:
+        if self._odom_frame and buffer is not None:
             try:
-                odometry = self._buffer.lookup_transform(
-                    self._odom_frame, self._base_frame, stamp, rospy.Duration(0.1))
+                odometry = wait_for_transform(ODOMETRY_TIMEOUT, lambda: buffer.lookup_transform(
+                    self._odom_frame, self._base_frame, stamp))
             except tf2_ros.TransformException as error:
                 rospy.logwarn_throttle(
                     10.0, '%s -> %s is not published: no odometry for this location (%s). Start '

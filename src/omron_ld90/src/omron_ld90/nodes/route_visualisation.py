@@ -41,6 +41,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from graph_topic import FollowedGraph
 from node_lifecycle import ConfigurationError, number, parameter, run
+from node_lifecycle.periodic import Periodic
 from omron_ld90.nodes.driven_path import DrivenPath
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.body_markers import body_markers
@@ -106,7 +107,7 @@ class RouteVisualisation:
                 ('pose', PoseStamped, self._on_pose),
                 ('robot_status', RobotStatus, self._on_status)):
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
-        self._timer = rospy.Timer(rospy.Duration(1.0), self._on_timer)
+        Periodic('drawing', 1.0, self._redraw)
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         picture = GraphPicture(graph, self._dock_vertex, self._frame)
@@ -178,7 +179,7 @@ class RouteVisualisation:
             if self._path.add(message):
                 self._publish_path.publish(self._path.message)
 
-    def _on_timer(self, _event: rospy.timer.TimerEvent) -> None:
+    def _redraw(self) -> None:
         with self._lock:
             now = time.monotonic()
             if now - self._heard > 1.0:

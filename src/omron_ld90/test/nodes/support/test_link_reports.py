@@ -62,10 +62,10 @@ def test_every_phase_is_published_as_its_state(topic, logged, phase, state):
 
 def test_the_last_word_is_repeated_so_that_others_know_that_the_node_is_alive(topic, logged):
     reporter = LinkReporter(LinkState.OUTGOING)
-    reporter._repeat(None)
+    reporter._repeat()
     assert topic == []
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
-    reporter._repeat(None)
+    reporter._repeat()
     assert topic == [topic[0]] * 2
 
 

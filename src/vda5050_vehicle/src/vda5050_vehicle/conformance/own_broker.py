@@ -1,27 +1,24 @@
 """A broker that the bench can kill while the vehicle drives."""
 from __future__ import annotations
 
+import os
 import subprocess
-import tempfile
-from pathlib import Path
 
-from vda5050_vehicle.mqtt.embedded_broker import configuration, find_mosquitto
+from vda5050_vehicle.mqtt.embedded_broker import command, configuration_in_memory, find_mosquitto
 
 
 class OwnBroker:
     """A mosquitto process that the bench can kill and start again."""
 
     def __init__(self, port: int) -> None:
-        self._folder = tempfile.TemporaryDirectory()
-        self._file = Path(self._folder.name) / 'mosquitto.conf'
-        Path(self._folder.name).chmod(0o755)
-        self._file.write_text(configuration(port))
+        self._configuration = configuration_in_memory(port)
         self.start()
 
     def start(self) -> None:
         """Starts the broker."""
-        self._process = subprocess.Popen([find_mosquitto(), '-c', str(self._file)],
-                                         stderr=subprocess.DEVNULL)
+        self._process = subprocess.Popen(
+            command(find_mosquitto(), self._configuration), stderr=subprocess.DEVNULL,
+            pass_fds=[self._configuration])
 
     def kill(self) -> None:
         """Kills the broker, as a power failure does."""
@@ -29,6 +26,6 @@ class OwnBroker:
         self._process.wait()
 
     def close(self) -> None:
-        """Ends the broker and removes its files."""
+        """Ends the broker and removes its configuration."""
         self.kill()
-        self._folder.cleanup()
+        os.close(self._configuration)

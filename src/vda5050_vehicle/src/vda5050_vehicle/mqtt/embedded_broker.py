@@ -9,8 +9,7 @@ import argparse
 import os
 import shutil
 import sys
-import tempfile
-from pathlib import Path
+from typing import List
 
 CONFIGURATION = '''# Generated. Anonymous, as only this computer can reach it.
 listener {port} 127.0.0.1
@@ -35,18 +34,25 @@ def find_mosquitto() -> str:
     return shutil.which('mosquitto', path=os.environ.get('PATH', '') + ':/usr/sbin') or ''
 
 
+def configuration_in_memory(port: int) -> int:
+    """Returns a descriptor of mosquitto.conf, which no other user can prepare: it has no name."""
+    descriptor = os.memfd_create('mosquitto.conf', 0)  # programs that this process runs inherit it
+    os.write(descriptor, configuration(port).encode())
+    return descriptor
+
+
+def command(program: str, descriptor: int) -> List[str]:
+    """Returns the command that starts mosquitto with an inherited configuration."""
+    return [program, '-c', f'/proc/self/fd/{descriptor}']
+
+
 def main() -> None:
-    """Writes the configuration and replaces this process by mosquitto."""
+    """Makes the configuration and replaces this process by mosquitto."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', type=int, default=18830)
     options, _ = parser.parse_known_args()
     program = find_mosquitto()
     if not program:
         sys.exit('mosquitto is not installed. Install it: apt-get install mosquitto')
-    folder = Path(tempfile.gettempdir()) / f'vda5050_broker_{os.getuid()}_{options.port}'
-    folder.mkdir(mode=0o755, exist_ok=True)
-    if folder.stat().st_uid != os.getuid():
-        sys.exit(f'{folder} belongs to another user. Remove this folder.')
-    file = folder / 'mosquitto.conf'
-    file.write_text(configuration(options.port))
-    os.execv(program, [program, '-c', str(file)])
+    words = command(program, configuration_in_memory(options.port))
+    os.execv(program, words)

@@ -22,6 +22,8 @@ from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from node_lifecycle import ConfigurationError
 from node_lifecycle.headings import yaw_from_quaternion
+from node_lifecycle.measurements import measured
+from node_lifecycle.periodic import Periodic
 from vda5050_vehicle.drivers.robot_view import REST, Pose, RobotView, has_moved, silence
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
@@ -175,12 +177,12 @@ class RobotWatch:
             self._hear('velocity', velocity)
 
     def _on_battery(self, message: BatteryMessage) -> None:
-        charge = message.percentage * 100.0
+        charge = measured(message.percentage, 0.0, 1.0, 'The percentage in battery_state')
         voltage = message.voltage if math.isfinite(message.voltage) else None
         before = self._heard.get('battery')
         battery = before.value if before else BatteryState(0.0, False)
-        if math.isfinite(charge):
-            battery = replace(battery, charge=min(max(charge, 0.0), 100.0))
+        if charge is not None:
+            battery = replace(battery, charge=charge * 100.0)
         charging = message.power_supply_status in (BatteryMessage.POWER_SUPPLY_STATUS_CHARGING,
                                                    BatteryMessage.POWER_SUPPLY_STATUS_FULL)
         self._hear('battery', replace(battery, charging=charging, voltage=voltage))
@@ -191,7 +193,7 @@ class RobotWatch:
         self._listener = tf2_ros.TransformListener(buffer)
         last = [rospy.Time()]
 
-        def look(_event: rospy.timer.TimerEvent) -> None:
+        def look() -> None:
             try:
                 transform = buffer.lookup_transform(self._frame, base, rospy.Time())
             except (tf2_ros.LookupException, tf2_ros.ConnectivityException,
@@ -203,5 +205,4 @@ class RobotWatch:
                 self._hear_pose(Pose(place.x, place.y,
                                      yaw_from_quaternion(transform.transform.rotation)))
 
-        timer = rospy.Timer(rospy.Duration(TF_PERIOD), look)
-        rospy.on_shutdown(timer.shutdown)
+        Periodic('TF', TF_PERIOD, look)

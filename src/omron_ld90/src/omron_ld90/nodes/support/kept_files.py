@@ -30,7 +30,7 @@ def hold(path: str, parameter: str) -> None:
         return
     try:
         os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-        lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o644)
+        lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o600)
     except OSError:
         return
     given_up = threading.Event()

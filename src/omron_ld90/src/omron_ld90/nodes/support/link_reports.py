@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from node_lifecycle import ConfigurationError, number, parameter, warn
+from node_lifecycle.periodic import Periodic
 from omron_arcl import Link, LinkPhase, SessionLog, printable
 from omron_arcl.connection import is_host
 from omron_ld90_msgs.msg import LinkState
@@ -90,15 +91,14 @@ class LinkReporter:
         self._last_line: Optional[float] = None
         self._lines = 0
         self._counted = (time.monotonic(), 0)
-        timer = rospy.Timer(rospy.Duration(REPEATED), self._repeat)
-        rospy.on_shutdown(timer.shutdown)
+        Periodic('link state', REPEATED, self._repeat)
 
     def line(self) -> None:
         """Counts a received line."""
         self._last_line = time.monotonic()
         self._lines += 1
 
-    def _repeat(self, _event: rospy.timer.TimerEvent) -> None:
+    def _repeat(self) -> None:
         with self._lock:
             if self._message is not None:
                 self._publisher.publish(self._message)

@@ -1,0 +1,71 @@
+"""The folders in which the units of a site keep their state: one for each unit.
+
+    /var/lib/fleet/hall/manager/graph_fleet_manager/...
+    /var/lib/fleet/hall/page/fleet_page/...
+    /var/lib/fleet/hall/robots-1/omron_ld90/...
+
+Up to version 1.0.0 all units had the folder of the site, which was ROS_HOME of all nodes.
+"""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Dict, Iterator, List, Mapping, Tuple
+
+from fleet_services.ownership import NotDone, rename
+
+DATA, LOGS = 'var/lib/fleet', 'var/log/fleet'
+MANAGER, PAGE = 'manager', 'page'
+#: The unit that has each folder of ROS_HOME.
+UNITS: Mapping[str, str] = {'graph_fleet_manager': MANAGER, 'fleet_page': PAGE}
+#: The folder of ROS_HOME with files of single robots, and the ends of their names.
+ROBOTS = 'omron_ld90'
+_ENDINGS = ('_route.json', '_motion.json')
+_LOCK = '.lock'
+
+Moves = List[Tuple[Path, Path]]
+
+
+def state_folder(home: Path, folder: str) -> Path:
+    """The ROS_HOME whose part `folder` is. `home` is ROS_HOME, or the folder of a site."""
+    unit = home / UNITS[folder]
+    is_site = home.absolute().parts[-4:-1] == tuple(DATA.split('/'))
+    return unit if is_site and unit.is_dir() else home
+
+
+def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str]) -> Moves:
+    """What must move so that each unit finds its state in its own folder; see `move`.
+
+    site   -- the folder of the site
+    units  -- unit by folder of ROS_HOME (`UNITS`), for the units that the site has
+    robots -- unit by the name of its robot
+    Raises NotDone if the state of a unit is there twice.
+    """
+    moves = [(site / folder, site / unit / folder) for folder, unit in units.items()
+             if (site / folder).is_dir()]
+    homes = [site, *sorted(site.glob('robots-*'))] if site.is_dir() else []
+    names: Dict[str, str] = {f'{robot}{ending}{lock}': unit for robot, unit in robots.items()
+                             for ending in _ENDINGS for lock in ('', _LOCK)}
+    for home in homes:
+        for file in _files(home / ROBOTS):
+            unit = names.get(file.name, '')
+            if unit and home != site / unit:
+                moves.append((file, site / unit / ROBOTS / file.name))
+    moves = [(source, target) for source, target in moves
+             if not (source.name.endswith(_LOCK) and target.exists())]
+    twice = next((move for move in moves if os.path.lexists(move[1])), None)
+    if twice:
+        raise NotDone(f'{twice[0]} and {twice[1]} are the state of the same unit: remove the older '
+                      'one.')
+    return moves
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    return iter(sorted(folder.iterdir())) if folder.is_dir() else iter(())
+
+
+def move(moves: Moves) -> None:
+    """Moves files and folders on the same file system. A link is moved, never followed."""
+    for source, target in moves:
+        target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        rename(source, target)

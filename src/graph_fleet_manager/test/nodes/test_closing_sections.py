@@ -1,0 +1,55 @@
+"""A command that closes a section closes the whole edge that a person has drawn."""
+from __future__ import annotations
+
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from graph_fleet_manager.nodes import edge_closures
+from graph_fleet_manager.nodes.edge_closures import EdgeClosures
+from graph_fleet_manager.site.closures import Closures
+from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
+from trajectory_graph import Edge, Graph, Vertex, split_edges
+
+
+@pytest.fixture
+def graph() -> Graph:
+    """Edge 7 in three sections, 9 to 11, and the short edge 8."""
+    drawn = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 6.0, 0.0, 0.0), Vertex(3, 7.0, 0.0, 0.0)],
+                  [Edge(7, 1, 2), Edge(8, 2, 3)])
+    return split_edges(drawn, 2.0)
+
+
+@pytest.fixture
+def closures(tmp_path, monkeypatch, graph) -> EdgeClosures:
+    monkeypatch.setattr(edge_closures.rospy, 'Publisher',
+                        lambda *_, **__: SimpleNamespace(publish=lambda message: None))
+    monkeypatch.setattr(edge_closures.rospy.Time, 'now',
+                        staticmethod(lambda: SimpleNamespace(to_nsec=lambda: 10 ** 18)))
+    return EdgeClosures(Closures(tmp_path / 'closed.json'), threading.RLock(),
+                        lambda: graph.edges, graph.whole_edges, lambda: None)
+
+
+def command(action: int, *edges: int) -> EdgeCommand:
+    message = EdgeCommand(command=action, edges=edges)
+    message._connection_header = {'callerid': '/person'}
+    return message
+
+
+@pytest.mark.parametrize('clicked', [7, 9, 10, 11, -10])
+def test_one_click_closes_and_opens_the_whole_edge(closures, clicked):
+    closures._on_command(command(EdgeCommand.CLOSE, abs(clicked)))
+    assert closures.edges == {9, 10, 11}
+    closures._on_command(command(EdgeCommand.OPEN, abs(clicked)))
+    assert closures.edges == frozenset()
+
+
+def test_a_list_of_closed_edges_may_name_drawn_edges(closures):
+    closures._on_list(ClosedEdges(edges=[7, 8]))
+    assert closures.edges == {8, 9, 10, 11}
+
+
+def test_an_edge_that_was_not_cut_is_closed_alone(closures):
+    closures._on_command(command(EdgeCommand.CLOSE, 8))
+    assert closures.edges == {8}
