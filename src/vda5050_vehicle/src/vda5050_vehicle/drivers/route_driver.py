@@ -164,8 +164,8 @@ class RouteDriver(Driver[RouteDrive]):
         self._follow(SentRoute(self._new_id(), before + edges, first - len(before)), now)
 
     def _follow(self, route: SentRoute, now: float) -> None:
-        self._set(route=replace(route, epoch=self._route_epoch or self._epoch), stop=None, stopped_at=None,
-                  waiting_since=now)
+        self._set(route=replace(route, epoch=self._route_epoch or self._epoch), stop=None,
+                  stopped_at=None, waiting_since=now)
         self._send(now)
 
     def halt(self, now: float) -> None:
