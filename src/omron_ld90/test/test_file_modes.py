@@ -38,7 +38,7 @@ def test_a_file_that_is_in_no_row_is_told():
 
 def test_no_file_but_those_of_a_package_and_units_is_readable_by_all():
     assert {row.pattern for row in rows() if (row.mode | row.other) & 0o007} == {
-        'PACKAGE/**', '/etc/systemd/system/fleet-*'}
+        'PACKAGE/**', '/etc/systemd/system/fleet-*', '/var/log/fleet/*'}
 
 
 @pytest.mark.skipif(shutil.which('dpkg-deb') is None, reason='dpkg-deb is not installed')
