@@ -76,6 +76,7 @@ pure_libraries=(browser_guard file_replacement omron_arcl omron_ld90_sim omron_m
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
 
 say() { printf '== %s\n' "$*"; }
+python_module() { /usr/bin/python3 -I "$root/scripts/run_module.py" "$@"; }  # python_module MODULE ARGUMENT...
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
 # operating_system: prints the id and the version of the system, such as "debian 12"

@@ -37,7 +37,7 @@ is_own "$picture" 'written by make_graph' || die "$picture was not made by this 
 
 prepare "${run_packages[@]}"
 commands=()
-graph_value() { /usr/bin/python3 -I "$root/scripts/run_module.py" graph_editor.graph_values "$@"; }
+graph_value() { python_module graph_editor.graph_values "$@"; }
 do_and_note() { commands+=("$(printf '%q ' "$@")"); "$@"; }
 
 

@@ -9,7 +9,7 @@ say "one robot: roslaunch omron_ld90 full_stack.launch"
 roslaunch omron_ld90 full_stack.launch >/tmp/launch.log 2>&1 &
 until rosnode list 2>/dev/null | grep -q omron_controller; do kill -0 $!; sleep 0.5; done
 heard /omron_ld90/robot_status
-answer_to_a_browser() { /usr/bin/python3 -c 'import sys, urllib.request, urllib.error
+answer_to_a_browser() { /usr/bin/python3 -I -c 'import sys, urllib.request, urllib.error
 try: print(urllib.request.urlopen(urllib.request.Request(sys.argv[1], b"x", {"Origin": "null"})).status)
 except urllib.error.HTTPError as error: print(error.code)' "$1"; }
 [ "$(answer_to_a_browser http://127.0.0.1:11311)" = 403 ] || { echo "the ROS master obeys web browsers" >&2; exit 1; }

@@ -1,4 +1,5 @@
 """Each text of the page is in both language tables, and the page loads nothing from elsewhere."""
+import ast
 import json
 import re
 from pathlib import Path
@@ -65,12 +66,19 @@ def said_by_the_fleet_manager():
     paths = [*packages.glob('graph_fleet_manager/src/*/supervision/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
              *packages.glob('fleet_page/src/*/nodes/fleet_commands.py')]
-    text = '\n'.join(path.read_text() for path in paths)
-    text = re.sub(r"'\s*\n?\s*f?'", '', text).replace("\\'", "'")
-    return re.sub(r'\{[^{}]*(\{.*?\})?[^{}]*\}', '{}', text)
+    texts = []
+    for path in paths:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.JoinedStr):
+                texts.append(''.join(part.value if isinstance(part, ast.Constant) else '{}'
+                                     for part in node.values))
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                texts.append(node.value)
+    return '\n'.join(texts)
 
 
-PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by')
+PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by',
+                'words_fleet_goes_on', 'words_too_near')
 
 
 def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():

@@ -8,6 +8,7 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
+from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.nodes import event_loop
 from graph_fleet_manager.nodes.event_loop import BATCH, TICK, EventLoop
 from graph_fleet_manager.supervision.actions import Note, TellStatus
@@ -163,7 +164,7 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
         fleet.now += 0.25
         report = fleet.agvs['a'].report(fleet.now)
         loop.put_report(lambda supervisor, now, arrived, report=report: supervisor.report(
-            'a', report, now, arrived))
+            'a', Report(report), now, arrived))
         if late == 3:
             loop.put_order(lambda supervisor, now: supervisor.command(1, Command.PAUSE, now))
     for _ in range(30):
@@ -183,7 +184,7 @@ def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhil
         report = fleet.agvs['a'].report(fleet.now)
         fleet.now += seconds / 2
         loop.put_report(lambda supervisor, now, arrived: supervisor.report(
-            'a', report, now, arrived))
+            'a', Report(report), now, arrived))
         return True
     monkeypatch.setattr(loop._changed, 'wait', read)
     for _ in range(20):

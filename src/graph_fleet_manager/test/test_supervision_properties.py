@@ -110,8 +110,8 @@ def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
         last[order.robot] = order
         if before is None:
             assert not order.repeated, order
-        elif order.repeated:
-            assert before.order == order.order, (before, order)
+        elif order.repeated or order.order.number == before.order.number:
+            assert before.order == order.order, (before, order)  # also after a restart
         else:
             now, was = order.order, before.order
             assert now.number > was.number, (before, order)

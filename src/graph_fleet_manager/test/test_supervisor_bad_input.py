@@ -108,7 +108,8 @@ def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
 
 
 def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_there(fleet):
-    fleet.agvs['a'].obey_another((4, 5))
+    edge = fleet.agvs['a'].edge
+    fleet.agvs['a'].obey_another((edge, edge + 1))
     fleet.step()
     robot = fleet.supervisor.robots['a']
     assert robot.outage is Outage.TAKEN_OVER

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from fleet_builders import AGV, corridor, ladder
 
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked, route_order
 from graph_fleet_manager.interlocking.interlocking import Interlocking
 from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.interlocking.route_client import MANUAL_REACH
@@ -264,7 +264,7 @@ def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)
     fleet.agvs['a'].off_graph = True
-    fleet.agvs['a'].receive(Order(0, 0, 0, ()))
+    fleet.agvs['a'].receive(route_order(Order(0, 0, 0, ())))
     fleet.restart()
     fleet.run(1.0)
     assert fleet.supervisor.is_stopped and blocked(fleet, 'a') == ((3,), ())

@@ -9,3 +9,6 @@ prepare() {
   command -v roslaunch >/dev/null && rospack find omron_ld90 >/dev/null 2>&1 ||
     die "the installed packages are not in this shell's environment: source the setup.bash of the install space (with Debian packages none is needed)"
 }
+python_module() {  # python_module MODULE ARGUMENT...: nothing is imported from the working directory
+  (cd / && /usr/bin/python3 -m "$@")
+}

@@ -201,7 +201,7 @@ def restore(archive: Path, folder: Path, home: Path) -> List[str]:
             as_user(owners[journal], lambda: _renew_journal(journal, places[journal], said))
         for place, content in places.items():
             as_user(owners[place], partial(_put, place, content))
-        lines = [f'Restored: {", ".join(map(str, places))}.']
+        lines = [f'Restored: {", ".join(str(place) for place in places)}.']
         if journal in places:
             said.seek(0)
             lines.append(f'The journal is an old one: {said.read().decode()} open missions are '

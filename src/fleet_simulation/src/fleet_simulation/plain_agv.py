@@ -55,12 +55,12 @@ class Agv:
                  route near a vertex must begin with an edge that leads away from the vertex
     braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
     aside     -- m in x and y by which it stands beside its edge
-    moved     -- s for which it still reports that somebody else moves it
+    moved     -- s for which it still reports that another one moves it
     old       -- ns by which the location in its reports is old; None: they have no location
 
     `knows` is what it knows of its orders:
     epoch, cause   -- number of its epoch, and why that began
-    master         -- whose orders `taken` and `refused` count; None: nobody's yet
+    master         -- whose orders `taken` and `refused` count; None: none has ordered yet
     taken, refused -- numbers of the last order that it took, and of the highest that it refused
     refusal        -- why it refused that
     first          -- number of the first edge of its route
@@ -246,7 +246,7 @@ class Agv:
         return NO_REASON
 
     def _unable(self, edges: Tuple[int, ...]) -> Reason:
-        """Returns why it can drive no route now, or nobody this one."""
+        """Returns why it can drive no route now, or no robot can drive this one."""
         if self.emergency:
             return EMERGENCY_STOP
         if self.off_graph:
@@ -530,7 +530,7 @@ class Agv:
         return ReasonCode.OFF_GRAPH if self.off_graph else ReasonCode.NONE
 
     def _notice_motion(self) -> None:
-        """If it moved without its own drive since the last report, somebody moves it."""
+        """If it moved without its own drive since the last report, another one moves it."""
         here = self.position
         if self._stayed is not None and not self._drove and (
                 math.dist(here, self._stayed) > _TREMBLE):

@@ -160,5 +160,6 @@ def test_after_a_failure_a_new_route_goes_on_from_the_middle_of_an_edge():
     drive.run(lambda: not drive.follower.running, 10.0)
     drive.inject('estop release')
     drive.enable_motors()
+    drive.run(lambda: not drive.follower.robot.owes_stop, 60.0)
     drive.drive(2, 2, 3)
     assert tuple(drive.follower.report().states) == (2, 2)

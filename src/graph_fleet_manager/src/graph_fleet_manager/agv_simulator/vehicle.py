@@ -39,7 +39,7 @@ from trajectory_graph import Graph, change_of, speed_of
 
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
-MOVED_FOR = 1.0  # s after a push during which it reports that somebody moves it
+MOVED_FOR = 1.0  # s after a push during which it reports that another one moves it
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')

@@ -45,6 +45,7 @@ from route_protocol.master import (
 )
 from route_protocol.values import NO_REASON, EpochCause, Motion, Reason
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.id_lists import listed
 
 ME = 'path_supervisor'
 """The name of this master in its orders."""
@@ -410,7 +411,7 @@ class RouteClient:
         """A clause that says where the robot may have been by its orders."""
         edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
                               if step.number >= self.record.cleared[0])
-        return (f'it was expected on the edges {", ".join(map(str, edges))}' if edges
+        return (f'it was expected on the edges {listed(edges)}' if edges
                 else f'it was expected {_place(self.record.position)}')
 
     def _is_near(self, report: Report) -> bool:

@@ -111,13 +111,15 @@ _OF_EPOCH: Mapping[EpochCause, Sign] = {
     EpochCause.OTHER_MASTER: Sign.TAKEN, EpochCause.EMERGENCY_STOP: Sign.EMERGENCY,
     EpochCause.LOST_LINK: Sign.LINK_LOST}
 _WORDS: Mapping[EpochCause, str] = {
-    EpochCause.OTHER_GIVER: 'another program drives it', EpochCause.CANCEL: 'its drive was '
-    'cancelled by another program', EpochCause.OTHER_CLIENT: 'another client of the robot drove or '
-    'stopped it', EpochCause.ROBOT: 'the robot ended its drive by itself',
+    EpochCause.OTHER_GIVER: 'another program drives it',
+    EpochCause.CANCEL: 'its drive was cancelled by another program',
+    EpochCause.OTHER_CLIENT: 'another client of the robot drove or stopped it',
+    EpochCause.ROBOT: 'the robot ended its drive by itself',
     EpochCause.OTHER_MASTER: 'it drives a route that was not given to it here',
-    EpochCause.EMERGENCY_STOP: 'emergency stop', EpochCause.LOST_LINK: 'the link to it was lost',
-    EpochCause.RESTART: 'it has forgotten its route', EpochCause.STOP: 'it was stopped by a '
-    'command that bypassed the fleet manager'}
+    EpochCause.EMERGENCY_STOP: 'emergency stop',
+    EpochCause.LOST_LINK: 'the link to it was lost',
+    EpochCause.RESTART: 'it has forgotten its route',
+    EpochCause.STOP: 'it was stopped by a command that bypassed the fleet manager'}
 
 
 def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
