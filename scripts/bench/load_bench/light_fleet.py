@@ -6,7 +6,6 @@ order not to brake.
 """
 from __future__ import annotations
 
-import math
 import threading
 import time
 from typing import Dict, List, Mapping, NamedTuple, Optional
@@ -17,7 +16,8 @@ from fleet_simulation.plain_agv import Agv
 from graph_fleet_manager.fleet import RobotType
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from load_bench.site import ALONE, RELEASE_AHEAD
-from route_protocol.messages import fill_refusal
+from route_protocol.master import Order
+from route_protocol.messages import fill_refusal, fill_report, order_of
 from trajectory_graph import Graph
 
 PERIOD = 0.1  # s between two reports of a robot
@@ -51,14 +51,17 @@ class _Robot:
                          tcp_nodelay=True)
 
     def _on_route(self, message: TargetRoute) -> None:
-        came, edges = time.monotonic(), tuple(message.edges)
+        came = time.monotonic()
+        said = order_of(message, rospy.Time.now().to_nsec())
+        order = Order(said.order, said.known_epoch, said.first, said.edges, said.route_id)
         with self._lock:
             agv = self.agv
-            is_same, count = message.route_id == agv.route_id, len(agv.edges)
-            refusal = agv.order(message.route_id, edges)
-            if is_same and len(edges) > count and self.told_at is not None:
+            is_same, end = order.route_id == agv.route_id, agv.first + len(agv.edges)
+            refusal = agv.receive(order)
+            is_longer = is_same and order.end > end
+            if is_longer and self.told_at is not None:
                 self.releases.append(Release(came, came - self.told_at))
-            if not is_same or len(edges) > count:
+            if not is_same or is_longer:
                 self.told_at = None
         if refusal is not None:
             self._refusals.publish(fill_refusal(RouteRefused(), refusal,
@@ -74,17 +77,10 @@ class _Robot:
         """Publishes the robot's report."""
         with self._lock:
             agv = self.agv
-            report, (x, y) = agv.report(0.0), agv.position
+            report = agv.report(stamp.to_sec())
             if agv.edges and self.told_at is None and self._ahead() <= RELEASE_AHEAD:
                 self.told_at = time.monotonic()
-        message = ExecutionRouteStates(route_id=report.route_id, x=x, y=y, theta=math.nan,
-                                       edge_states=[EdgeState(edge, int(state)) for edge, state
-                                                    in zip(report.edges, report.states)])
-        message.header.stamp, message.header.frame_id = stamp, 'map'
-        message.symbolic_pose.edge_id = report.pose.edge
-        message.symbolic_pose.percentage = 100.0 * report.pose.fraction
-        message.reason_code = int(report.reason.code)
-        self._reports.publish(message)
+        self._reports.publish(fill_report(ExecutionRouteStates(), report, EdgeState))
 
 
 class LightFleet:
