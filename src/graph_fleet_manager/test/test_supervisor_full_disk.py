@@ -10,7 +10,6 @@ from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.route_ids import RESERVED
 from graph_fleet_manager.supervision.settings import RobotSettings
 
 AHEAD = RobotSettings(release_ahead=8.0)
@@ -212,20 +211,19 @@ def test_a_death_while_nothing_could_be_stored_loses_and_repeats_nothing():
     assert travelled(fleet) == pytest.approx(14.0)
 
 
-def test_no_id_of_a_stop_that_was_on_no_disk_is_given_again_after_a_death():
+def test_no_number_of_a_stop_that_was_on_no_disk_is_given_again_after_a_death():
     fleet = driving()
     fleet.disk_fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(2.0)
-    stopped = {order.route_id for order in fleet.sent}
+    stopped = {order.order.number for order in fleet.sent}
     fleet.restart()
     fleet.sent.clear()
     fleet.run(10.0)
     assert not fleet.bring_in('a')
     fleet.request(2, 4)
     fleet.run_until_done(2)
-    assert fleet.sent and not stopped & {order.route_id for order in fleet.sent}
-    assert min(order.route_id for order in fleet.sent) > RESERVED // 2
+    assert fleet.sent and min(order.order.number for order in fleet.sent) > max(stopped)
 
 
 def test_a_robot_that_was_moved_meanwhile_is_not_ordered_on_as_from_where_it_was():
@@ -238,7 +236,8 @@ def test_a_robot_that_was_moved_meanwhile_is_not_ordered_on_as_from_where_it_was
     fleet.run(1.0)
     fleet.disk_fails(False)
     fleet.run(5.0)
-    assert fleet.supervisor.robots['a'].why == 'it was moved during an emergency stop'
+    assert fleet.supervisor.robots['a'].why == (
+        'it was moved without a route: it was expected at 85 % of edge 1, but is at 50 % of edge 7')
     assert fleet.sent == []
 
 
@@ -268,7 +267,7 @@ def test_a_robot_that_does_not_answer_is_deaf_5_s_after_its_order_was_sent():
     fleet.disk_fails()
     fleet.run(10.0)
     fleet.disk_fails(False)
-    fleet.run_until(lambda: bool(fleet.sent))
+    fleet.run_until(lambda: any(order.edges for order in fleet.sent))
     sent = fleet.now
     fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)
     assert 4.5 < fleet.now - sent < 5.5

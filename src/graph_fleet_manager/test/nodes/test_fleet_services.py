@@ -10,8 +10,8 @@ import rospy
 from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
 
-from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.interlocking.pending_order import REPEAT
+from fleet_simulation.supervised_fleet import SupervisedFleet, route_order
+from graph_fleet_manager.interlocking.route_client import REPEAT
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
@@ -145,7 +145,8 @@ def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
     order, = early.stop(10.0)
     assert early.due(10.0 + REPEAT / 2) == ()
     again, = early.due(10.0 + REPEAT)
-    assert (again.robot, again.route_id, again.edges) == (order.robot, order.route_id, ())
+    assert (again.robot, again.order) == (order.robot, order.order)
+    assert order.order.number == 0 and order.edges == ()
     assert again.repeated and not order.repeated
     assert early.hand_over() and not early.hand_over()
     assert early.due(99.0) == ()
@@ -158,7 +159,7 @@ def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
     fleet.request(1, 6)
     fleet.run(3.0)
     fleet.journal.store(values={'fleet_is_stopped': 1})
-    fleet.agvs['a'].order(*[(order.route_id, order.edges) for order in EarlyStop('a').stop(0.0)][0])
+    fleet.agvs['a'].receive(route_order(EarlyStop('a').stop(0.0)[0].order))
     fleet.restart()
     if not dies:
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
@@ -182,7 +183,7 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
 
 def stop_past(fleet):
     for order in EarlyStop(['a', 'b']).stop(0.0):
-        fleet.agvs[order.robot].order(order.route_id, order.edges)
+        fleet.agvs[order.robot].receive(route_order(order.order))
 
 
 def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():

@@ -11,7 +11,6 @@ from graph_fleet_manager.interlocking.reports import Pose
 from graph_fleet_manager.messages.missions import (
     moment_of,
     plan_message,
-    refusal_of,
     refusal_status,
     report_of,
     request_of,
@@ -64,14 +63,15 @@ def test_every_state_of_a_robot_has_the_number_of_the_message():
 def test_a_report_has_the_place_in_metres_or_none(values, location):
     x, y, theta = values
     message = msg.ExecutionRouteStates(x=x, y=y, theta=theta)
-    assert report_of(message, NOW).location == location
+    assert report_of(message, NOW).said.location == location
 
 
 def test_a_report_and_a_refusal_have_the_reason_with_its_code():
     reason = Reason(ReasonCode.LOST_LINK, 'gone?')
     report = msg.ExecutionRouteStates(reason='gone\n', reason_code=msg.ReasonCode.LOST_LINK)
-    refusal = msg.RouteRefused(reason='gone\n', reason_code=msg.ReasonCode.LOST_LINK)
-    assert report_of(report, NOW).reason == refusal_of(refusal).reason == reason
+    report.refusal, report.refusal_code = report.reason, report.reason_code
+    said = report_of(report, NOW).said
+    assert said.reason == said.refusal == reason
 
 
 def test_a_status_tells_which_command_it_answers():

@@ -153,6 +153,7 @@ class RouteClient:
         self.record = record
         self._clock = clock
         self._sent: Tuple[int, float] = (0, -math.inf)  # number of the last order, and when
+        self._restored = 0  # number of the last order before this start: it may have been sent
         self._label = 0  # of the route that is being extended
         self.locations: Tuple[Located, ...] = ()
         self.reach = 0.0
@@ -311,6 +312,7 @@ class RouteClient:
         If the robot refuses because it cannot brake in time, the next call asks it to stop at the
         end of the following edge.
         """
+        self._take_back_unsent()
         ahead = self.record.ahead
         if len(ahead) <= 1:
             return False
@@ -321,6 +323,15 @@ class RouteClient:
             self._set(give_route(self.protocol, self._next_number(),
                                  ahead[:end - self.record.done], self._label))
         return True
+
+    def _take_back_unsent(self) -> None:
+        """Takes back a route that never left this program: no robot can know of it."""
+        order = self.order
+        if order is None or not order.edges or order.number <= max(self._sent[0], self._restored):
+            return
+        self._set(replace(self.protocol, open=self.protocol.open[:-1]))
+        if not self.record.ahead:
+            self.record.stand(self.record.position)
 
     def halt(self) -> None:
         """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
@@ -498,6 +509,7 @@ class RouteClient:
         # No journal that this start has read knows the numbers between these two.
         self.record.protocol = replace(memory.protocol, gap=(number, begin))
         self.record.cleared = memory.cleared
+        self._restored = number
         self.record.position = memory.position
         self.locations, self.lost = memory.locations, memory.lost
         self._lost_until = memory.lost_until
