@@ -201,14 +201,15 @@ class FactoryTest(unittest.TestCase):
                                        after=known)
 
     def test_5_the_menu_of_an_edge_and_nothing_is_left_behind(self) -> None:
-        edges = sorted(self.factory.graph.edges)[:2]
+        edges = [min(self.factory.graph.edges), max(self.factory.graph.edges)]
         for edge in edges:
             self.menus.choose(f'edge {edge}', Act.CLOSE.value)
             wait_until(lambda: edge in self.closed.messages[-1].edges, 30.0,  # noqa: B023
                        f'edge {edge} is closed')
         wait_until(lambda: 'closed' in self.pictures['graph'].namespaces(), 30.0, 'they are red')
         self.menus.choose(f'edge {edges[0]}', Act.OPEN.value)
-        wait_until(lambda: list(self.closed.messages[-1].edges) == edges[1:], 30.0, 'one is open')
+        wait_until(lambda: edges[0] not in self.closed.messages[-1].edges, 30.0, 'one is open')
+        self.assertIn(edges[1], self.closed.messages[-1].edges)
         self.menus.choose(f'edge {edges[0]}', Act.OPEN_ALL.value)
         wait_until(lambda: not self.closed.messages[-1].edges, 30.0, 'all are open')
         wait_until(lambda: not {'closed', 'closed_names'} & self.pictures['graph'].namespaces(),

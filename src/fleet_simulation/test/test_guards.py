@@ -4,8 +4,7 @@ With all guards of the interlocking, the promises hold. Without one of these gua
 Normally the supervisor hides a missing guard: it does not ask for edges that most guards would
 refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore the supervisor
 is reckless in lives without a guard: it does none of this and asks for random edges. No life so far
-broke a promise without the guard `robot is clear of others`. test_interlocking_proof.py tests the
-interlocking alone and finds each missing guard.
+broke a promise without the guard `robot is clear of others`.
 """
 from __future__ import annotations
 
