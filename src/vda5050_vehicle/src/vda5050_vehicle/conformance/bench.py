@@ -2,8 +2,9 @@
 
 The vehicle must stand on the track. Before each rule the bench cancels the vehicle's order and
 drives the vehicle to an end of the track. A vehicle that breaks a rule of level MUST gets the
-outcome BROKEN. A vehicle that does not follow a recommendation (SHOULD) gets the outcome "not
-followed", which does not change the exit status.
+outcome BROKEN. A vehicle that does not follow a recommendation (SHOULD), or a rule that only
+follows from the standard (DERIVED), gets the outcome "not followed", which does not change the
+exit status.
 """
 from __future__ import annotations
 
@@ -26,6 +27,8 @@ from vda5050_vehicle.mqtt.link import Broker
 
 # Exceptions that malformed messages cause; OSError if the broker is not reachable.
 _MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError, OSError)
+
+DIED = 'the vehicle has died: its last will came, CONNECTIONBROKEN'
 
 
 class Outcome(Enum):
@@ -52,27 +55,30 @@ class Bench:
     def __init__(self, trial: Trial, version: str) -> None:
         self.trial = trial
         self._rules = rules_of(version)
-        self._is_silent = False
+        self._silent_since: Optional[int] = None  # number of states that had come by then
 
     def run(self) -> Iterator[Verdict]:
         """Tries every rule, then drives the vehicle to the start of the track if possible."""
         for rule in self._rules:
             yield self._verdict(rule)
-        if not self._is_silent:
+        if self._is_there():
             with suppress(TooLate, NotTried, *_MALFORMED):
                 self.trial.bring_home()
 
     def _verdict(self, rule: Rule) -> Verdict:
-        if self._is_silent and rule.start is not Start.NOTHING:
-            return Verdict(rule, Outcome.NOT_TRIED, 'the vehicle is silent')
+        if rule.start is not Start.NOTHING and not self._is_there():
+            return Verdict(rule, Outcome.NOT_TRIED, self._silence())
+        deaths = len(self.trial.deaths)
         try:
             self._prepare(rule.start)
             rule.attempt(self.trial)
         except NotTried as reason:
             return Verdict(rule, Outcome.NOT_TRIED, str(reason))
         except (Broken, TooLate) as problem:
-            if isinstance(problem, TooLate) and self._falls_silent(rule.start):
-                return Verdict(rule, Outcome.NOT_TRIED, 'the vehicle is silent')
+            has_died = len(self.trial.deaths) > deaths
+            is_silent = isinstance(problem, TooLate) and self._falls_silent(rule.start)
+            if rule.start is not Start.NOTHING and (has_died or is_silent):
+                return Verdict(rule, Outcome.NOT_TRIED, DIED if has_died else self._silence())
             return Verdict(rule, Outcome.BROKEN if rule.level is Level.MUST
                            else Outcome.NOT_FOLLOWED, str(problem))
         except _MALFORMED as error:
@@ -87,19 +93,31 @@ class Bench:
             self.trial.bring_back()
         except (TooLate, NotTried) as reason:
             if isinstance(reason, TooLate) and self._falls_silent(start):
-                raise NotTried('the vehicle is silent') from None
+                raise NotTried(self._silence()) from None
             if start is Start.AT_END:
                 raise NotTried(f'the vehicle cannot be brought back: {reason}') from None
 
     def _falls_silent(self, start: Start) -> bool:
-        """Returns whether no state comes any more; after that no rule waits for a state."""
+        """Returns whether no state comes any more; a vehicle that has died may start again."""
         if start is Start.NOTHING:
             return False
+        before = self.trial.master.count()
         try:
             self.trial.fetch()
         except TooLate:
-            self._is_silent = True
-        return self._is_silent
+            if not self.trial.is_dead or not self.trial.comes_back(before):
+                self._silent_since = before
+            return True
+        return False
+
+    def _is_there(self) -> bool:
+        """Returns whether states come; no rule waits for a vehicle that is silent."""
+        if self._silent_since is not None and self.trial.master.count() > self._silent_since:
+            self._silent_since = None
+        return self._silent_since is None
+
+    def _silence(self) -> str:
+        return DIED if self.trial.is_dead else 'the vehicle is silent'
 
 
 def line(verdict: Verdict) -> str:

@@ -68,6 +68,9 @@ class VehicleChecker:
         if self._is_3:
             message = in_2(topic, message)
         last = self._last.get(topic)
+        if topic == 'connection' and last and last.get('connectionState') == 'CONNECTIONBROKEN':
+            self._last = {}  # a vehicle that has died may come back as a new program
+            last = None
         for problem in self._header_problems(topic, message, last):
             self._violate(topic, problem)
         if topic in ('state', 'visualization'):

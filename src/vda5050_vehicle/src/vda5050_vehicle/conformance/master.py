@@ -86,6 +86,11 @@ class Master:
                 self._retained.add((topic, payload))
             self._changed.notify_all()
 
+    @property
+    def is_3(self) -> bool:
+        """Whether the vehicle speaks 3.0."""
+        return self._version.startswith('3.')
+
     def now(self) -> float:
         """Returns the time of this master's clock, in s."""
         return time.monotonic()
@@ -152,7 +157,7 @@ class Master:
 
         body -- the message with the keys of 2.1; it is converted to the version of the vehicle
         """
-        if self._version.startswith('3.'):
+        if self.is_3:
             body = in_3(topic, body)
         number = self._headers.get(topic, 0)
         self._headers[topic] = number + 1

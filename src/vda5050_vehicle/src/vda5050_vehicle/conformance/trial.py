@@ -5,7 +5,7 @@ import json
 import math
 import uuid
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, TypeVar
 
 from vda5050_vehicle.conformance.master import Master, Message, TooLate
 from vda5050_vehicle.conformance.own_broker import OwnBroker
@@ -32,6 +32,9 @@ class SlowAction:
     def with_id(self, action_id: str, blocking: str = 'NONE') -> Dict[str, Any]:
         """Returns the action in JSON."""
         return action(self.kind, action_id, blocking, **self.parameters)
+
+
+T = TypeVar('T')
 
 
 class Trial:
@@ -69,6 +72,28 @@ class Trial:
         self.master.act('stateRequest')
         return self.master.wait(lambda s: True, INTERVAL + 1.0, 'a state', after=before)
 
+    @property
+    def deaths(self) -> List[float]:
+        """The times (s) at which the broker told by the last will that the vehicle is gone."""
+        master = self.master
+        return [moment for told, moment in zip(master.messages.get('connection', ()),
+                                               master.arrivals.get('connection', ()))
+                if told.get('connectionState') == 'CONNECTIONBROKEN']
+
+    @property
+    def is_dead(self) -> bool:
+        """Whether the vehicle is gone by its last will, and has not come back."""
+        moments = self.master.arrivals.get('connection')
+        return bool(moments) and moments[-1:] == self.deaths[-1:]
+
+    def comes_back(self, states: int) -> bool:
+        """Returns whether a state comes within the patience, after the first `states` ones."""
+        try:
+            self.master.wait(lambda s: True, self.patience, 'a state', after=states)
+        except TooLate:
+            return False
+        return True
+
     def bring_back(self) -> None:
         """Cancels the order, ends a pause and drives the vehicle to an end of the track.
 
@@ -82,6 +107,8 @@ class Trial:
 
     def _become_idle(self, patience: float) -> None:
         master = self.master
+        if master.is_3:  # otherwise the vehicle keeps every instant action of the whole run
+            master.act('clearInstantActions')
         if not is_idle(self.fetch()):
             master.act('cancelOrder')
             try:
@@ -181,6 +208,16 @@ class Trial:
             self.ordered(self.ahead.part(0, 0), ANSWER)
             self.master.wait(is_idle, self.patience, 'an end of an order of one node')
 
+    def needed(self, step: Callable[[], T]) -> T:
+        """Does a step that is the subject of another rule; raises NotTried if it fails.
+
+        So one fault of a vehicle is one broken rule.
+        """
+        try:
+            return step()
+        except (Broken, TooLate) as problem:
+            raise NotTried(f'a step that this rule needs: {problem}') from None
+
     # --- orders -----------------------------------------------------------------------------------
 
     def ordered(self, track: Track, seconds: float = ANSWER, **order: Any) -> str:
@@ -191,10 +228,7 @@ class Trial:
 
     def accepted(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
         """Sends an order or update; returns the first state that has it; raises NotTried."""
-        try:
-            return self.taken(order, seconds)
-        except TooLate as error:
-            raise NotTried(f'an order that this rule needs is not accepted: {error}') from None
+        return self.needed(lambda: self.taken(order, seconds))
 
     def taken(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
         """Like `accepted`, if the acceptance is the subject of the rule; raises TooLate."""

@@ -26,6 +26,7 @@ _ERRORS = {
     'INVALID_ORDER_UPDATE': 'orderUpdateError', 'NO_ROUTE_TO_TARGET': 'noRouteError',
     'START_NODE_OUT_OF_RANGE': 'noRouteError'}
 _ACTIONS = {'initializePosition': 'initPosition'}
+_EDGE_ENDS = ('startNodeId', 'endNodeId')  # 3.0: they follow from the sequenceId (6.1.1, 7.3)
 
 
 def in_2(topic: str, message: Json) -> Json:
@@ -41,10 +42,10 @@ def in_3(topic: str, body: Mapping[str, Any]) -> Mapping[str, Any]:
     """Converts a message of a master, without header, from 2.1 to 3.0."""
     if topic == 'instantActions':
         return {**body, 'actions': [_action_in_3(action) for action in body['actions']]}
-    nodes = body.get('nodes')
-    if not isinstance(nodes, list):
-        return body
-    return {**body, 'nodes': [_node_in_3(node) for node in nodes]}
+    elements = {'nodes': _node_in_3, 'edges': _edge_in_3}
+    return {key: [elements[key](item) for item in value]
+            if key in elements and isinstance(value, list) else value
+            for key, value in body.items()}
 
 
 def _renamed(value: Json, keys: Mapping[str, str]) -> Json:
@@ -95,6 +96,12 @@ def _action_in_3(action: Json) -> Json:
     names = {old: new for new, old in _ACTIONS.items()}
     kind = action['actionType']
     return {**action, 'actionType': names.get(kind, kind), 'blockingType': 'NONE'}
+
+
+def _edge_in_3(edge: Any) -> Any:
+    if not isinstance(edge, dict):
+        return edge
+    return {key: value for key, value in edge.items() if key not in _EDGE_ENDS}
 
 
 def _node_in_3(node: Any) -> Any:

@@ -47,6 +47,7 @@ class OrderDesk:
         """Accepts the order and returns None, or returns the reason of the rejection."""
         context, state = self._context, self._state
         try:
+            self._check_first(order)
             verdict = judge(self._held(), order, self._is_near(order), context.codec.is_3)
             if isinstance(verdict, Rejection):
                 return verdict
@@ -79,6 +80,13 @@ class OrderDesk:
         kept = len(state.order.edges) - len(legs)
         state.legs = state.legs[:kept] + legs
         return None
+
+    def _check_first(self, order: Order) -> None:
+        """Raises NotDrivable if a new order does not begin with sequenceId 0: 3.0.0, 6.1.1."""
+        first = order.nodes[0].sequence_id
+        if self._context.codec.is_3 and first and order.order_id != self._state.order.order_id:
+            raise NotDrivable(e.ORDER_ERROR, 'the first node of a new order has sequenceId 0, not '
+                              f'{first}', 'nodes[0].sequenceId')
 
     def _compare(self, order: Order) -> Optional[Rejection]:
         """Returns the rejection of a repeated orderUpdateId; None if the order is ignored.

@@ -90,7 +90,7 @@ class OrderGraph:
             if end is None:
                 raise NotDrivable(e.NO_ROUTE, f'node {nodes[index + 1].node_id!r} is not at a '
                                   'vertex', 'nodePosition')
-            signed = (self._edge_from_place(self.place(nodes[index]), edge, end, index)
+            signed = (self._edge_from_place(nodes[index], edge, end, index)
                       if start is None else self._edge_between(start, end, edge))
             legs.append(Leg(signed, self.graph.curve(signed).length, *end.position))
         return tuple(legs)
@@ -132,19 +132,19 @@ class OrderGraph:
                    if self.graph.end_vertex(signed).id == end.id and self._is_allowed(signed)]
         return self._choose(joining, edge, f'vertices {start.id} and {end.id}')
 
-    def _edge_from_place(self, place: Tuple[float, float], edge: Edge, end: Vertex,
-                         index: int) -> int:
+    def _edge_from_place(self, node: Node, edge: Edge, end: Vertex, index: int) -> int:
         """Returns the edge that starts at a position; only for the first node of an order.
 
         After a cancellation the robot may stand on an edge, so the next order may start there.
         """
         if index:
-            raise NotDrivable(e.NO_ROUTE, f'node {edge.start_node_id!r} is not at a vertex',
+            raise NotDrivable(e.NO_ROUTE, f'node {node.node_id!r} is not at a vertex',
                               'nodePosition')
+        place = self.place(node)
         leading = [-signed for signed in self.graph.edges_from(end.id)]
         joining = [signed for signed in leading if self._is_allowed(signed)
                    and self.graph.curve(signed).project(*place).distance <= self._matching.near]
-        return self._choose(joining, edge, f'the position of node {edge.start_node_id!r} and '
+        return self._choose(joining, edge, f'the position of node {node.node_id!r} and '
                                            f'vertex {end.id}')
 
     def _is_allowed(self, signed: int) -> bool:

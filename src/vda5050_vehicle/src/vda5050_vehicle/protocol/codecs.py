@@ -275,11 +275,13 @@ def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
 def _version_2_0() -> Codec:
     """Returns the codec of 2.0.0.
 
-    2.0.0 has no maps. It requires a heading in the position of a node, and few nodes have a
-    heading, so node states have no position.
+    2.0.0 has no maps, and errors have no hint. It requires a heading in the position of a node, and
+    few nodes have a heading, so node states have no position.
     """
+    errors = ListOf(ERROR.changed(**{'kind.hint': None}))
     nodes = ListOf(NODE_STATE.changed(position=None))
-    state = STATE.changed(maps=None, node_states=Field('node_states', 'nodeStates', nodes, True))
+    state = STATE.changed(maps=None, node_states=Field('node_states', 'nodeStates', nodes, True),
+                          errors=Field('errors', 'errors', errors, True))
     return Codec('2.0.0', {**_RECORDS, 'state': state}, _factsheet)
 
 

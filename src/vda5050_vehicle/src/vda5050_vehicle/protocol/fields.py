@@ -1,8 +1,9 @@
 """The elements of the codecs' tables: kinds of JSON values, and records of named fields.
 
 A kind converts JSON to a value and back. Reading checks each known key strictly and ignores
-unknown keys. Values from outside may be incomplete, infinite, too long or of a wrong type; the
-error names the path of the wrong value.
+unknown keys. An optional key with the value null counts as absent, because some serialisers write
+null for a member without a value. Values from outside may be incomplete, infinite, too long or of a
+wrong type; the error names the path of the wrong value.
 """
 from __future__ import annotations
 
@@ -192,10 +193,10 @@ class Field:
 
     def find(self, json_object: Mapping[str, Any]) -> Tuple[Optional[str], Any]:
         """Returns the key of this field in the object and its value; None, None if absent."""
-        for key in (self.key, *self.aliases):
-            if key in json_object:
-                return key, json_object[key]
-        return None, None
+        present = [key for key in (self.key, *self.aliases) if key in json_object]
+        key = next((key for key in present if json_object[key] is not None),
+                   present[0] if present else None)
+        return (None, None) if key is None else (key, json_object[key])
 
 
 class Record(Kind):
@@ -215,7 +216,7 @@ class Record(Kind):
             if key is None:
                 if field.required:
                     raise Malformed(_join(path, field.key), 'is missing')
-            else:
+            elif item is not None or field.required:
                 found[field.attribute] = field.kind.read(item, _join(path, key))
         return self.kind(**found)
 

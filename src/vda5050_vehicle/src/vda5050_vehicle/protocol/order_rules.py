@@ -37,8 +37,11 @@ def _wrong_count(order: Order) -> Optional[Malformed]:
 
 
 def _wrong_sequence(order: Order) -> Optional[Malformed]:
-    """Sequence ids count nodes and edges alternately, without gaps."""
+    """Sequence ids count nodes and edges alternately, from node 0 on, without gaps."""
     first = order.nodes[0].sequence_id
+    if first % 2:
+        return Malformed('nodes[0].sequenceId', f'is {first}, but the sequenceIds of nodes are '
+                                                'even')
     rows: Tuple[Tuple[str, Sequence[Element], int], ...] = (
         ('nodes', order.nodes, first), ('edges', order.edges, first + 1))
     for kind, elements, start in rows:
@@ -53,7 +56,7 @@ def _wrong_ends(order: Order) -> Optional[Malformed]:
     for index, edge in enumerate(order.edges):
         for key, is_id, node in (('startNodeId', edge.start_node_id, order.nodes[index]),
                                  ('endNodeId', edge.end_node_id, order.nodes[index + 1])):
-            if is_id != node.node_id:
+            if is_id is not None and is_id != node.node_id:
                 return Malformed(f'edges[{index}].{key}', f'is {is_id!r}, but the node there is '
                                                           f'{node.node_id!r}')
     return None

@@ -9,7 +9,15 @@ from functools import partial
 from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import error_types, status_of
-from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, Start, must, should
+from vda5050_vehicle.conformance.rules.rule import (
+    ONLY_2,
+    ONLY_3,
+    SINCE_2_1,
+    Start,
+    derived,
+    must,
+    should,
+)
 from vda5050_vehicle.conformance.track import node_ids
 from vda5050_vehicle.conformance.trial import (
     ANSWER,
@@ -162,12 +170,13 @@ def _base(trial: Trial) -> None:
                              'edges__1__released': False}})
 
 
-@must('6.6.2', 'sequenceId runs over nodes and edges, without gaps')
+@must('3.0: 6.1.1', 'the sequenceId is continuous within an order', versions=ONLY_3)
+@derived('6.6.2', 'sequenceId runs over nodes and edges, without gaps', versions=ONLY_2)
 def _gaps(trial: Trial) -> None:
     _all_refused(trial, {'a gap in sequenceId': {'nodes__1__sequenceId': 7}})
 
 
-@should('6.6.6', 'an edge joins the nodes before and after it')
+@should('6.6.6', 'an edge joins the nodes before and after it', versions=ONLY_2)
 def _joins(trial: Trial) -> None:
     _all_refused(trial, {'an edge between other nodes': {'edges__0__endNodeId': 'elsewhere'}})
 

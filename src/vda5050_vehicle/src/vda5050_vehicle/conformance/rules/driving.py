@@ -81,7 +81,7 @@ def _driven_on(trial: Trial) -> None:
 def _continuation(trial: Trial) -> None:
     track = trial.ahead.part(0, 2)
     order_id = trial.ordered(track.part(0, 1))
-    trial.at_end_of(track.part(0, 1))
+    trial.needed(lambda: trial.at_end_of(track.part(0, 1)))
     trial.taken(track.part(1).order(order_id, 1, first_sequence=2))
     trial.at_end_of(track)
 
@@ -98,7 +98,7 @@ def _pause(trial: Trial) -> None:
 
 @must('6.8.1', 'stopPause: the movement is resumed')
 def _resume(trial: Trial) -> None:
-    _paused(trial)
+    trial.needed(lambda: _paused(trial))
     master, before = trial.master, trial.master.count()
     status = master.ended(master.act('stopPause'), trial.patience)['actionStatus']
     expect(status == 'FINISHED', f'stopPause is {status}')
@@ -115,7 +115,8 @@ def _paused(trial: Trial) -> None:
 def _underway(trial: Trial) -> str:
     before = trial.master.count()
     order_id = trial.ordered(trial.ahead)
-    trial.master.wait(lambda s: s['driving'], trial.patience, 'driving', after=before)
+    trial.needed(lambda: trial.master.wait(lambda s: s['driving'], trial.patience, 'driving',
+                                           after=before))
     return order_id
 
 
@@ -132,7 +133,7 @@ def _cancel(trial: Trial) -> None:
 
 @must('6.6.3', 'a cancelled order keeps its orderId and orderUpdateId')
 def _cancel_keeps_ids(trial: Trial) -> None:
-    order_id = _cancelled(trial)
+    order_id = trial.needed(lambda: _cancelled(trial))
     expect(has(trial.master.state, {'orderId': order_id, 'orderUpdateId': 0}),
            f'they are {trial.master.state["orderId"]!r}, {trial.master.state["orderUpdateId"]}')
 
@@ -142,7 +143,7 @@ def _cancel_keeps_ids(trial: Trial) -> None:
 def _cancel_actions(trial: Trial) -> None:
     slow, last = trial.slow_action('HARD'), trial.ahead.stops[-1].node_id
     trial.ordered(trial.ahead, base=1, actions={last: [slow]})
-    trial.master.ended(trial.master.act('cancelOrder'), trial.patience)
+    _cancel_order(trial)
     status = status_of(trial.master.state, slow['actionId'])
     expect(status == 'FAILED', f'the action is {status}')
 
@@ -151,7 +152,7 @@ def _cancel_actions(trial: Trial) -> None:
       versions=ONLY_3)
 def _update_after_cancel(trial: Trial) -> None:
     order_id = trial.ordered(trial.ahead, base=1)
-    trial.master.ended(trial.master.act('cancelOrder'), trial.patience)
+    _cancel_order(trial)
     error = trial.refused(trial.ahead.order(order_id, 1, base=1), 'an update after cancelOrder')
     expect(error.get('typeOf3') == 'ORDER_UPDATE_FOLLOWING_CANCEL',
            f'the error is {error.get("typeOf3")}')
@@ -159,7 +160,7 @@ def _update_after_cancel(trial: Trial) -> None:
 
 @must('6.6.3.1', 'after a cancellation: an order from the last node, with a large deviation')
 def _order_after_cancel(trial: Trial) -> None:
-    _cancelled(trial)
+    trial.needed(lambda: _cancelled(trial))
     last = trial.master.state['lastNodeId']
     index = [stop.node_id for stop in trial.ahead.stops].index(last)
     rest = trial.ahead.part(index)
@@ -205,12 +206,17 @@ def _stopped_between_nodes(trial: Trial) -> Tuple[Message, int]:
     deadline = trial.master.now() + trial.patience
     while trial.nearest(trial.fetch()) <= 2.0 * NEAR and trial.master.now() < deadline:
         trial.let_pass(LOOK)
-    trial.master.ended(trial.master.act('cancelOrder'), trial.patience)
+    _cancel_order(trial)
     state = trial.fetch()
     index = [stop.node_id for stop in trial.ahead.stops].index(state['lastNodeId'])
     if trial.nearest(state) <= NEAR or index + 1 == len(trial.ahead.stops):
         raise NotTried('the vehicle stopped at a node')
     return state, index
+
+
+def _cancel_order(trial: Trial) -> None:
+    cancel = trial.master.act('cancelOrder')
+    trial.needed(lambda: trial.master.ended(cancel, trial.patience))
 
 
 def _cancelled(trial: Trial) -> str:

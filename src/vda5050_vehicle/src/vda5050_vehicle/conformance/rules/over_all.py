@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from vda5050_vehicle.conformance.master import TooLate
-from vda5050_vehicle.conformance.rules.rule import Start, must
+from vda5050_vehicle.conformance.rules.rule import Start, derived, must
 from vda5050_vehicle.conformance.trial import INTERVAL, Trial
 from vda5050_vehicle.conformance.verdicts import NotTried, expect
 
@@ -12,8 +12,15 @@ def _interval(trial: Trial) -> None:
     times = [*trial.master.arrivals.get('state', ()), trial.master.now()]
     if len(times) == 1:
         raise TooLate('no state came')
-    longest = max(after - before for before, after in zip(times, times[1:]))
+    deaths = trial.deaths  # another rule tells of them
+    longest = max((after - before for before, after in zip(times, times[1:])
+                   if not any(before <= death <= after for death in deaths)), default=0.0)
     expect(longest <= INTERVAL + 1.0, f'{longest:.1f} s passed without a state')
+
+
+@derived('6.14', 'the connection does not break as long as the broker runs', Start.NOTHING)
+def _alive(trial: Trial) -> None:
+    expect(not trial.deaths, f'CONNECTIONBROKEN came {len(trial.deaths)} times')
 
 
 @must('6.15.1', 'agvActions of the factsheet has all actions that the vehicle supports',

@@ -9,6 +9,7 @@ from vda5050_vehicle.conformance.trial import Trial
 
 ALL = ('2.', '3.')        # versions of the standard
 SINCE_2_1 = ('2.1', '3.')  # in figure 8 of 2.0 only nodes and edges and actions make it busy
+ONLY_2 = ('2.',)
 ONLY_3 = ('3.',)
 
 
@@ -17,6 +18,7 @@ class Level(Enum):
 
     MUST = 'must'
     SHOULD = 'should'
+    DERIVED = 'derived'  # no sentence says it, but it follows from what the standard describes
 
 
 class Start(Enum):
@@ -56,6 +58,12 @@ def should(section: str, sentence: str, start: Start = Start.AT_END,
            versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
     """Like `must`, for a recommendation of the standard."""
     return _rule(Level.SHOULD, section, sentence, start, versions)
+
+
+def derived(section: str, sentence: str, start: Start = Start.AT_END,
+            versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
+    """Like `must`, for a rule that only follows from what the standard describes."""
+    return _rule(Level.DERIVED, section, sentence, start, versions)
 
 
 def rules_of(version: str) -> List[Rule]:

@@ -1,10 +1,10 @@
 """Rules for a vehicle without an order: the connection, and instant actions."""
 from __future__ import annotations
 
-from vda5050_vehicle.conformance.master import TooLate, status_of
-from vda5050_vehicle.conformance.rules.rule import ONLY_3, Start, must
-from vda5050_vehicle.conformance.trial import ANSWER, Trial, new_errors, references
-from vda5050_vehicle.conformance.verdicts import NotTried, expect
+from vda5050_vehicle.conformance.master import status_of
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, Start, must, should
+from vda5050_vehicle.conformance.trial import ANSWER, ENDED, Trial, new_errors, references
+from vda5050_vehicle.conformance.verdicts import expect
 
 
 @must('6.14', 'a vehicle that comes online sends ONLINE', Start.NOTHING)
@@ -13,7 +13,8 @@ def _online(trial: Trial) -> None:
     expect(found.get('connectionState') == 'ONLINE', f'it is {found.get("connectionState")}')
 
 
-@must('6.14', 'all messages on connection are retained', Start.NOTHING)
+@must('6.14', 'all messages on connection are retained', Start.NOTHING, SINCE_2_1)
+@should('6.14', 'all messages on connection are retained', Start.NOTHING, ('2.0',))
 def _retained(trial: Trial) -> None:
     expect(trial.master.is_retained('connection'), 'a client that connects later receives none')
 
@@ -31,7 +32,7 @@ def _state_request_finished(trial: Trial) -> None:
     expect(ended['actionStatus'] == 'FINISHED', f'it is {ended["actionStatus"]}')
 
 
-@must('6.15', 'the master can request the factsheet by factsheetRequest', Start.ANYWHERE)
+@must('6.15', 'the master can request the factsheet by factsheetRequest', Start.ANYWHERE, SINCE_2_1)
 def _factsheet(trial: Trial) -> None:
     master, before = trial.master, trial.master.count('factsheet')
     action_id = master.act('factsheetRequest')
@@ -40,10 +41,10 @@ def _factsheet(trial: Trial) -> None:
     expect(status == 'FINISHED', f'factsheetRequest is {status}')
 
 
-@must('6.15', 'all messages on factsheet are retained', Start.ANYWHERE)
+@must('6.15', 'all messages on factsheet are retained', Start.ANYWHERE, SINCE_2_1)
 def _factsheet_retained(trial: Trial) -> None:
     trial.master.act('factsheetRequest')
-    trial.master.wait(lambda m: True, ANSWER, 'a factsheet', 'factsheet')
+    trial.needed(lambda: trial.master.wait(lambda m: True, ANSWER, 'a factsheet', 'factsheet'))
     expect(trial.master.is_retained('factsheet'), 'a client that connects later receives none')
 
 
@@ -59,10 +60,8 @@ def _every_action(trial: Trial) -> None:
       Start.ANYWHERE)
 def _unknown_action(trial: Trial) -> None:
     action_id = trial.master.act('noSuchAction')
-    try:
-        trial.master.wait(lambda s: status_of(s, action_id), ANSWER, 'its actionState')
-    except TooLate as error:
-        raise NotTried(f'an unknown action has no actionState: {error}') from None
+    trial.needed(lambda: trial.master.wait(
+        lambda s: status_of(s, action_id), ANSWER, 'the actionState of an unknown action'))
     ended = trial.master.ended(action_id, ANSWER)
     expect(ended['actionStatus'] == 'FAILED', f'an unknown action is {ended["actionStatus"]}')
 
@@ -83,6 +82,30 @@ def _names(state: object, action_id: str) -> bool:
     errors = state['errors'] if isinstance(state, dict) else []
     return any(error.get('typeOf3') == 'INVALID_INSTANT_ACTION'
                and action_id in references(error).values() for error in errors)
+
+
+@must('3.0: 6.2.1', 'an instant action stays in the state until clearInstantActions',
+      Start.ANYWHERE, versions=ONLY_3)
+def _kept(trial: Trial) -> None:
+    asked = _ended_request(trial)
+    trial.ordered(trial.ahead.part(0, 0))
+    expect(status_of(trial.fetch(), asked) in ENDED,
+           'a stateRequest that has ended vanishes when an order is accepted')
+
+
+@must('3.0: 6.2.3.2', 'clearInstantActions removes the instant actions that have ended',
+      Start.ANYWHERE, versions=ONLY_3)
+def _clear(trial: Trial) -> None:
+    asked = _ended_request(trial)
+    cleared = trial.master.ended(trial.master.act('clearInstantActions'), ANSWER)
+    expect(cleared['actionStatus'] == 'FINISHED', f'it is {cleared["actionStatus"]}')
+    expect(status_of(trial.fetch(), asked) is None, 'a stateRequest that has ended remains')
+
+
+def _ended_request(trial: Trial) -> str:
+    asked = trial.master.act('stateRequest')
+    trial.needed(lambda: trial.master.ended(asked, ANSWER))
+    return asked
 
 
 @must('6.6.3.2', 'cancelOrder without an order is reported as FAILED')

@@ -96,13 +96,17 @@ class Corridor:
 
 @dataclass(frozen=True)
 class Edge:
-    """A connection from one node to the next."""
+    """A connection from one node to the next: from `sequence_id` - 1 to `sequence_id` + 1.
+
+    start_node_id, end_node_id -- the same nodes by their ids; None if the message does not repeat
+                                  them, as in 3.0
+    """
 
     edge_id: str
     sequence_id: int
     released: bool
-    start_node_id: str
-    end_node_id: str
+    start_node_id: Optional[str] = None
+    end_node_id: Optional[str] = None
     actions: Tuple[Action, ...] = ()
     description: Optional[str] = None
     max_speed: Optional[float] = None
