@@ -449,6 +449,7 @@ def test_an_instant_action_that_comes_again_is_done_once_and_answered():
     states = len(lab.states)
     lab.act('say', 'a', text='hello')
     assert lab.started == ['a']
+    lab.wait(1.0)
     assert len(lab.states) == states + 1
 
 

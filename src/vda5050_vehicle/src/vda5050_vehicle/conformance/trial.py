@@ -83,7 +83,7 @@ class Trial:
     @property
     def is_dead(self) -> bool:
         """Whether the vehicle is gone by its last will, and has not come back."""
-        moments = self.master.arrivals.get('connection')
+        moments = self.master.arrivals.get('connection', [])
         return bool(moments) and moments[-1:] == self.deaths[-1:]
 
     def comes_back(self, states: int) -> bool:

@@ -10,7 +10,7 @@ from vda5050_vehicle.protocol.values import Error, EStop, Reference
 
 # Masters interpret an error without references as a rejection of their last order.
 _OF_NO_ORDER = Reference('topic', 'state')
-MAX_REJECTIONS = 10  # number of the newest rejections that are reported
+MAX_REJECTIONS = 100  # the newest rejections that are reported, so that a state stays small
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,13 @@ class Errors:
 
     def with_rejection(self, error: Error) -> Errors:
         """Returns the errors after an order was rejected."""
-        return replace(self, rejections=_with(self.rejections, error))
+        return (self if error in self.rejections
+                else replace(self, rejections=_with(self.rejections, error)))
 
     def with_refused_action(self, error: Error) -> Errors:
         """Returns the errors after an instant action was rejected."""
-        return replace(self, refused_actions=_with(self.refused_actions, error))
+        return (self if error in self.refused_actions
+                else replace(self, refused_actions=_with(self.refused_actions, error)))
 
     def without_failures(self) -> Errors:
         """Returns the errors after the failures were dealt with."""
@@ -54,7 +56,7 @@ class Errors:
 
 
 def _with(errors: Tuple[Error, ...], error: Error) -> Tuple[Error, ...]:
-    return (*(old for old in errors if old != error), error)[-MAX_REJECTIONS:]
+    return (*errors, error)[-MAX_REJECTIONS:]
 
 
 def _conditions(robot: RobotView) -> Tuple[Error, ...]:

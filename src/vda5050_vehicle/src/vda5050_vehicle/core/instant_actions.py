@@ -23,6 +23,9 @@ from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, Instant
 STOPPING = frozenset({'cancelOrder', 'startPause'})
 HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
                              'clearInstantActions'}
+# A master that sends one of these with a known actionId wants it again: some masters use one id for
+# each kind of action, or begin anew with their ids after a restart.
+DONE_AGAIN = frozenset({'stopPause', 'stateRequest', 'factsheetRequest', 'clearInstantActions'})
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
 
 BUILT_IN: Tuple[ActionSpec, ...] = (
@@ -70,7 +73,7 @@ class InstantActionHandler:
     def receive(self, payload: bytes, now: float) -> None:
         """Processes a message on the topic `instantActions`."""
         context, state = self._context, self._state
-        context.reporter.ask()
+        context.reporter.answer()
         try:
             message: InstantActions = self._inbox.read('instantActions', payload)
         except Refused as refused:
@@ -84,37 +87,57 @@ class InstantActionHandler:
 
     def _take(self, message: InstantActions, is_copy: bool, now: float) -> None:
         state = self._state
-        refused: List[Tuple[Action, WrongAction]] = []
+        refused: List[Tuple[Action, WrongAction, bool]] = []
         taken = False
         for action in message.actions:
             known = state.actions.by_id.get(action.action_id)
-            if known is not None and not self._is_meant_again(action, known):
+            if known is not None and self._is_done(action, known, is_copy):
                 continue  # a repeated action is executed once
+            if known is not None and _is_replaceable(action, known):
+                state.actions = state.actions.without_action(action.action_id)
+                known = None
             self._context.note(f'instant action {action.action_id}, {action.action_type}')
             action = self._with_blocking_type(action)
             try:
-                if known is not None:  # this id reports the end of the other action
-                    self._do(replace(action, action_id=''), is_copy, now)
-                    raise WrongAction('actionId', 'another action has this id; this action is '
-                                      'executed, but its state is not reported')
+                if known is not None:
+                    self._do_beside(action, is_copy, now)
                 state.actions = state.actions.with_entries(
                     Entry(self._context.table.as_executed(action), Scope.INSTANT))
                 self._do(action, is_copy, now)
                 taken = True
             except WrongAction as wrong:
-                refused.append((action, wrong))
+                refused.append((action, wrong, known is None))
         if taken:
             state.errors = replace(state.errors, refused_actions=())
-        for action, reason in refused:
-            self._fail(action, reason)
+        for action, reason, has_state in refused:
+            self._fail(action, reason, has_state)
 
-    def _is_meant_again(self, action: Action, known: Entry) -> bool:
-        """Returns whether a stop with a known id is executed again: there is a motion to stop."""
-        state = self._state
-        is_under_way = not known.belongs_to_order and not known.status.has_ended
-        return not is_under_way and (
-            action.action_type == 'cancelOrder' and state.busy and not state.cancelling
-            or action.action_type == 'startPause' and not state.paused)
+    def _is_done(self, action: Action, known: Entry, is_copy: bool) -> bool:
+        """Returns whether an action with a known id is the known action, and not wanted again.
+
+        A stop is wanted again if there is a motion to stop.
+        """
+        state, kind = self._state, action.action_type
+        is_same = not known.belongs_to_order and (
+            (kind, action.parameters) == (known.action.action_type, known.action.parameters))
+        if kind in STOPPING:
+            is_under_way = not known.belongs_to_order and not known.status.has_ended
+            is_obeyed = (not state.busy or state.cancelling) if kind == 'cancelOrder' \
+                else state.paused
+            return is_under_way or is_obeyed
+        return is_same and (is_copy or not _is_replaceable(action, known))
+
+    def _do_beside(self, action: Action, is_copy: bool, now: float) -> None:
+        """Executes a stop beside the action that has its id; raises WrongAction in all cases.
+
+        The id reports the end of the other action.
+        """
+        if action.action_type not in STOPPING:
+            raise WrongAction('actionId', 'another action has this id, so this action is not '
+                              'executed; send it with a new actionId')
+        self._do(replace(action, action_id=''), is_copy, now)
+        raise WrongAction('actionId', 'another action has this id; this action is executed, but '
+                          'its state is not reported')
 
     def _do(self, action: Action, is_copy: bool, now: float) -> None:
         """Executes an action or queues it; raises WrongAction."""
@@ -143,9 +166,12 @@ class InstantActionHandler:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
-    def _fail(self, action: Action, wrong: WrongAction) -> None:
-        """Reports a rejected action as FAILED, because a master repeats an ignored action."""
-        if not self._state.actions[action.action_id].belongs_to_order:
+    def _fail(self, action: Action, wrong: WrongAction, has_state: bool) -> None:
+        """Reports a rejected action as FAILED, because a master repeats an ignored action.
+
+        has_state -- whether the state with its id is its own, and not that of another action
+        """
+        if has_state:
             self._end(action.action_id, ActionStatus.FAILED, str(wrong))
         self._state.errors = self._state.errors.with_refused_action(e.INSTANT_ACTION_ERROR.error(
             f'action {action.action_type}: {wrong}', Reference('topic', 'instantActions'),
@@ -298,3 +324,9 @@ class InstantActionHandler:
                 self._runner.fail(entry.action.action_id, 'the adapter was restarted and does not '
                                                           'repeat the action by itself')
         self._state.wish = None
+
+
+def _is_replaceable(action: Action, known: Entry) -> bool:
+    """Returns whether the action takes the place of an ended one that has its id."""
+    return (action.action_type in DONE_AGAIN and not known.belongs_to_order
+            and known.status.has_ended)

@@ -30,7 +30,7 @@ class OrderDesk:
     def receive(self, payload: bytes) -> None:
         """Processes a message on the topic `order`."""
         context, state = self._context, self._state
-        context.reporter.ask()
+        context.reporter.answer()
         try:
             order: Order = self._inbox.read('order', payload)
         except Refused as refused:

@@ -120,6 +120,10 @@ class ActionQueue:
         return self._with_those(
             lambda entry: entry.belongs_to_order or not entry.status.has_ended)
 
+    def without_action(self, action_id: str) -> ActionQueue:
+        """Returns the queue without the action of this id."""
+        return self._with_those(lambda entry: entry.action.action_id != action_id)
+
     def without(self, sequence_ids: Collection[int]) -> ActionQueue:
         """Returns the queue without the actions of these nodes and edges (a replaced horizon)."""
         return self._with_those(lambda entry: entry.sequence_id not in sequence_ids)

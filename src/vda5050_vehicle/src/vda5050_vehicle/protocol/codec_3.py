@@ -12,6 +12,7 @@ from vda5050_vehicle.protocol import values as v
 from vda5050_vehicle.protocol.codecs import Codec
 from vda5050_vehicle.protocol.fields import (
     BOOLEAN,
+    NUMBER,
     TEXT,
     UINT,
     Choice,
@@ -78,7 +79,7 @@ _EDGE = two.EDGE.renamed(
     start_node_id=Field('start_node_id', 'startNodeId', TEXT),
     end_node_id=Field('end_node_id', 'endNodeId', TEXT),
     # the name in the text, 7.3, and the name in the schema; the text has precedence
-    max_rotation_speed=Field('max_rotation_speed', 'maximumRotationSpeed', two.NUMBER,
+    max_rotation_speed=Field('max_rotation_speed', 'maximumRotationSpeed', NUMBER,
                              aliases=('maxRotationSpeed',)),
     rotation_allowed=Field('rotation_allowed', 'reachOrientationBeforeEntering', _Negated()),
     corridor=Field('corridor', 'corridor', _CORRIDOR),
