@@ -65,6 +65,8 @@ def test_a_vehicle_that_is_right_passes(version):
         'startPause: the vehicle stands still, keeps its order and tells paused'}),
     ('3.0.0', 'clears nothing', {
         'clearInstantActions removes the instant actions that have ended'}),
+    ('3.0.0', 'drives every edge', {
+        'a second node at the decision point brings actions to where it stands'}),
     ('3.0.0', 'any first update', {'the orderUpdateId of a new order is 0'}),
     ('3.0.0', 'other error after cancel', {
         'an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL'}),

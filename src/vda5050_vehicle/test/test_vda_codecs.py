@@ -13,6 +13,7 @@ from vda_schemas import paths, problems, validator
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.state_report import state_of
 from vda5050_vehicle.protocol import codecs
+from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS
 from vda5050_vehicle.protocol.codec_3 import CODECS, VERSION_3_0
 from vda5050_vehicle.protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
 from vda5050_vehicle.protocol.fields import (
@@ -54,7 +55,8 @@ def test_what_the_vehicle_sends_is_valid(version):
     sent = {
         'state': state_of(lab.vehicle.context), 'connection': Connection(ConnectionState.ONLINE),
         'visualization': Visualization(AgvPosition(1.0, 2.0, 0.5, 'map'), Velocity(1.0, 0.0, 0.1)),
-        'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.context.table)}
+        'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.context.table,
+                                     lab.driver.longest)}
     for topic, message in sent.items():
         wire = json.loads(write_json(codec.write(topic, headers.make(topic), message)))
         found = problems(version, topic, wire)
@@ -250,8 +252,8 @@ def test_no_json_upsets_the_reader(value):
 @given(st.binary(min_size=1, max_size=300))
 def test_no_bytes_upset_the_vehicle(noise):
     lab = Lab()
-    lab.do(lab.vehicle.receive_order(noise, lab.now))
-    lab.do(lab.vehicle.receive_instant_actions(noise, lab.now))
+    lab.do(lab.vehicle.receive([('order', noise)], lab.now))
+    lab.do(lab.vehicle.receive([('instantActions', noise)], lab.now))
     assert lab.state['orderId'] == ''
     assert 'validationError' in lab.errors
 
@@ -301,16 +303,58 @@ def test_numbers_on_the_wire_are_finite():
 
 def test_every_action_of_the_table_is_in_the_factsheet():
     told = {found['actionType'] for found in sheet.factsheet(
-        vehicle_document(), Lab().vehicle.context.table)['protocolFeatures']['agvActions']}
+        vehicle_document(), Lab().vehicle.context.table, None)['protocolFeatures']['agvActions']}
     assert told >= set(table().specs) | {'cancelOrder', 'startPause', 'stopPause', 'initPosition',
                                          'stateRequest', 'factsheetRequest', 'logReport'}
 
 
 def test_the_factsheet_leaves_out_what_is_refused():
-    told = {found['parameter'] for found in sheet.factsheet(
-        vehicle_document(), Lab().vehicle.context.table)['protocolFeatures']['optionalParameters']}
+    told = set(supported('2.1.0'))
     assert 'order.nodes.nodePosition' in told
     assert not told & {'order.edges.maxSpeed', 'order.edges.corridor'}
+
+
+def factsheet(version, longest=None):
+    """The factsheet on the wire."""
+    message = sheet.factsheet(vehicle_document(), Lab().vehicle.context.table, longest)
+    return CODECS[version].write('factsheet', Headers(version, 'OMRON', 'lab', lambda: 1e9).make(
+        'factsheet'), message)
+
+
+def supported(version):
+    """The optional parameters of the factsheet."""
+    return [line['parameter'] for line in
+            factsheet(version)['protocolFeatures']['optionalParameters']]
+
+
+@pytest.mark.parametrize('version', sorted(CODECS))
+def test_the_factsheet_names_fields_as_its_version_does(version):
+    known = {f'{topic}.{path}' for topic in ('order', 'state') for path in paths(version, topic)}
+    if version == '2.0.0':  # the text is right, and the schema spells it otherwise
+        known.add('order.nodes.nodePosition.allowedDeviationXY')
+    assert set(supported(version)) <= known
+
+
+def test_3_0_names_renamed_fields_in_factsheet_and_errors():
+    assert {'state.mobileRobotPosition', 'order.edges.maximumMobileRobotHeight'} <= set(
+        supported('3.0.0'))
+    assert VERSION_3_0.path('order', 'edges[0].rotationAllowed') == (
+        'edges[0].reachOrientationBeforeEntering')
+    assert VERSION_3_0.path('order', 'zoneSetId') is None
+    lab = Lab(codec=VERSION_3_0)
+    order = json.loads(lab.payload('order', way(8, 10).order('o')))
+    order['edges'][0]['maximumSpeed'] = 0.1
+    lab.receive_order(json.dumps(order).encode())
+    assert {'referenceKey': 'field', 'referenceValue': 'edges[0].maximumSpeed'} in (
+        lab.wire['errors'][0]['errorReferences'])
+
+
+@pytest.mark.parametrize('version, key', [
+    ('2.0.0', 'maxArrayLens'), ('2.1.0', 'maxArrayLens'), ('3.0.0', 'maximumArrayLengths')])
+def test_the_factsheet_tells_the_longest_order(version, key):
+    limits = factsheet(version, longest=Lab().driver.longest)['protocolLimits'][key]
+    assert (limits['order.nodes'], limits['order.edges']) == (1000, 999)
+    assert limits['instantActions'] == MAX_INSTANT_ACTIONS
 
 
 def order_of_3(**position):

@@ -138,7 +138,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule(noise=st.binary(max_size=20))
     def noise(self, noise):
-        self.lab.do(self.lab.vehicle.receive_order(noise, self.lab.now))
+        self.lab.do(self.lab.vehicle.receive([('order', noise)], self.lab.now))
 
     @rule(data=st.data())
     def a_master_that_sets_things_right(self, data):

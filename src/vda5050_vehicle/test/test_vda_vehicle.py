@@ -653,7 +653,7 @@ def test_a_broker_that_is_back_gets_factsheet_and_state():
 def test_a_message_for_another_major_version_is_refused():
     lab = Lab()
     message = payload(HALL.order('o')).replace(b'"2.1.0"', b'"3.0.0"')
-    lab.do(lab.vehicle.receive_order(message, lab.now))
+    lab.do(lab.vehicle.receive([('order', message)], lab.now))
     assert lab.errors == ['validationError']
     assert lab.state['velocity'] == {'vx': STANDING.vx, 'vy': 0.0, 'omega': 0.0}
 

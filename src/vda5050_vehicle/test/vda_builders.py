@@ -174,7 +174,7 @@ class Lab:
 
     def receive_order(self, message: bytes) -> None:
         """Bytes arrive on the topic `order`."""
-        self.do(self.vehicle.receive_order(message, self.now))
+        self.do(self.vehicle.receive([('order', message)], self.now))
 
     def act(self, action_type: str, action_id: str = '', blocking: str = 'NONE',
             **parameters: Any) -> str:
@@ -187,7 +187,7 @@ class Lab:
 
     def receive_instant_actions(self, message: bytes) -> None:
         """Bytes arrive on the topic `instantActions`."""
-        self.do(self.vehicle.receive_instant_actions(message, self.now))
+        self.do(self.vehicle.receive([('instantActions', message)], self.now))
 
     def wait(self, seconds: float) -> None:
         """Time passes; the robot's side reports."""

@@ -251,6 +251,10 @@ class ToyVehicle:
     def _check_update(self, message: Json) -> None:
         first = message['nodes'][0]
         ids = {key: message[key] for key in ('orderId', 'orderUpdateId')}
+        if self.wrong('drives every edge') and any(
+                node['nodeId'] == other['nodeId']
+                for node, other in zip(message['nodes'], message['nodes'][1:])):
+            raise Refused('NO_ROUTE_TO_TARGET', **ids)
         if self.is_3 and self.is_cancelled:
             raise Refused('orderError' if self.wrong('other error after cancel')
                           else 'ORDER_UPDATE_FOLLOWING_CANCEL', **ids)

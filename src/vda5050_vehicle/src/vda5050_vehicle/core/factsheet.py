@@ -1,19 +1,19 @@
 """The factsheet: the description of the vehicle for masters, from its file and its actions."""
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from vda5050_vehicle.core.action_table import ActionSpec, ActionTable, Parameter
 from vda5050_vehicle.drivers.order_fields import Abilities
+from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS
 from vda5050_vehicle.protocol.fields import MAX_ARRAY, MAX_MESSAGE, MAX_TEXT
 from vda5050_vehicle.protocol.reporting import IDLE_PERIOD
 
 SECTIONS = ('typeSpecification', 'physicalParameters', 'agvGeometry', 'loadSpecification')
 
-_ARRAYS = ('order.nodes', 'order.edges', 'node.actions', 'edge.actions',
-           'actions.actionsParameters', 'instantActions')
+_ARRAYS = ('node.actions', 'edge.actions', 'actions.actionsParameters')
 
-# The optional fields that the vehicle honours: path in the messages, and description.
+# The optional fields that the vehicle honours: path in the messages of 2.1.0, and description.
 _SUPPORTED: Tuple[Tuple[str, str], ...] = (
     ('order.nodes.nodePosition', 'must be within 0.3 m of a node that the vehicle knows'),
     ('order.nodes.nodePosition.allowedDeviationXY',
@@ -54,14 +54,21 @@ def abilities(document: Mapping[str, Any], map_id: str, ignored: Tuple[str, ...]
         raise WrongVehicle(f'abilities: {error} is missing, or not a number') from None
 
 
-def factsheet(document: Mapping[str, Any], table: ActionTable) -> Dict[str, Any]:
-    """Returns the message without header; the codecs convert it to their version."""
+def factsheet(document: Mapping[str, Any], table: ActionTable, longest: Optional[int],
+              ) -> Dict[str, Any]:
+    """Returns the message without header; the codecs convert it to their version.
+
+    longest -- number of edges of an order that the driver can drive; None: any number
+    """
+    edges = MAX_ARRAY - 1 if longest is None else longest
+    arrays = {'order.nodes': edges + 1, 'order.edges': edges,
+              **dict.fromkeys(_ARRAYS, MAX_ARRAY), 'instantActions': MAX_INSTANT_ACTIONS}
     return {
         **{section: document[section] for section in SECTIONS},
         'protocolLimits': {
             'maxStringLens': {'msgLen': MAX_MESSAGE, 'idLen': MAX_TEXT, 'enumLen': MAX_TEXT,
                               'idNumericalOnly': False},
-            'maxArrayLens': dict.fromkeys(_ARRAYS, MAX_ARRAY),
+            'maxArrayLens': arrays,
             'timing': {'minOrderInterval': 0.0, 'minStateInterval': 0.0,
                        'defaultStateInterval': IDLE_PERIOD}},
         'protocolFeatures': {

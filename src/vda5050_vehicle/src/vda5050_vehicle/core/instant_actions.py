@@ -16,7 +16,7 @@ from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.core.initial_pose import PoseWish
 from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.action_queue import Entry, Scope
+from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS, Entry, Scope
 from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
 
 # These actions stop the vehicle or only report. A late copy of any other action is not executed.
@@ -87,7 +87,7 @@ class InstantActionHandler:
 
     def _take(self, message: InstantActions, is_copy: bool, now: float) -> None:
         state = self._state
-        refused: List[Tuple[Action, WrongAction, bool]] = []
+        refused: List[Tuple[Action, WrongAction]] = []
         taken = False
         for action in message.actions:
             known = state.actions.by_id.get(action.action_id)
@@ -106,11 +106,13 @@ class InstantActionHandler:
                 self._do(action, is_copy, now)
                 taken = True
             except WrongAction as wrong:
-                refused.append((action, wrong, known is None))
+                refused.append((action, wrong))
+                if known is None:  # a master repeats an action that no state shows
+                    self._end(action.action_id, ActionStatus.FAILED, str(wrong))
         if taken:
             state.errors = replace(state.errors, refused_actions=())
-        for action, reason, has_state in refused:
-            self._fail(action, reason, has_state)
+        for action, reason in refused:
+            self._tell_of_refusal(action, reason)
 
     def _is_done(self, action: Action, known: Entry, is_copy: bool) -> bool:
         """Returns whether an action with a known id is the known action, and not wanted again.
@@ -146,6 +148,9 @@ class InstantActionHandler:
             handler(action, now)
             return
         spec = self._context.table.check(action, Scope.INSTANT)
+        if self._state.actions.instant_actions_under_way > MAX_INSTANT_ACTIONS:
+            raise WrongAction('actionId', f'{MAX_INSTANT_ACTIONS} instant actions have not ended; '
+                              'wait for the end of one')
         if spec.moves and self._state.busy:
             raise WrongAction('actionType', 'an order is active; cancel it or wait for its end')
         if is_copy and action.action_type not in HARMLESS_AGAIN:
@@ -166,13 +171,7 @@ class InstantActionHandler:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
-    def _fail(self, action: Action, wrong: WrongAction, has_state: bool) -> None:
-        """Reports a rejected action as FAILED, because a master repeats an ignored action.
-
-        has_state -- whether the state with its id is its own, and not that of another action
-        """
-        if has_state:
-            self._end(action.action_id, ActionStatus.FAILED, str(wrong))
+    def _tell_of_refusal(self, action: Action, wrong: WrongAction) -> None:
         self._state.errors = self._state.errors.with_refused_action(e.INSTANT_ACTION_ERROR.error(
             f'action {action.action_type}: {wrong}', Reference('topic', 'instantActions'),
             Reference('actionId', action.action_id), Reference('actionParameter', wrong.key)))

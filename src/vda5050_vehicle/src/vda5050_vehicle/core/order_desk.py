@@ -56,6 +56,7 @@ class OrderDesk:
             if payload in state.received:
                 raise NotDrivable(e.ORDER_ERROR, 'this message is a copy, and its order is not '
                                   'driven again; send the order with a new header', 'headerId')
+            self._check_length(order, verdict)
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
             begins_at = context.robot.pose if verdict is Acceptance.NEW else None
@@ -64,7 +65,8 @@ class OrderDesk:
             legs = context.driver.plan(order.nodes, order.edges, begins_at)
         except NotDrivable as problem:
             return Rejection(problem.kind.error(
-                str(problem), *e.order_references(order), Reference('field', problem.field)))
+                str(problem), *e.order_references(order),
+                Reference('field', context.codec.path('order', problem.field) or problem.field)))
         except WrongAction as wrong:
             return Rejection(e.ORDER_ACTION.error(
                 str(wrong), *e.order_references(order), Reference('field', wrong.key)))
@@ -87,6 +89,17 @@ class OrderDesk:
         if self._context.codec.is_3 and first and order.order_id != self._state.order.order_id:
             raise NotDrivable(e.ORDER_ERROR, 'the first node of a new order has sequenceId 0, not '
                               f'{first}', 'nodes[0].sequenceId')
+
+    def _check_length(self, order: Order, verdict: Acceptance) -> None:
+        """Raises NotDrivable if the base becomes longer than the robot's longest drive."""
+        longest, before = self._context.driver.longest, self._state.order
+        driven = 0 if verdict is Acceptance.NEW else before.passed + before.base_end
+        length = driven + sum(edge.released for edge in order.edges)
+        if longest is not None and length > longest:
+            raise NotDrivable(
+                e.ORDER_ERROR if verdict is Acceptance.NEW else e.WRONG_UPDATE,
+                f'the base would have {length} edges from its start on, but the vehicle drives at '
+                f'most {longest} in one order; complete the order, then send another one', 'edges')
 
     def _compare(self, order: Order) -> Optional[Rejection]:
         """Returns the rejection of a repeated orderUpdateId; None if the order is ignored.

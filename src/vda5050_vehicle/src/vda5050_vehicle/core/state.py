@@ -57,9 +57,11 @@ class VehicleState:
                    for field in fields(self))
 
     def leg(self, number: int) -> Optional[Leg]:
-        """Returns a leg by its number, counted from the start of the order; None if driven."""
+        """Returns a leg by its number; None if it is driven, or if the robot stands there."""
         index = number - self.order.passed
-        return self.legs[index] if 0 <= index < len(self.legs) else None
+        if not 0 <= index < len(self.legs) or self.legs[index].stands:
+            return None
+        return self.legs[index]
 
     @property
     def busy(self) -> bool:

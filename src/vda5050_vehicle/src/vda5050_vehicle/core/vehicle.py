@@ -7,11 +7,14 @@ goes back), and return effects. The steps after each event:
 3. drive
 4. store the state for a restart
 5. send the commands and the state
+
+Instant actions that wait for the vehicle are processed together: steps 1 to 3 follow each message,
+steps 4 and 5 the last one. So a stop does not wait for states that nobody needs.
 """
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_runner import ActionRunner
@@ -51,15 +54,23 @@ class Vehicle:
 
     # --- events -----------------------------------------------------------------------------------
 
-    def receive_order(self, payload: bytes, now: float) -> Tuple[fx.Effect, ...]:
-        """Processes a message on the topic `order`."""
-        self._desk.receive(payload)
-        return self._go_on(now)
-
-    def receive_instant_actions(self, payload: bytes, now: float) -> Tuple[fx.Effect, ...]:
-        """Processes a message on the topic `instantActions`."""
-        self._instant.receive(payload, now)
-        return self._go_on(now)
+    def receive(self, messages: Sequence[Tuple[str, bytes]], now: float) -> Tuple[fx.Effect, ...]:
+        """Processes messages, each with its topic: `order` or `instantActions`."""
+        effects: Tuple[fx.Effect, ...] = ()
+        is_reported = True
+        for topic, payload in messages:
+            before = self.state.order
+            if topic == 'order':
+                if not is_reported:  # an order ends the reports of earlier instant actions
+                    effects += self._report(now)
+                self._desk.receive(payload)
+            else:
+                self._instant.receive(payload, now)
+            self._settle(now)
+            is_reported = topic == 'order' or self.state.order is not before
+            if is_reported:
+                effects += self._report(now)
+        return effects if is_reported else effects + self._report(now)
 
     def see(self, robot: RobotView, now: float) -> Tuple[fx.Effect, ...]:
         """Processes a new view of the robot; a robot may also be silent for too long."""
@@ -100,13 +111,20 @@ class Vehicle:
     # --- the steps after each event ---------------------------------------------------------------
 
     def _go_on(self, now: float) -> Tuple[fx.Effect, ...]:
-        context = self.context
+        self._settle(now)
+        return self._report(now)
+
+    def _settle(self, now: float) -> None:
         self._pass_nodes()
         self._look_at_failure()
         self._instant.go_on(now)
         self._enter_edge()
+        self._pass_nodes_at_a_stand()
         self._runner.start()
         self._drive(now)
+
+    def _report(self, now: float) -> Tuple[fx.Effect, ...]:
+        context = self.context
         commands = self.driver.take_commands()
         self._keep()
         context.effects += [fx.Command(command) for command in commands]
@@ -154,6 +172,25 @@ class Vehicle:
         if count > 0:
             state.away = False
 
+    def _pass_nodes_at_a_stand(self) -> None:
+        """Passes further nodes at the place of the last one: masters add actions there by them."""
+        state = self.state
+        while (state.legs and state.legs[0].stands and state.order.base_end
+               and state.drive.in_order and self._may_leave_node
+               and all(entry.status.has_ended
+                       for entry in state.actions.of(state.order.edges[0].sequence_id))):
+            state.order, state.legs = state.order.with_stood(), state.legs[1:]
+            self.driver.begin()
+            node, sequence_id = state.order.last_node
+            state.actions = state.actions.with_element_triggered(sequence_id)
+            self.context.note(f'passed node {node}, where it stands')
+            self._enter_edge()
+
+    @property
+    def _may_leave_node(self) -> bool:
+        state = self.state
+        return not state.held and not state.cancelling and not state.actions.forbid_driving
+
     def _look_at_failure(self) -> None:
         reason = self.state.drive.failure
         if reason and not self.state.errors.failure and not self.state.cancelling:
@@ -169,8 +206,7 @@ class Vehicle:
     def _enter_edge(self) -> None:
         """Enters the next edge when the actions of the node permit driving."""
         state = self.state
-        if (state.order.edges and state.order.edges[0].released and not state.held
-                and not state.actions.forbid_driving):
+        if state.order.edges and state.order.edges[0].released and self._may_leave_node:
             state.actions = state.actions.with_element_triggered(state.order.edges[0].sequence_id)
 
     def _drive(self, now: float) -> None:
@@ -201,7 +237,9 @@ class Vehicle:
         order = self.state.order
         last = order.last_node[1]
         stop = self.state.actions.next_stop(last)
-        return order.base_end if stop is None else min((stop - last) // 2, order.base_end)
+        limit = order.base_end if stop is None else min((stop - last) // 2, order.base_end)
+        return next((index for index, leg in enumerate(self.state.legs[:limit]) if leg.stands),
+                    limit)
 
     def _keep(self) -> None:
         """Stores a changed state before the effects of the change are carried out."""

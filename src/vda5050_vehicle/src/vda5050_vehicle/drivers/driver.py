@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Any, Generic, List, Optional, Protocol, Sequence, Tuple, TypeVar
+from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, Tuple, TypeVar
 
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.protocol.values import Edge, ErrorKind, Node
@@ -25,7 +25,8 @@ class NotDrivable(Exception):
 class Leg:
     """One edge of an order as the robot drives it.
 
-    edge    -- signed id in the graph; 0 without a graph
+    edge    -- signed id in the graph; 0 without a graph, or if the robot stands
+    length  -- 0: the end is at the place of the start, so nothing is driven
     x, y    -- its end
     heading -- the heading at its end; None: any heading
     within  -- distance from the end at which the end counts as reached
@@ -37,6 +38,11 @@ class Leg:
     y: float
     heading: Optional[float] = None
     within: float = 0.0
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot stands at both of its nodes. Drivers never get such a leg."""
+        return self.length == 0.0
 
 
 @dataclass(frozen=True)
@@ -74,18 +80,21 @@ class Memory(Protocol):
     drive: Any
 
     def leg(self, number: int) -> Optional[Leg]:
-        """Returns a leg by its number, counted from the start of the order; None if driven."""
+        """Returns a leg by its number; None if it is driven, or if the robot stands there."""
 
 
 D = TypeVar('D', bound=Drive)
 
 
 class Driver(ABC, Generic[D]):
-    """Drives legs, which are numbered from the start of the order; never repeats a motion itself.
+    """Drives legs, which are numbered from the last `begin` on; never repeats a motion itself.
 
+    longest -- number of legs that it can drive after a `begin`; None: any number
     All its knowledge is in the vehicle's state. The caller collects the commands with
     `take_commands` and sends them in the given sequence.
     """
+
+    longest: ClassVar[Optional[int]] = None
 
     def __init__(self, memory: Memory, drive: D) -> None:
         memory.drive = drive
@@ -132,7 +141,7 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def begin(self) -> None:
-        """Begins a new order; its legs are numbered from 0."""
+        """Begins a new order, or the rest of one at a stand; its legs are numbered from 0."""
 
     @abstractmethod
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:

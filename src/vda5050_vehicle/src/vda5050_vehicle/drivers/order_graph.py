@@ -90,6 +90,9 @@ class OrderGraph:
             if end is None:
                 raise NotDrivable(e.NO_ROUTE, f'node {nodes[index + 1].node_id!r} is not at a '
                                   'vertex', 'nodePosition')
+            if start is not None and start.id == end.id:  # an edge never joins a vertex to itself
+                legs.append(Leg(0, 0.0, *end.position))
+                continue
             signed = (self._edge_from_place(nodes[index], edge, end, index)
                       if start is None else self._edge_between(start, end, edge))
             legs.append(Leg(signed, self.graph.curve(signed).length, *end.position))
@@ -99,12 +102,15 @@ class OrderGraph:
                  ) -> Tuple[int, ...]:
         """Returns the edges over which a robot drives to the start of an order's first edge.
 
-        There are none if the robot stands at that start or on the first edge. Otherwise it is the
-        edge on which the robot stands.
+        There are none if the robot stands at that start or on the first edge, or if the order
+        begins with a leg at which it stands (`first` is 0). Otherwise it is the edge on which the
+        robot stands.
         passing  -- m within which a robot is at a vertex
         corridor -- m within which a robot is on a curve
         Raises NotDrivable if the robot stands on no edge that leads to the start.
         """
+        if not first:
+            return ()
         start = self.graph.start_vertex(first)
         if (math.dist(start.position, (pose.x, pose.y)) <= passing
                 or self._stands_on(first, pose, passing, corridor)):

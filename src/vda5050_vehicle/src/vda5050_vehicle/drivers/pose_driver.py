@@ -17,6 +17,7 @@ from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node
 
+SAME_PLACE = 0.01  # m; within this distance a robot need not move from one node to the next
 PASSING = 0.5  # m; a node without a deviation counts as passed within this distance
 
 
@@ -78,10 +79,14 @@ class PoseDriver(Driver[PoseDrive]):
         """See Driver."""
         check_headings(nodes, self._abilities, lambda index, node: True)
         places = [self._place(node) for node in nodes]
-        return tuple(
-            Leg(0, max(math.dist(start, end), 1e-3), *end, heading_of(node, self._abilities),
-                _passing(node))
-            for start, end, node in zip(places, places[1:], nodes[1:]))
+        return tuple(self._leg(start, end, node)
+                     for start, end, node in zip(places, places[1:], nodes[1:]))
+
+    def _leg(self, start: Tuple[float, float], end: Tuple[float, float], node: Node) -> Leg:
+        heading, length = heading_of(node, self._abilities), math.dist(start, end)
+        if length <= SAME_PLACE and heading is None:
+            return Leg(0, 0.0, *end)
+        return Leg(0, max(length, 1e-3), *end, heading, _passing(node))
 
     def is_at(self, node: Node, pose: Pose) -> bool:
         """See Driver."""

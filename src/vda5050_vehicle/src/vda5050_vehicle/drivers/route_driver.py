@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
+from trajectory_graph.order_rules import MAXIMUM_EDGES
 from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode
 from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
@@ -67,6 +68,8 @@ class RouteDrive(Drive):
 
 class RouteDriver(Driver[RouteDrive]):
     """See the module's docstring. `first_id` is the id of the first route."""
+
+    longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
 
     def __init__(self, memory: Memory, graph: Graph, abilities: Abilities, matching: Matching,
                  first_id: int = 1) -> None:

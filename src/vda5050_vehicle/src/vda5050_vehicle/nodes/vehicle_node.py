@@ -43,7 +43,8 @@ Parameters
 from __future__ import annotations
 
 import time
-from typing import Any, Callable, Optional, Tuple, Union
+from collections import deque
+from typing import Any, Callable, Deque, List, Optional, Tuple, Union
 
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -71,7 +72,8 @@ from vda5050_vehicle.protocol.fields import write_json
 from vda5050_vehicle.protocol.headers import Headers
 from vda5050_vehicle.protocol.values import Connection, ConnectionState, Visualization
 
-TICK = 0.1         # s between two periodic steps
+TICK = 0.1    # s between two periodic steps
+AT_ONCE = 50  # messages of the master that are processed together
 
 Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 
@@ -88,9 +90,11 @@ class VehicleNode:
         self._mqtt_problem = 'connecting'
         self._visualized = 0.0
         self._look_is_due = False
+        self._messages: Deque[Tuple[str, bytes]] = deque()  # of the master, oldest first
         self._vehicle = Vehicle(identity, settings.codec, settings.table, settings.make_driver,
                                 settings.abilities)
-        self._factsheet = sheet.factsheet(settings.document, self._vehicle.context.table)
+        self._factsheet = sheet.factsheet(settings.document, self._vehicle.context.table,
+                                          self._vehicle.driver.longest)
         self._restore()
 
         self._link = self._make_link(self._vehicle.driver)
@@ -154,10 +158,9 @@ class VehicleNode:
         if kept:
             rospy.logwarn('A retained message on %s is ignored: masters do not retain %s, and the '
                           'vehicle does not repeat a motion by itself.', topic, topic)
-        elif topic == 'order':
-            self._put(lambda now: self._vehicle.receive_order(payload, now))
         else:
-            self._put(lambda now: self._vehicle.receive_instant_actions(payload, now))
+            self._messages.append((topic, payload))
+            self._put(self._receive)
 
     def _on_mqtt_change(self, connected: bool, problem: str) -> None:
         self._mqtt_problem = problem
@@ -175,6 +178,13 @@ class VehicleNode:
     def _perform_all(self, call: Call) -> None:
         for effect in call(time.monotonic()) or ():
             self._perform(effect)
+
+    def _receive(self, now: float) -> Tuple[fx.Effect, ...]:
+        """Processes all messages that wait, at most AT_ONCE together."""
+        messages: List[Tuple[str, bytes]] = []
+        while self._messages and len(messages) < AT_ONCE:
+            messages.append(self._messages.popleft())
+        return self._vehicle.receive(messages, now) if messages else ()
 
     def _look(self, now: float) -> Tuple[fx.Effect, ...]:
         self._look_is_due = False

@@ -16,6 +16,8 @@ from vda5050_vehicle.protocol.values import Action, ActionState, ActionStatus
 # The largest number of ended instant actions in the state. They are reported until the next order;
 # in 3.0 until the master clears them.
 MAX_ENDED_INSTANT_ACTIONS = 100
+# The largest number of instant actions that have not ended; more are FAILED at once.
+MAX_INSTANT_ACTIONS = 100
 
 
 class Scope(Enum):
@@ -106,6 +108,11 @@ class ActionQueue:
     def is_full(self) -> bool:
         """Whether the next ended instant action displaces the oldest ended one."""
         return len(_ended_instant_actions(self)) >= MAX_ENDED_INSTANT_ACTIONS
+
+    @property
+    def instant_actions_under_way(self) -> int:
+        """The number of instant actions that have not ended."""
+        return sum(not entry.belongs_to_order and not entry.status.has_ended for entry in self)
 
     def without_order(self, keep_instant: bool = False) -> ActionQueue:
         """Returns the queue without the actions of the order.

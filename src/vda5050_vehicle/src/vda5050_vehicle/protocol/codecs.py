@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Mapping, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from vda5050_vehicle.protocol import values as v
 from vda5050_vehicle.protocol.fields import (
@@ -243,6 +243,25 @@ class Codec:
         """The major version as it appears in topic names, e.g. `v2`."""
         return 'v' + self.version.split('.')[0]
 
+    def path(self, topic: str, path: str) -> Optional[str]:
+        """Returns the path of a field in this version, e.g. `edges[0].maximumSpeed`.
+
+        path -- the path in 2.1.0, e.g. `edges[0].maxSpeed`
+        None if the path leads to no field of 2.1.0, or if this version does not have the field.
+        """
+        found = []
+        ours: Optional[Kind] = self.records.get(topic)
+        theirs: Optional[Kind] = _RECORDS.get(topic)
+        for part in path.split('.'):
+            key, bracket, index = part.partition('[')
+            field = theirs.field(key) if isinstance(theirs, Record) else None
+            other = ours.field_of(field.attribute) if field and isinstance(ours, Record) else None
+            if field is None or other is None:
+                return None
+            found.append(other.key + bracket + index)
+            ours, theirs = _element(other.kind), _element(field.kind)
+        return '.'.join(found)
+
     def read(self, topic: str, payload: bytes) -> Tuple[v.Header, Any]:
         """Returns the header and the message in a payload; raises Malformed."""
         json_object = read_json(payload)
@@ -254,9 +273,24 @@ class Codec:
 
     def write(self, topic: str, header: v.Header, message: Any) -> Dict[str, Any]:
         """Returns the JSON object of a message; a factsheet is given as a JSON object."""
-        body = (self.factsheet(message) if topic == 'factsheet'
+        body = (self.factsheet(self._with_paths(message)) if topic == 'factsheet'
                 else self.records[topic].write(message))
         return {**HEADER.write(header), **body}
+
+
+    def _with_paths(self, sheet: Dict[str, Any]) -> Dict[str, Any]:
+        """Returns a factsheet whose optional parameters have the names of this version."""
+        features, found = sheet['protocolFeatures'], []
+        for line in features['optionalParameters']:
+            topic, _, path = line['parameter'].partition('.')
+            ours = self.path(topic, path)
+            if ours is not None:
+                found.append({**line, 'parameter': f'{topic}.{ours}'})
+        return {**sheet, 'protocolFeatures': {**features, 'optionalParameters': found}}
+
+
+def _element(kind: Kind) -> Kind:
+    return kind.kind if isinstance(kind, ListOf) else kind
 
 
 def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:

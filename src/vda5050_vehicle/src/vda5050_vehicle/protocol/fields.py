@@ -206,6 +206,14 @@ class Record(Kind):
         self.kind = kind
         self.fields = tuple(fields)
 
+    def field(self, key: str) -> Optional[Field]:
+        """Returns the field with this JSON key; None if there is none."""
+        return next((field for field in self.fields if field.key == key), None)
+
+    def field_of(self, attribute: str) -> Optional[Field]:
+        """Returns the field of this attribute; None if there is none."""
+        return next((field for field in self.fields if field.attribute == attribute), None)
+
     def read(self, value: Any, path: str) -> Any:
         """See Kind."""
         if not isinstance(value, dict):

@@ -14,8 +14,8 @@ class OrderState:
     """The part of an order that remains, from the last passed node on.
 
     nodes[0] is the last node that was passed; nodes[1:] and edges are still to be driven.
-    passed -- number of nodes of the order that were passed before nodes[0]; so nodes[i] is node
-              passed + i of the order, and edges[i] starts at node passed + i
+    passed -- number of nodes that were passed before nodes[0] since the driver began; so edges[i]
+              is its leg passed + i
     """
 
     order_id: str = ''
@@ -46,6 +46,10 @@ class OrderState:
             raise ValueError(f'{count} nodes cannot have been passed: the base has {self.base_end}')
         return replace(self, nodes=self.nodes[count:], edges=self.edges[count:],
                        passed=self.passed + count)
+
+    def with_stood(self) -> OrderState:
+        """Returns the state after one more node at the same place; the driver begins anew there."""
+        return replace(self.with_passed(1), passed=0)
 
     def emptied(self) -> OrderState:
         """Returns the state after a cancellation: the ids and the last node remain."""

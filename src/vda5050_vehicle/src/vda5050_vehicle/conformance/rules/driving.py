@@ -5,11 +5,13 @@ from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import Message, status_of
 from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, must, should
+from vda5050_vehicle.conformance.track import Track
 from vda5050_vehicle.conformance.trial import (
     ANSWER,
     NEAR,
     REACH,
     Trial,
+    changed,
     has,
     has_order,
     new_errors,
@@ -84,6 +86,17 @@ def _continuation(trial: Trial) -> None:
     trial.needed(lambda: trial.at_end_of(track.part(0, 1)))
     trial.taken(track.part(1).order(order_id, 1, first_sequence=2))
     trial.at_end_of(track)
+
+
+@must('3.0: 6.1.2', 'a second node at the decision point brings actions to where it stands',
+      versions=ONLY_3)
+def _second_node(trial: Trial) -> None:
+    slow, here = trial.slow_action('HARD'), trial.ahead.part(0, 0)
+    order_id = trial.ordered(here)
+    twice = Track(here.stops * 2, ('here',), ('here',), here.map_id)
+    trial.taken(changed(twice.order(order_id, 1), nodes__1__actions=[slow]))
+    trial.master.wait(lambda s: status_of(s, slow['actionId']) not in (None, 'WAITING'), ANSWER,
+                      f'{slow["actionType"]} at the second node')
 
 
 @must('6.8.2', 'startPause: the vehicle stands still, keeps its order and tells paused')
