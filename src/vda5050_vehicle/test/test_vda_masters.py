@@ -36,10 +36,20 @@ MASTERS = {
     'Isaac Mission Dispatch': Master(
         {'timestamp': '2026-11-01T11:00:00.123456', 'version': '2.0.0', 'manufacturer': '',
          'serialNumber': ''}, '2.1.0', ('theta', 'mapId', 'allowedDeviationXY')),
-    'vda-5050-lib': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': '2.1.0',
-                            'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.1.0'),
-    'vda5050_core': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': 'v2',
-                            'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.1.0')}
+    'vda-5050-lib': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': '2.0.0',
+                            'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.0.0'),
+    'vda5050-sdk': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': '2.1.0',
+                           'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.1.0'),
+    'vda5050_core': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': '2.0.0',
+                            'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.0.0')}
+# Optional fields that a serialiser writes as null if they have no value.
+NULLS_OF_AN_ACTION = dict.fromkeys(('actionDescription', 'actionParameters'))
+NULLS_OF_A_NODE = dict.fromkeys(('nodeDescription',))
+NULLS_OF_A_POSITION = dict.fromkeys((
+    'theta', 'allowedDeviationXY', 'allowedDeviationTheta', 'mapDescription'))
+NULLS_OF_AN_EDGE = dict.fromkeys((
+    'edgeDescription', 'maxSpeed', 'maxHeight', 'minHeight', 'orientation', 'orientationType',
+    'direction', 'rotationAllowed', 'maxRotationSpeed', 'length', 'trajectory', 'corridor'))
 
 
 def elements(names: Sequence[str], first: int, released: int, node: Dict[str, Any],
@@ -116,7 +126,7 @@ def test_isaac_does_actions_as_orders_of_one_node():
     assert vehicle.status('mission-n0-s0-n0') == 'FINISHED'
 
 
-@pytest.mark.parametrize('name', ['vda-5050-lib', 'vda5050_core'])
+@pytest.mark.parametrize('name', ['vda-5050-lib', 'vda5050-sdk', 'vda5050_core'])
 def test_an_order_of_a_library_with_the_vertices_as_nodes(name):
     master = MASTERS[name]
     vehicle = master.vehicle()
@@ -143,7 +153,40 @@ def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
     assert {reference['referenceKey']: reference['referenceValue']
             for reference in error['errorReferences']} == {
         'topic': 'order', 'orderId': 'o', 'orderUpdateId': '3', 'nodeId': '12'}
-    assert vehicle.state['version'] == '2.1.0'
+    assert vehicle.state['version'] == '2.0.0'
+
+
+@pytest.mark.parametrize('name', MASTERS)
+def test_a_master_whose_serialiser_writes_null_for_what_it_does_not_set(name):
+    """As serialisers of C# and pydantic do by default."""
+    master = MASTERS[name]
+    vehicle = master.vehicle()
+    order = {'orderId': 'o', 'orderUpdateId': 0, 'zoneSetId': None, **elements(
+        [str(vertex) for vertex in VERTICES], 0, ALL, {'mapId': 'map', **NULLS_OF_A_POSITION},
+        NULLS_OF_AN_EDGE)}
+    for node in order['nodes']:
+        node.update(NULLS_OF_A_NODE)
+    vehicle.receive_order(master.message(1, order))
+    assert vehicle.errors == []
+    vehicle.receive_instant_actions(master.message(1, {'actions': [
+        {'actionType': 'stateRequest', 'actionId': 's', 'blockingType': 'NONE',
+         **NULLS_OF_AN_ACTION}]}))
+    assert vehicle.status('s') == 'FINISHED'
+    vehicle.drive(ALL - 1)
+    assert vehicle.nodes == []
+
+
+def test_vda5050_sdk_pauses_and_resumes_under_two_ids():
+    master = MASTERS['vda5050-sdk']
+    vehicle = master.vehicle()
+    vehicle.receive_order(master.message(1, {'orderId': 'o', 'orderUpdateId': 0, **elements(
+        [str(vertex) for vertex in VERTICES], 0, ALL, {'mapId': 'map'}, {})}))
+    for number, (kind, name, is_paused) in enumerate(2 * [
+            ('startPause', 'pause', True), ('stopPause', 'resume', False)]):
+        vehicle.receive_instant_actions(master.message(number, {'actions': [
+            {'actionType': kind, 'actionId': name, 'blockingType': 'NONE'}]}))
+        vehicle.settle()
+        assert (vehicle.state['paused'], vehicle.robot.drives) == (is_paused, not is_paused)
 
 
 @pytest.mark.parametrize('name', MASTERS)
