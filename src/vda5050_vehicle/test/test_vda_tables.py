@@ -6,6 +6,7 @@ import json
 import pytest
 import yaml
 from vda_builders import PACKAGE, abilities, lab, table, vehicle_document, way
+from vda_schemas import problems
 
 from vda5050_vehicle.conformance.layout import lif, main, shortest_edges
 from vda5050_vehicle.conformance.track import read_track
@@ -13,6 +14,7 @@ from vda5050_vehicle.core.action_table import WrongTable, read_table
 from vda5050_vehicle.core.factsheet import WrongVehicle, check_vehicle
 from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
 from vda5050_vehicle.mqtt.link import Broker
+from vda5050_vehicle.protocol.codec_3 import CODECS
 from vda5050_vehicle.protocol.codecs import VERSION_2_1
 
 LINE = {'server': 'execute', 'type': 'some_msgs/Do', 'goal': {'text': 'do {what}'},
@@ -94,6 +96,17 @@ def test_an_order_is_made_of_a_graph_and_read_as_a_track(capsys, tmp_path):
     file.write_text(text)
     assert read_track(str(file)).stops == way(8, 14).stops
     assert main(['order', '--graph', graph, '--vertices', '8', '4711']) == 1
+
+
+@pytest.mark.parametrize('version', sorted(CODECS))
+def test_an_order_is_made_in_the_version_of_the_vehicle(capsys, version):
+    graph = str(PACKAGE.parents[1] / 'maps' / 'lab_graph.yaml')
+    assert main(['order', '--graph', graph, '--vertices', '8', '14', '--version', version,
+                 '--manufacturer', 'M', '--serial', 'S']) == 0
+    text = capsys.readouterr().out
+    header, order = CODECS[version].read('order', text.encode())
+    assert (header.version, len(order.edges)) == (version, 3)
+    assert not problems(version, 'order', json.loads(text))
 
 
 def test_a_layout_has_every_vertex_and_both_directions():

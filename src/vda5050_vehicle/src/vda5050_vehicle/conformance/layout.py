@@ -18,6 +18,7 @@ import networkx
 
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 from vda5050_vehicle.conformance.track import Stop, Track
+from vda5050_vehicle.conformance.version_3 import in_3
 from vda5050_vehicle.protocol.headers import timestamp
 
 
@@ -104,6 +105,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument('--order-id', default='', help='orderId; default: a random id')
     parser.add_argument('--manufacturer', default='', help='manufacturer of the vehicle')
     parser.add_argument('--serial', default='', help='serialNumber of the vehicle')
+    parser.add_argument('--version', default='2.1.0', help='version of VDA 5050 of the order')
     parser.add_argument('--map-id', default='map')
     parser.add_argument('--vehicle-type', default='LD-90', help='vehicle type in the layout')
     options = parser.parse_args(arguments)
@@ -111,8 +113,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         if options.what == 'order':
             track = track_over(options.graph, options.vertices, options.map_id)
             result = track.order(options.order_id or uuid.uuid4().hex[:12])
+            if options.version.startswith('3.'):
+                result = dict(in_3('order', result))
             if options.manufacturer and options.serial:
-                result = {'headerId': 0, 'timestamp': timestamp(time.time()), 'version': '2.1.0',
+                result = {'headerId': 0, 'timestamp': timestamp(time.time()),
+                          'version': options.version,
                           'manufacturer': options.manufacturer, 'serialNumber': options.serial,
                           **result}
         else:
