@@ -129,3 +129,28 @@ def test_a_flood_of_refusals_does_not_make_states_larger_for_ever():
     assert len(lab.errors) == MAX_REJECTIONS
     assert any(item['referenceValue'] == f'o{MAX_REJECTIONS + 19}'
                for item in lab.state['errors'][-1]['errorReferences'])
+
+
+# --- the whole kind -------------------------------------------------------------------------------
+
+KINDS = {'say': SAY, 'cancelOrder': {}, 'startPause': {}, 'stopPause': {}, 'stateRequest': {},
+         'factsheetRequest': {}, 'logReport': {}, 'startCharging': {}, 'noSuchAction': {}}
+
+
+@pytest.mark.parametrize('second', KINDS)
+@pytest.mark.parametrize('first', KINDS)
+@pytest.mark.parametrize('drives', [False, True])
+def test_no_instant_action_with_a_known_id_is_dropped_in_silence(first, second, drives):
+    """It is executed, it is the known one, or an error names it."""
+    lab = under_way() if drives else Lab()
+    lab.act(first, 'a', **KINDS[first])
+    lab.checker = VehicleChecker('OMRON', 'lab')
+    lab.act(second, 'a', **KINDS[second])
+    lab.wait(1.0)
+    shown = next(found for found in lab.state['actionStates'] if found['actionId'] == 'a')
+    named = [error for error in lab.state['errors'] if any(
+        item == {'referenceKey': 'actionId', 'referenceValue': 'a'}
+        for item in error.get('errorReferences', ()))]
+    assert shown['actionType'] == second or named
+    if second in ('cancelOrder', 'startPause'):
+        assert not lab.robot.drives, 'a stop always wins'

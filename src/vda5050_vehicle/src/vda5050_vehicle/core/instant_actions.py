@@ -120,14 +120,14 @@ class InstantActionHandler:
         A stop is wanted again if there is a motion to stop.
         """
         state, kind = self._state, action.action_type
-        is_same = not known.belongs_to_order and (
-            (kind, action.parameters) == (known.action.action_type, known.action.parameters))
+        if known.belongs_to_order or known.action.action_type != kind:
+            return False
         if kind in STOPPING:
-            is_under_way = not known.belongs_to_order and not known.status.has_ended
             is_obeyed = (not state.busy or state.cancelling) if kind == 'cancelOrder' \
                 else state.paused
-            return is_under_way or is_obeyed
-        return is_same and (is_copy or not _is_replaceable(action, known))
+            return is_obeyed or not known.status.has_ended
+        return action.parameters == known.action.parameters and (
+            is_copy or not _is_replaceable(action, known))
 
     def _do_beside(self, action: Action, is_copy: bool, now: float) -> None:
         """Executes a stop beside the action that has its id; raises WrongAction in all cases.
