@@ -9,7 +9,8 @@ goes back), and return effects. The steps after each event:
 5. send the commands and the state
 
 Instant actions that wait for the vehicle are processed together: steps 1 to 3 follow each message,
-steps 4 and 5 the last one. So a stop does not wait for states that nobody needs.
+steps 4 and 5 the last one. So a stop does not wait until the vehicle has sent a state for each
+message before it.
 """
 from __future__ import annotations
 
