@@ -1,1 +1,1 @@
-"""Numbered orders and reports between a master and a vehicle, without ROS: both ends."""
+"""Numbered orders and reports of master and vehicle: no code yet, a model in the tests."""
