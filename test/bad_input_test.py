@@ -57,9 +57,9 @@ class BadInput(unittest.TestCase):
             holder.listen()
             port = holder.getsockname()[1]
             with self.stack('half', graph_file=graph, outgoing_port=port) as stack:
-                stack.wait_for_line('/omron_edges_to_vertices cannot work', f'{graph}, line 2')
+                stack.wait_for_line('/omron_edges_to_vertices cannot work', f'{graph}, line 1')
                 self.assert_error_shown('omron_edges_to_vertices: configuration',
-                                        f'{graph}, line 2')
+                                        f'{graph}, line 1')
                 stack.wait_for_line('Link "outgoing"', f'another program has port {port}')
                 drive_to('half', '20')
                 holder.close()

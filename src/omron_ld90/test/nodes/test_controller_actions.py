@@ -21,7 +21,11 @@ R = ExecuteCommandResult
 
 
 class Handle:
-    """A goal as actionlib passes it; `calls` lists the calls on it, in order."""
+    """A goal as actionlib passes it; `calls` lists the calls on it, in order.
+
+    Each method of actionlib's handle takes the lock that actionlib holds while it calls `_on_goal`.
+    So the handle must not be used under the lock of `CommandActions`: that would be a deadlock.
+    """
 
     def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz',
                  known_epoch: int = 0) -> None:
@@ -32,12 +36,15 @@ class Handle:
         self.calls: List[Tuple[str, Any, str]] = []
 
     def get_goal(self) -> ExecuteCommandGoal:
+        _assert_no_lock_is_held()
         return self.goal.goal
 
     def get_goal_id(self) -> Any:
+        _assert_no_lock_is_held()
         return self.goal.goal_id
 
     def __getattr__(self, name: str) -> Callable[..., None]:
+        _assert_no_lock_is_held()
         return lambda result=None, text='': self.calls.append((name, result, text))
 
     @property
@@ -45,6 +52,11 @@ class Handle:
         """Its final state, outcome, message, and the text of its status."""
         how, result, text = self.calls[-1]
         return how, result.outcome, result.message, text
+
+
+def _assert_no_lock_is_held() -> None:
+    lock = Server.last.on_goal.__self__._lock
+    assert not lock.locked(), 'a handle is used while CommandActions holds its lock: deadlock'
 
 
 class Server:

@@ -53,8 +53,8 @@ class NeverSent(Refused):
 class _Goal:
     """A goal of an action, and the command that it became."""
 
-    def __init__(self, handle: actionlib.ServerGoalHandle) -> None:
-        self.handle = handle
+    def __init__(self, handle: actionlib.ServerGoalHandle, id: str) -> None:
+        self.handle, self.id = handle, id
         self.execution: Optional[Execution] = None
 
 
@@ -100,7 +100,7 @@ class CommandActions:
         known_epoch = self._known_epoch(handle.get_goal())
         if self._take_over(handle, self._obeyed(text, giver, known_epoch)):
             return
-        goal = _Goal(handle)
+        goal = _Goal(handle, goal_id)
         with self._lock:
             self._running[goal_id] = goal
         try:
@@ -125,7 +125,7 @@ class CommandActions:
             if earlier is None or goal_id in self._running:
                 return False
             goal = self._running[goal_id] = self._running.pop(earlier)
-            before, goal.handle = goal.handle, handle
+            before, goal.handle, goal.id = goal.handle, handle, goal_id
         handle.set_accepted()
         before.set_canceled(None, 'the same goal was given again')
         self._tell(earlier, None)
@@ -142,8 +142,7 @@ class CommandActions:
 
     def _on_end(self, goal: _Goal, command: str, result: Result) -> None:
         with self._lock:
-            handle = goal.handle
-            goal_id = handle.get_goal_id().id
+            handle, goal_id = goal.handle, goal.id
             del self._running[goal_id]
         message = self._result(result)
         text = f'{result.outcome.value}: {printable(result.words)}'

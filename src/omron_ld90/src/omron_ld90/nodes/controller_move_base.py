@@ -83,8 +83,10 @@ class MoveBaseServer(CommandActions):
         self._goals.publish(goal)
 
     def _giver(self, handle: actionlib.ServerGoalHandle) -> Giver:
+        goal_id = handle.get_goal_id().id
         with self._lock:
-            return self._forwarded.get(handle.get_goal_id().id) or super()._giver(handle)
+            forwarded_for = self._forwarded.get(goal_id)
+        return forwarded_for or super()._giver(handle)
 
     def _command_of(self, goal: MoveBaseGoal) -> Tuple[str, float]:
         return 'gotoPoint {} {} {}'.format(*robot_pose(goal.target_pose, self._map_frame)), 0.0
