@@ -3,8 +3,11 @@
 With all guards of the interlocking, the promises hold. Without one of these guards, they break.
 Normally the supervisor hides a missing guard: it does not ask for edges that most guards would
 refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore the supervisor
-is reckless in lives without a guard: it does none of this and asks for random edges. No life so far
-broke a promise without the guard `robot is clear of others`.
+is reckless in lives without a guard: it does none of this and asks for random edges.
+
+In 200 such lives no promise broke without `robot is clear of others` or `last order is settled`.
+The second one is a rule of the route protocol: `route_protocol/test/numbered_orders_model.py` finds
+the state in which a robot collides without it.
 """
 from __future__ import annotations
 
@@ -113,12 +116,11 @@ def test_with_all_guards_every_promise_is_kept() -> None:
 
 
 @pytest.mark.parametrize(('table', 'guard', 'seed'), [
-    ('GATES', '_fleet_is_not_stopped', 1), ('GATES', '_journal_can_be_written', 7),
-    ('GATES', '_no_person_is_needed', 11), ('GATES', '_clock_is_right', 7),
-    ('GATES', '_robot_is_known', 7), ('GATES', '_others_are_known', 25),
-    ('GATES', '_last_order_is_settled', 15),
-    ('CONDITIONS', '_edge_follows', 1), ('CONDITIONS', '_edge_is_open', 19),
-    ('CONDITIONS', '_place_is_free', 1),
+    ('GATES', '_fleet_is_not_stopped', 0), ('GATES', '_journal_can_be_written', 7),
+    ('GATES', '_no_person_is_needed', 0), ('GATES', '_clock_is_right', 7),
+    ('GATES', '_robot_is_known', 61), ('GATES', '_others_are_known', 25),
+    ('CONDITIONS', '_edge_follows', 8), ('CONDITIONS', '_edge_is_open', 59),
+    ('CONDITIONS', '_place_is_free', 0),
 ])
 def test_a_guard_that_is_missing_is_found(table: str, guard: str, seed: int,
                                           monkeypatch: pytest.MonkeyPatch) -> None:
