@@ -6,8 +6,8 @@ refuse, it refuses most wrong plans, and it stops robots that are too near. Ther
 is reckless in lives without a guard: it does none of this and asks for random edges.
 
 In 200 such lives no promise broke without `robot is clear of others` or `last order is settled`.
-The second one is a rule of the route protocol: `route_protocol/test/numbered_orders_model.py` finds
-the state in which a robot collides without it.
+The second one follows from the rules `standing`, `moved`, `older` and `command` of the model of the
+route protocol, which finds the state that is unsafe without each of them.
 """
 from __future__ import annotations
 
