@@ -36,14 +36,15 @@ UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 class Bench(Conversation):
     """Programs that give commands; the test plays the robot line by line."""
 
-    def __init__(self, stored: Optional[Memory] = None) -> None:
+    def __init__(self, stored: Optional[Memory] = None, is_linked: bool = True) -> None:
         super().__init__()
         self.kept: List[Memory] = []
         numbers = count(101)
         self.records = Drives(stored, self.kept.append, lambda: next(numbers))
         self.dispatcher = Dispatcher(self.records)
         self.now = 100.0
-        self.connect()
+        if is_linked:
+            self.connect()
 
     @property
     def memory(self) -> Memory:
@@ -396,6 +397,15 @@ class TestAfterAnOutage:
         known = bench.epoch
         bench.status('Going to 12')
         assert (bench.epoch != known, bench.memory.cause) == (True, Cause.OTHER_CLIENT)
+
+    @pytest.mark.parametrize('shown', ['Stopped', DOCKED])
+    def test_a_first_connection_that_is_refused_before_is_no_outage(self, shown):
+        bench = Bench(is_linked=False)
+        known = bench.epoch
+        bench.lose()
+        bench.connect()
+        bench.status(shown)
+        assert (bench.epoch, bench.memory.cause) == (known, Cause.RESTART)
 
     @pytest.mark.parametrize('outage', ['lost link', 'restart'])
     def test_no_program_drives_before_the_robot_has_said_what_it_does(self, outage):

@@ -400,10 +400,10 @@ class Drives:
     # --- lines of the robot -----------------------------------------------------------------------
 
     def linked(self, connected: bool, now: float) -> None:
-        """The link to the robot came up, or broke."""
-        self._connected = connected
-        if not connected:
+        """The link to the robot came up, broke, or could not be made."""
+        if self._connected and not connected:
             self._unseen, self._emergency = True, False
+        self._connected = connected
         self._activity = self._shown = self._stops_itself = self._docking = None
         self._strange = self._replacing = False
         self._pair_is_ours = True
