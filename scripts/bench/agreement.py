@@ -30,7 +30,7 @@ from factory import COUNT, factory, running
 from measuring.tables import print_table
 from scipy.stats import t as students_t
 
-from fleet_bringup.made_fleet import RELEASE_AHEAD, STOPPING, made_fleet
+from fleet_bringup.made_fleet import RELEASE_AHEAD, made_fleet
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, Standstill
@@ -198,8 +198,7 @@ def virtual_site() -> Site:
     whole = load_graph(ROOT / 'maps/lab_graph.yaml')
     graph = split_edges(whole, LONGEST_EDGE)
     fleet = made_fleet(COUNT, whole)
-    settings = {robot.name: RobotSettings(release_ahead=RELEASE_AHEAD[robot.type.name],
-                                          stopping=STOPPING[robot.type.name])
+    settings = {robot.name: RobotSettings(release_ahead=RELEASE_AHEAD[robot.type.name])
                 for robot in fleet.robots}
     places = tuple(sorted({place for found in places_by_edge(graph).values() for place in found}))
     flow = RandomFlow('random', (), places, Saturated())

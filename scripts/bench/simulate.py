@@ -29,7 +29,7 @@ from trajectory_graph import load_graph, split_edges
 ROOT = Path(__file__).resolve().parents[2]
 LD90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks=frozenset((16,)))
 AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
-SETTINGS = {'ld90': RobotSettings(release_ahead=8.0, stopping=3.5),
+SETTINGS = {'ld90': RobotSettings(release_ahead=8.0),
             'agv': RobotSettings(release_ahead=2.0)}
 
 

@@ -32,7 +32,7 @@ def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) 
     (folder / 'fleet.yaml').write_text('\n'.join([
         'clearance: 0.1', 'robot_types:',
         '- {name: ld90, radius: 0.43, speed: 1.35, play: 0.25, obeys_edge_speed: false, '
-        'release_ahead: 8.0, slack: 0.3, stopping: 3.5}', 'robots:', *rows]) + '\n')
+        'release_ahead: 8.0, slack: 0.3}', 'robots:', *rows]) + '\n')
     return {'fleet': str(folder / 'fleet.yaml'), 'graph_file': str(folder / 'graph.yaml'),
             'base_map': str(folder / 'base.map')}
 

@@ -15,7 +15,7 @@ LD90_RADIUS, AGV_RADIUS = 0.43, 0.35
 TYPES = f'''clearance: {CLEARANCE}
 robot_types:
 - {{name: ld90, radius: {LD90_RADIUS}, speed: 1.35, play: 0.25, obeys_edge_speed: false,
-   release_ahead: 8.0, slack: 0.3, stopping: 3.5}}
+   release_ahead: 8.0, slack: 0.3}}
 - {{name: agv, radius: {AGV_RADIUS}, speed: 1.0}}
 robots:
 '''

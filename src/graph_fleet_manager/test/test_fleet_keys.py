@@ -8,20 +8,21 @@ from graph_fleet_manager.files.fleet_file import load_fleet
 
 FLEET = """clearance: 0.1
 robot_types:
-- {name: truck, radius: 0.4, speed: 1.0, play: 0.25, stopping: 3.5}
+- {name: truck, radius: 0.4, speed: 1.0, play: 0.25, slack: 0.3}
 robots:
 - {name: truck_1, type: truck, vertex: 1, absent: true}
 """
 
 
-def test_what_is_spelt_right_is_read(tmp_path):
-    (tmp_path / 'fleet.yaml').write_text(FLEET)
+@pytest.mark.parametrize('text', [FLEET, FLEET.replace('slack: 0.3', 'slack: 0.3, stopping: 3.5')])
+def test_what_is_spelt_right_is_read_also_a_key_of_1_0_0(tmp_path, text):
+    (tmp_path / 'fleet.yaml').write_text(text)
     fleet = load_fleet(tmp_path / 'fleet.yaml')
     assert fleet.types[0].play == 0.25 and fleet.robots[0].absent
 
 
 @pytest.mark.parametrize('right, wrong, known', [
-    ('play:', 'plya:', 'did you mean play?'), ('stopping:', 'stoping:', 'did you mean stopping?'),
+    ('play:', 'plya:', 'did you mean play?'), ('slack:', 'slak:', 'did you mean slack?'),
     ('absent:', 'abscent:', 'did you mean absent?'), ('clearance:', 'clearence:', 'clearance?')])
 def test_a_misspelt_key_is_named(tmp_path, right, wrong, known):
     (tmp_path / 'fleet.yaml').write_text(FLEET.replace(right, wrong))

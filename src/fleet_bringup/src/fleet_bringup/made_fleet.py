@@ -12,8 +12,6 @@ from trajectory_graph import Graph
 CLEARANCE = 0.1  # m
 #: m that are released ahead of a robot of a type: for braking, and until the next order comes.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
-#: m that a robot of a type may need to stop once it has acknowledged a shorter route.
-STOPPING = {'ld90': 3.5, 'agv': 1.0}
 
 
 def made_fleet(count: int, graph: Graph) -> Fleet:
@@ -56,8 +54,7 @@ def fleet_text(fleet: Fleet) -> str:
         lines.append(f'- {{name: {kind.name}, radius: {kind.radius}, speed: {kind.speed}, '
                      f'play: {kind.play}, '
                      f'obeys_edge_speed: {str(kind.obeys_edge_speed).lower()}, '
-                     f'release_ahead: {RELEASE_AHEAD[kind.name]}, '
-                     f'stopping: {STOPPING[kind.name]}{docks}}}')
+                     f'release_ahead: {RELEASE_AHEAD[kind.name]}{docks}}}')
     lines.append('robots:')
     lines += [f'- {{name: {robot.name}, type: {robot.type.name}, vertex: {robot.vertex}, '
               f'driver: {robot.driver}}}' for robot in fleet.robots]

@@ -1,6 +1,6 @@
 """All keys that a fleet file may have, for all programs that read it. Any other key is an error.
 
-Without this check a misspelt `play` or `stopping` would silently be 0.
+Without this check a misspelt `play` or `slack` would silently be 0.
 """
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ _FILE = ('clearance', 'dock_approach', 'robot_types', 'robots')
 _TYPE = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', *_SETTINGS)
 _ROBOT = ('name', 'type', 'vertex', 'driver', 'absent', 'start', 'host', 'arcl_port',
           'outgoing_port', 'password_file', 'computer', *_SETTINGS)
+_IGNORED = ('stopping',)  # fleet files of 1.0.0 have it
 
 
 def check_keys(root: yaml.Node) -> None:
@@ -34,7 +35,7 @@ def check_keys(root: yaml.Node) -> None:
 
 def _check(node: yaml.Node, what: str, known: Sequence[str]) -> None:
     for key in strict_yaml.mapping(node, what, known):
-        if key not in known:
+        if key not in (*known, *_IGNORED):
             line = next(name for name, _ in node.value if name.value == key)
             near = difflib.get_close_matches(key, known, 1)
             meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'

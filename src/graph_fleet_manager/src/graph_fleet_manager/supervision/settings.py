@@ -10,7 +10,6 @@ class RobotSettings:
 
     release_ahead -- m that are granted ahead of the robot, so that it need not brake
     slack         -- m that the robot may be short of its reported place, along its path
-    stopping      -- m that it may need to stop after it has acknowledged a shorter route
     charge_below  -- state of charge (0..1) below which it goes to charge
     leave_above   -- state of charge from which on it may leave the dock
     reserve       -- state of charge that must remain at the end of a mission
@@ -19,7 +18,6 @@ class RobotSettings:
 
     release_ahead: float = 8.0
     slack: float = 0.0
-    stopping: float = 1.0
     charge_below: float = 0.3
     leave_above: float = 0.8
     reserve: float = 0.1
