@@ -398,6 +398,22 @@ class TestAfterAnOutage:
         bench.status('Going to 12')
         assert (bench.epoch != known, bench.memory.cause) == (True, Cause.OTHER_CLIENT)
 
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    def test_one_that_we_stopped_and_that_stands_was_not_driven_by_another_client(self, outage):
+        bench = Bench()
+        bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        if outage == 'restart':
+            bench = Bench(bench.kept[-1])
+        else:
+            bench.lose()
+            bench.connect()
+        known = bench.epoch
+        bench.status('Stopped')
+        assert (bench.epoch != known, bench.memory.cause) == (True, Cause.RESTART)
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, known_epoch=known)
+
     @pytest.mark.parametrize('shown', ['Stopped', DOCKED])
     def test_a_first_connection_that_is_refused_before_is_no_outage(self, shown):
         bench = Bench(is_linked=False)

@@ -483,8 +483,18 @@ class Drives:
                     Fate.OBEYED if activity.kind in MOVING else Fate.OVER)),)
                 self._keep()
         elif not self._emergency:
-            self._foreign(Cause.ROBOT if activity.kind in _GAVE_UP else Cause.OTHER_CLIENT,
-                          activity.kind in MOVING, f'after an outage the robot shows "{text}"')
+            words = f'after an outage the robot shows "{text}"'
+            if self._is_as_we_stopped_it(activity):
+                self._begin_epoch(None, Cause.RESTART, words, False)
+            else:
+                self._foreign(Cause.ROBOT if activity.kind in _GAVE_UP else Cause.OTHER_CLIENT,
+                              activity.kind in MOVING, words)
+
+    def _is_as_we_stopped_it(self, activity: Activity) -> bool:
+        """Whether our last command was a stop, and the robot shows nothing else."""
+        last = self._records[-1] if self._records else None
+        return (activity.kind is ActivityKind.STOPPED and last is not None
+                and last.kind is Kind.STOP and last.fate is Fate.OVER)
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
         """No command of ours is under way: another client caused the robot's motion."""
