@@ -101,3 +101,28 @@ class System:
             x, y = (z3.Const(letter, sort) for letter, sort in zip('xy', sorts))
             solver.add(z3.Exists([x, y], self.before[name](x, y)))
         return bool(solver.check() == z3.sat)
+
+
+def proof_of(system: System, actions: Dict[str, Action], needed_for: Dict[str, str]) -> type:
+    """Returns the tests of a proof, as a class for pytest.
+
+    needed_for -- by guard: an invariant that breaks without it
+    """
+    guards = [(name, guard) for name, action in actions.items() for guard in action.guards]
+
+    class Proof:
+        def test_the_invariants_do_not_contradict_each_other(self) -> None:
+            assert system.is_consistent()
+
+        @pytest.mark.parametrize('name', actions)
+        def test_each_action_keeps_all_invariants(self, name: str) -> None:
+            assert system.broken_by(actions[name]) == {}
+
+        @pytest.mark.parametrize(('name', 'guard'), guards)
+        def test_each_guard_that_is_left_out_breaks_the_invariant_that_needs_it(
+                self, name: str, guard: str) -> None:
+            broken = system.broken_by(actions[name], without=guard)
+            assert broken.get(needed_for[guard]) == 'sat', (
+                f'without "{guard}" the action "{name}" breaks only {broken or "nothing"}')
+
+    return Proof

@@ -5,8 +5,7 @@ This holds for any number of robots, places and resources.
 """
 from __future__ import annotations
 
-import pytest
-from induction import Action, Formula, Relations, System, z3
+from induction import Action, Formula, Relations, System, proof_of, z3
 
 Robot, Place, Resource = map(z3.DeclareSort, ('Robot', 'Place', 'Resource'))
 needs = z3.Function('needs', Place, Resource, z3.BoolSort())
@@ -92,19 +91,4 @@ NEEDED_FOR = {
     'no stored place needs it': 'a stored place has its stored claims',
 }
 
-
-def test_the_invariants_do_not_contradict_each_other():
-    assert SYSTEM.is_consistent()
-
-
-@pytest.mark.parametrize('action', ACTIONS)
-def test_each_action_keeps_all_invariants(action: str):
-    assert SYSTEM.broken_by(ACTIONS[action]) == {}
-
-
-@pytest.mark.parametrize('action, guard', [
-    (name, guard) for name, action in ACTIONS.items() for guard in action.guards])
-def test_each_guard_that_is_left_out_breaks_the_invariant_that_needs_it(action: str, guard: str):
-    broken = SYSTEM.broken_by(ACTIONS[action], without=guard)
-    assert broken.get(NEEDED_FOR[guard]) == 'sat', (
-        f'without "{guard}" the action "{action}" breaks only {broken or "nothing"}')
+TestClaims = proof_of(SYSTEM, ACTIONS, NEEDED_FOR)
