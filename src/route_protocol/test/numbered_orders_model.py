@@ -232,7 +232,8 @@ class Model:
             lost = _without_route(vehicle)
             if takes_over and rules['takeover']:
                 lost = _new_epoch(lost, now)
-            return lost._replace(master=order.master, order=order.number, failed=True)
+            return lost._replace(master=order.master, order=order.number, failed=True,
+                                 done=lost.done if lost.order else order.first)
         rest = order.edges
         if takes_over or vehicle.order == 0:  # its record has no edge of this master yet
             done = order.first
@@ -318,11 +319,31 @@ class Model:
             edge=said.edge, unknown=unknown,
             done=said.done if order else 0 if is_new else master.done)
 
+    def first_master(self, gap: Tuple[int, int] = (0, 0), unknown: int = 0) -> Master:
+        """Returns the master as it begins, with the journal from before the first order."""
+        return Master(gap=gap, unknown=unknown)
+
+    def give(self, master: Master, order: Order) -> Master:
+        """Returns the master after it has given an order."""
+        return master._replace(number=order.number, open=(*master.open, order))
+
+    def end(self, master: Master) -> Optional[Tuple[int, Tuple[Edge, ...], int]]:
+        """Returns record number and edges of the order to make longer, and the place behind it.
+
+        Returns None if that is not known now.
+        """
+        if master.held or master.anywhere or master.unknown or not master.commands:
+            return None
+        if master.open:
+            last = master.open[-1]
+            return (last.first, last.edges, last.edges[-1].destination) if last.edges else None
+        return where_it_is(master)
+
     def new_orders(self, state: State, bounds: Bounds) -> Iterator[Tuple[str, Order, int]]:
         """Yields what the master may order now: the kind, the order, and how many new edges."""
         master = state.master
         number = self._next_number(master, state.drawn)
-        end = _end(master)
+        end = self.end(master)
         if end is not None and state.labels < bounds.edges:
             first, edges, place = end
             for to in {state.labels + 1, 0} - {place}:  # to a new place, or back
@@ -426,11 +447,10 @@ class Model:
         yield 'commit', state._replace(journal=master)
         yield 'the master restarts', state._replace(master=journal)
         if state.restores < bounds.restores and state.drawn > 0:
-            begin = self._next_number(Master(), state.drawn)
+            begin = self._next_number(self.first_master(), state.drawn)
             for is_noticed in (True, False):
-                older = Master(gap=(0, begin), unknown=begin if is_noticed else 0)
-                if is_noticed and not self._rules['older']:
-                    older = older._replace(unknown=0)
+                doubts = is_noticed and self._rules['older']
+                older = self.first_master((0, begin), begin if doubts else 0)
                 yield ('the master starts with an older journal'
                        f'{"" if is_noticed else " and cannot know it"}'), state._replace(
                            master=older, journal=older, restores=state.restores + 1,
@@ -438,7 +458,7 @@ class Model:
         if self._next_number(master, state.drawn) > bounds.orders:
             return
         for name, order, labels in self.new_orders(state, bounds):
-            after = master._replace(number=order.number, open=(*master.open, order))
+            after = self.give(master, order)
             # A crash between storing and sending is an order that never arrives.
             yield f'{name} {order.number} {_text(order.edges)}', state._replace(
                 master=after, journal=after if self._rules['commit'] else journal,
@@ -483,7 +503,7 @@ class Model:
             if vehicle.place == NEW_LABEL:
                 return True
             drawn = max(drawn, master.number)
-            end = _end(master)
+            end = self.end(master)
             if end is not None and not any(edge.label == NEW_LABEL for edge in end[1]):
                 first, edges, place = end
                 order = Order(drawn + 1, master.epoch, first,
@@ -493,7 +513,7 @@ class Model:
             else:
                 order = Order(drawn + 1, 0, 0, ())
             if order.number > master.number:
-                master = master._replace(number=order.number, open=(*master.open, order))
+                master = self.give(master, order)
             vehicle = self.obey(vehicle, order)
         return False
 
@@ -507,7 +527,7 @@ class Model:
             return self._search(bounds, most, live)
 
     def _search(self, bounds: Bounds, most: Optional[int], live: bool) -> Found:
-        start = State()
+        start = State(master=self.first_master(), journal=self.first_master())
         came_from: Dict[State, Optional[State]] = {start: None}
         waiting: Deque[State] = deque([start])
         while waiting and (most is None or len(came_from) < most):
@@ -570,13 +590,13 @@ def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
 
 
 def _drive(vehicle: Vehicle) -> Vehicle:
-    """Half an edge farther."""
+    """Half an edge farther. An edge on which it only rolls on is not counted in the record."""
     edges = vehicle.route or vehicle.rolling
     if vehicle.edge is None:
         return vehicle._replace(edge=edges[0], place=None)
     rest = edges[1:]
     return vehicle._replace(
-        edge=None, place=vehicle.edge.destination, done=vehicle.done + 1,
+        edge=None, place=vehicle.edge.destination, done=vehicle.done + bool(vehicle.route),
         route=rest if vehicle.route else (), rolling=() if vehicle.route else rest,
         giver=vehicle.giver if rest else NOBODY)
 
@@ -607,16 +627,8 @@ def _in_gap(master: Master, said: Report) -> bool:
         low < said.order or said.refused < high)
 
 
-def _end(master: Master) -> Optional[Tuple[int, Tuple[Edge, ...], int]]:
-    """Returns record number and edges of the order to make longer, and the place behind it.
-
-    Returns None if that is not known now.
-    """
-    if master.held or master.anywhere or master.unknown or not master.commands:
-        return None
-    if master.open:
-        last = master.open[-1]
-        return (last.first, last.edges, last.edges[-1].destination) if last.edges else None
+def where_it_is(master: Master) -> Tuple[int, Tuple[Edge, ...], int]:
+    """Returns the end of an order for a vehicle without a route: see `Model.end`."""
     if master.edge is not None:  # it stands on an edge: the order begins with the rest of that edge
         return master.done, (master.edge,), master.edge.destination
     assert master.place is not None

@@ -365,8 +365,6 @@ class Pair:
             before, self.model = self.model, model._drive(self.model)
             if before.route:
                 self.real.complete(self.model.done - self.real.state.first)
-            else:  # the real vehicle does not count edges on which it only rolls on
-                self.model = self.model._replace(done=before.done)
 
     def lose_route(self, cause: Optional[EpochCause]) -> None:
         """The route fails; or a new epoch begins."""

@@ -36,7 +36,7 @@ Invariants
     - A route is given only if nothing is held, the vehicle is neither anywhere nor unknown, and it
       counts this master's orders. A stop may be given at any time.
 
-`test/numbered_orders_model.py` searches all states of this table, together with the vehicle's.
+`test/test_master.py` searches all states that these functions can reach with a vehicle.
 The state must be on the disk before an order is sent.
 """
 from __future__ import annotations
