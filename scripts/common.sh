@@ -220,6 +220,7 @@ provide_multimaster() {
     echo "$made_of" >"$workspace/.made_of"
   fi
   _source "$workspace/devel/setup.bash"
+  export PATH="$root/devel/bin:$PATH"  # catkin takes it away if it is there twice; then ROS's own master would be started
 }
 
 # virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in

@@ -117,7 +117,7 @@ class Faults(unittest.TestCase):
         told = len(self.lab.states.messages)
         # It is told to stop when its route has failed, and is localized only when it stands.
         self.lab.states.wait_for(lambda states: states.motion == states.STANDING, 20,
-                                 'a robot that stands')
+                                 'a robot that stands', after=told)
         self.others.publish('localizeToPoint {:.0f} {:.0f} {:.0f}'.format(*self.lab.robot.pose))
         self.lab.responses.wait_for(lambda line: line.data == 'Localized to point', 10,
                                     'a robot that has been found')
