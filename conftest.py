@@ -8,13 +8,17 @@ the smallest number with which every property still finds an example.
 """
 from __future__ import annotations
 
+import ast
 import contextlib
 import ctypes
+import functools
+import gc
 import os
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Callable, Iterator, TypeVar
+from typing import Any, Callable, Iterator, TypeVar
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -29,6 +33,29 @@ settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'project'))
 
 # this package is not part of the project, and its tests need a ROS master
 collect_ignore = ['src/multimaster_fkie']
+
+
+def pytest_configure() -> None:
+    """Keeps the garbage collector out of `ast.parse` under Python 3.11.
+
+    Before 3.11.8 it may let another thread parse meanwhile, for example a line of a traceback. Then
+    the first one raises SystemError (gh-106905 of CPython).
+    """
+    if sys.version_info[:2] != (3, 11):
+        return
+    parse = ast.parse
+
+    @functools.wraps(parse)
+    def parse_alone(*args: Any, **options: Any) -> ast.AST:
+        was_enabled = gc.isenabled()
+        gc.disable()
+        try:
+            return parse(*args, **options)
+        finally:
+            if was_enabled:
+                gc.enable()
+
+    pytest.MonkeyPatch().setattr(ast, 'parse', parse_alone)
 
 
 # -- a disk that becomes full, read-only or missing ------------------------------------------------

@@ -63,9 +63,24 @@ class Robot:
               ) -> Tuple[float, Tuple[int, ...]]:
         """Returns the seconds from `begin` to the last report, and the driven edges."""
         heard, begun = len(self.reports.messages), time.monotonic()
+        before = self.reports.messages[-1] if heard else ExecutionRouteStates()
         begin()
         last = self.reports.wait_for(ends, 200, 'end of the drive', heard)
-        return time.monotonic() - begun, tuple(edge.edge_id for edge in last.edge_states)
+        seconds = time.monotonic() - begun
+        # An order leaves out edges that are driven already; the route record counts all of them.
+        driven = {number: edge for report in self.reports.messages[heard:]
+                  if report.epoch == last.epoch for number, edge in driven_edges(report)}
+        if before.epoch == last.epoch:
+            for number, _ in driven_edges(before):
+                driven.pop(number, None)
+        return seconds, tuple(driven[number] for number in sorted(driven))
+
+
+def driven_edges(report: ExecutionRouteStates) -> Iterator[Tuple[int, int]]:
+    """The COMPLETE edges of a report, with their numbers in the route record."""
+    for number, edge in enumerate(report.edge_states, report.first):
+        if edge.state == EdgeState.COMPLETE:
+            yield number, edge.edge_id
 
 
 class Missions:

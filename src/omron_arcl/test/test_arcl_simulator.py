@@ -213,16 +213,18 @@ def test_a_reboot_in_the_middle_of_a_drive_is_survived_and_the_drive_not_repeate
         assert robot.pose == before, 'the robot drives again'
 
 
-@pytest.mark.parametrize(('fault', 'mend', 'reason'), [
-    ('drop', '', 'closed the connection'),
-    ('reset', '', 'reset'),
-    ('silence 60', 'silence 0', 'nothing was received'),
+@pytest.mark.parametrize(('fault', 'mend', 'reasons'), [
+    # TCP resets a connection that is closed before all received bytes, here a heartbeat, are read
+    ('drop', '', ('closed the connection', 'reset')),
+    ('reset', '', ('reset',)),
+    ('silence 60', 'silence 0', ('nothing was received',)),
 ])
-def test_a_broken_link_is_noticed_named_and_made_again(robot, fault, mend, reason):
+def test_a_broken_link_is_noticed_named_and_made_again(robot, fault, mend, reasons):
     links = Noted()
     with client_of(robot, on_link=links, heartbeat=0.2, timeout=1.0) as client:
         robot.inject(fault)
-        links.wait(lambda link: reason in link.reason, f'the reason "{reason}"', PATIENCE)
+        links.wait(lambda link: any(reason in link.reason for reason in reasons),
+                   f'one of the reasons {reasons}', PATIENCE)
         if mend:
             robot.inject(mend)
         assert client.wait_connected(PATIENCE).connected
