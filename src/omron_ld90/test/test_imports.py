@@ -97,3 +97,10 @@ def test_a_package_declares_what_it_imports(package: Path):
     owners = {MODULES[name].relative_to(SOURCES).parts[0]
               for file in package.rglob('*.py') for name in IMPORTS[module_of(file, package)]}
     assert owners - {source.name} <= declared
+
+
+@pytest.mark.parametrize('file', sorted(SOURCES.glob('*/package.xml')),
+                         ids=lambda file: file.parent.name)
+def test_a_package_declares_each_dependency_once(file: Path):
+    declared = re.findall(r'<(\w*depend)[^>]*>([\w-]+)<', file.read_text())
+    assert sorted(set(declared)) == sorted(declared)
