@@ -25,12 +25,15 @@ from route_protocol.values import (
     LARGEST_NUMBER,
     OVERRULED,
     TAKEN_OVER,
+    EdgeState,
     Phase,
     Reason,
     ReasonCode,
     RouteOrder,
+    RouteRefusal,
+    RouteReport,
 )
-from route_protocol.vehicle import OLD_MASTER, Answer, Judgement, VehicleState
+from route_protocol.vehicle import OLD_MASTER, Answer, Judgement, Vehicle, VehicleState
 
 LATE_ORDER = 2.0  # s that an order may take to arrive
 _LATCHED = Reason(ReasonCode.OTHER, 'it has no stamp, and was published before its connection '
@@ -59,6 +62,12 @@ class OldMasters:
     def epoch_began(self, now: float) -> None:
         """The vehicle began a new epoch at `now` (s), for a reason that is not this master's."""
         self._epoch_began = now
+
+    def answer(self, order: RouteOrder, vehicle: Vehicle, now: float) -> Judgement:
+        """Returns what the protocol says about any order, with a number or without."""
+        if order.order or order.is_stop:
+            return vehicle.judge(order)
+        return self.judge(order, vehicle.state, now)
 
     def judge(self, order: RouteOrder, state: VehicleState, now: float) -> Judgement:
         """Returns what the rules say about a route without a number that arrives at `now` (s)."""
@@ -97,6 +106,12 @@ class OldMasters:
         first = state.first if self.changes_route(order, state) else state.done
         return replace(order, order=min(number, LARGEST_NUMBER), known_epoch=state.epoch,
                        first=first, master=OLD_MASTER)
+
+
+def as_failed_route(report: RouteReport, refusal: RouteRefusal) -> RouteReport:
+    """Returns the report in which a master that does not number its orders reads a refusal."""
+    return replace(report, route_id=refusal.route_id, edges=refusal.edges,
+                   states=(EdgeState.FAILED,) * len(refusal.edges), reason=refusal.reason)
 
 
 def _ignored(why: str) -> Judgement:

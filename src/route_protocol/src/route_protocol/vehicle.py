@@ -48,6 +48,8 @@ wait until it stands.
 """
 from __future__ import annotations
 
+import secrets
+import time
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Callable, Optional, Tuple
@@ -75,6 +77,16 @@ OLD_MASTER = ''
 
 SKIPPED_REPORTS = 60_000
 """The clock counts reports in ms: those of the last minute before a restart may not be stored."""
+
+
+def draw_epoch() -> int:
+    """Returns the number of a new epoch: random, and never 0."""
+    return secrets.randbits(63) or 1
+
+
+def milliseconds() -> int:
+    """Returns ms since 1970."""
+    return time.time_ns() // 1_000_000
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,13 @@ from graph_fleet_manager.agv_simulator.route_rules import (
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from route_protocol import vehicle as protocol
-from route_protocol.old_masters import OldMasters, is_late
+from route_protocol.old_masters import OldMasters, as_failed_route, is_late
 from route_protocol.order_rules import RouteRefused
 from route_protocol.values import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
     NO_REASON,
     TAKEN_OVER,
-    EdgeState,
     EpochCause,
     Location,
     Motion,
@@ -291,22 +290,13 @@ class Vehicle:
     def _speeds(self, graph: Graph) -> SpeedLimits:
         return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
 
-    def _judge(self, order: RouteOrder, arrived: float) -> Judgement:
-        """Returns what the protocol says about an order that arrived at this time."""
-        if order.order or order.is_stop:
-            return self._protocol.judge(order)
-        return self._old_masters.judge(order, self.state, arrived)
-
     def _stop(self, order: RouteOrder) -> None:
-        if self._judge(order, self._time).answer is not Answer.STOP:
+        if self._protocol.judge(order).answer is not Answer.STOP:
             return
         epoch = self.state.epoch
         self._protocol.stop(order)
         self._driven_by_hand = False
-        if not order.order:
-            self._old_masters.passed(order)
-        elif self.state.epoch != epoch:
-            self._old_masters.epoch_began(self._time)
+        self._tell_old_masters(order, epoch)
         if self._waiting is not None and not self._waiting.order.order:
             self._waiting = None
 
@@ -323,7 +313,7 @@ class Vehicle:
 
     def _is_answered(self, order: RouteOrder, arrived: float) -> bool:
         """Takes, refuses or ignores a route. Returns False if it has to wait."""
-        judgement = self._judge(order, arrived)
+        judgement = self._old_masters.answer(order, self._protocol, arrived)
         if judgement.answer is Answer.REFUSED:
             self._refuse(order, judgement.reason)
         elif judgement.answer is Answer.ROUTE:
@@ -362,9 +352,13 @@ class Vehicle:
         epoch = self.state.epoch
         self._protocol.take(numbered, done)
         self._giver = numbered.master
+        self._tell_old_masters(order, epoch)
+
+    def _tell_old_masters(self, order: RouteOrder, before: int) -> None:
+        """An order was taken. `before`: the epoch before that."""
         if not order.order:
             self._old_masters.passed(order)
-        elif self.state.epoch != epoch:
+        elif self.state.epoch != before:
             self._old_masters.epoch_began(self._time)
 
     def _driven_of_old(self, order: RouteOrder, changes_route: bool) -> int:
@@ -382,14 +376,13 @@ class Vehicle:
         Masters that do not number their orders also get a report if the id is not that of the route
         in the reports.
         """
-        self._messages.append(self._protocol.refuse(order, reason))
+        refusal = self._protocol.refuse(order, reason)
+        self._messages.append(refusal)
         if order.order:
             return
         self._old_masters.refused(order, reason)
         if self.state.route_id != order.route_id and self.state.master in (None, OLD_MASTER):
-            self._messages.append(replace(
-                self.report(), route_id=order.route_id, edges=order.edges,
-                states=(EdgeState.FAILED,) * len(order.edges), reason=reason))
+            self._messages.append(as_failed_route(self.report(), refusal))
 
     def _lose_route(self, reason: Reason) -> None:
         """Ends what it drives."""

@@ -36,14 +36,16 @@ from graph_fleet_manager.interlocking.reports import (
 )
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from route_protocol.master import (
+    OLD_NEWS,
     MasterState,
+    News,
     Order,
     give_route,
     give_stop,
     hear,
     next_number,
 )
-from route_protocol.values import NO_REASON, EpochCause, Motion, Reason
+from route_protocol.values import EpochCause, Motion
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 from trajectory_graph.id_lists import listed
 
@@ -113,24 +115,19 @@ class Memory(NamedTuple):
 class Heard:
     """The results of one report.
 
+    news    -- what it changes about the orders
     passed  -- vertices passed since the last report, in order
-    failed  -- why the route failed; no reason: it did not fail
-    refused -- why the robot refused an order; no reason: it refused none
-    was_shorter -- the refused order was one that stops the robot or shortens its route
-    cause   -- why a new epoch of the robot began; None: none did
+    cause   -- why a new epoch of the robot began; None: none did, or no epoch was known before
     had_route -- it had a route, or an order for one was on its way
     is_off_graph -- this report and the one before say that it is off the graph
     left    -- it stands, but not where it may be by its orders
     expected -- a clause that says where it was expected, and where it is; only if it has left
     is_near -- it left that place only along the edge on which it was
     is_located -- the report has a later location than all before
-    stands  -- the robot stands, and tells where
     """
 
+    news: News = OLD_NEWS
     passed: List[int] = field(default_factory=list)
-    failed: Reason = NO_REASON
-    refused: Reason = NO_REASON
-    was_shorter: bool = False
     cause: Optional[EpochCause] = None
     had_route: bool = False
     is_off_graph: bool = False
@@ -138,9 +135,6 @@ class Heard:
     expected: str = ''
     is_near: bool = False
     is_located: bool = False
-    stands: bool = False
-    is_older: bool = False
-    took: bool = False
 
 
 class RouteClient:
@@ -248,13 +242,13 @@ class RouteClient:
             return Allocation(kind, Knowledge.ABSENT)
         holds = record.holds()
         standing = record.position if record.is_standing else None
+        vertex = None if standing is None else standing.vertex
         areas = list(self.lost)
-        places = [] if standing is None else [standing]
-        vertex = next((place.vertex for place in places if place.vertex is not None), None)
-        areas += [Area((place.point(record.graph),)) for place in places if place.vertex is None]
+        if standing is not None and vertex is None:
+            areas.append(Area((standing.point(record.graph),)))
         areas += [one.area(kind) for one in (*self.locations[:1], *(
             before for before in self.locations[1:] if before.is_stray))
-            if not self._covers(one.point, holds, places)]
+            if not self._covers(one.point, holds, standing)]
         if self.reach and self.location is not None:
             areas.append(Area((self.location,), self.reach))
         is_known = bool(holds or areas or vertex is not None) and not (
@@ -263,11 +257,14 @@ class RouteClient:
                           tuple(dict.fromkeys(areas)))
 
     def _covers(self, point: Point, holds: Sequence[Hold],
-                places: Sequence[GraphPosition]) -> bool:
-        """Is a point on a place that the robot has, as exactly as it follows its edges?"""
+                position: Optional[GraphPosition]) -> bool:
+        """Is a point on a place that the robot has, as exactly as it follows its edges?
+
+        position -- where it stands; None: it drives, or that is not known
+        """
         graph, play = self.record.graph, self.record.kind.play
-        if any(math.dist(point, place.point(graph)) <= self.record.near + TREMBLE
-               for place in places):
+        if position is not None and math.dist(
+                point, position.point(graph)) <= self.record.near + TREMBLE:
             return True
         for hold in holds:
             curve = graph.curve(hold.edge)
@@ -369,10 +366,9 @@ class RouteClient:
         said, record = report.said, self.record
         point = report.located(record.graph)
         before, had_route = self.protocol, self.protocol.may_drive
-        is_covered = self._is_covered(report, point)
         is_stray = point is not None and not self._covers(
-            point, record.holds(), [] if record.ahead or record.position is None
-            else [record.position])
+            point, record.holds(), None if record.ahead else record.position)
+        is_covered = not is_stray or self._is_beside(report, point)
         protocol, news = hear(before, said, ME, self._next_number(), point is not None)
         if not news.is_new:
             return Heard()
@@ -380,9 +376,8 @@ class RouteClient:
         is_first, self.is_heard = not self.is_heard, True
         record.pose = report.pose
         self._off_graph = 0 if report.pose.edge else self._off_graph + 1
-        heard = Heard(record.passed(news.passed), news.failed, news.refused, news.was_shorter,
-                      news.cause if before.epoch else None, had_route, stands=news.stands,
-                      is_older=news.is_older, took=news.took)
+        heard = Heard(news, record.passed(news.passed), news.cause if before.epoch else None,
+                      had_route)
         if news.refused and news.was_shorter:
             self._cut_refused = max((one.end for one in before.open
                                      if protocol.order < one.number <= said.refused), default=0)
@@ -404,19 +399,17 @@ class RouteClient:
         self._changed()
         return heard
 
-    def _is_covered(self, report: Report, point: Optional[Point]) -> bool:
-        """Is the robot where it may be, as exactly as it follows its edges?
+    def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
+        """Does the robot count as where it may be, although it is not exactly there?
 
-        A standing robot may be a little beside the place where its route begins or ends.
+        A standing robot may be a little beside the place where its route begins or ends. If nothing
+        was known of its place, it may be anywhere.
         """
-        record = self.record
-        if point is None or record.position is None and not self.protocol.may_be_on:
-            return True
-        places = [record.position] if record.position is not None else []
-        if report.motion is Motion.STANDING and any(
-                math.dist(point, place.point(record.graph)) <= NEAR + TREMBLE for place in places):
-            return True
-        return self._covers(point, record.holds(), () if record.ahead else places)
+        position = self.record.position
+        if position is None:
+            return not self.protocol.may_be_on
+        return report.motion is Motion.STANDING and point is not None and math.dist(
+            point, position.point(self.record.graph)) <= NEAR + TREMBLE
 
     def _expected(self, before: MasterState) -> str:
         """A clause that says where the robot may have been by its orders."""
@@ -491,9 +484,8 @@ class RouteClient:
                                   math.floor(y / _SQUARE) * _SQUARE + _SQUARE / 2), _SQUARE)
                          for (x, y), *_ in self.locations[:1])
         holds, position = self.record.holds(), self.record.position
-        places = [] if position is None else [position]
         return tuple(one for one in self.locations
-                     if not self._covers(one.point, holds, places))
+                     if not self._covers(one.point, holds, position))
 
     @property
     def memory(self) -> Memory:
@@ -505,9 +497,9 @@ class RouteClient:
     def restore(self, memory: Memory, now: float = 0.0) -> None:
         """Sets the state from before a restart."""
         number = memory.protocol.number
-        begin = max(next_number(memory.protocol, self._clock()), memory.protocol.gap[1])
+        self.record.protocol = memory.protocol
         # No journal that this start has read knows the numbers between these two.
-        self.record.protocol = replace(memory.protocol, gap=(number, begin))
+        self.record.protocol = replace(memory.protocol, gap=(number, self._next_number()))
         self.record.cleared = memory.cleared
         self._restored = number
         self.record.position = memory.position

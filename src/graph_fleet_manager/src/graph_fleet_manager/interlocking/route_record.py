@@ -107,8 +107,8 @@ class RouteRecord:
 
         It still has the last edges that the robot has left: a plan was made before that.
         """
-        path = (*self._driven, *(Step(self.done + k, edge)
-                                         for k, edge in enumerate(self.ahead)))
+        path = (*self._driven, *(Step(number, edge)
+                                 for number, edge in enumerate(self.ahead, self.done)))
         return tuple(step.edge for step in path if begin <= step.number < end)
 
     def distance_ahead(self) -> float:

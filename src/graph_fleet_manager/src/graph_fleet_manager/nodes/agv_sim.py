@@ -22,7 +22,6 @@ Parameters
 from __future__ import annotations
 
 import re
-import secrets
 import threading
 import time
 from typing import Any, Dict, List, Mapping, Optional
@@ -37,6 +36,7 @@ from graph_fleet_manager.nodes.agv_topics import AgvTopics
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_topic import FollowedGraph
 from node_lifecycle import ConfigurationError, number, parameter, run
+from route_protocol.vehicle import draw_epoch, milliseconds
 from trajectory_graph import Graph, GraphError, load_graph
 
 DRIVER = 'agv'  # of the robots that this node drives
@@ -76,7 +76,7 @@ class AgvSim:
                 raise ConfigurationError(
                     f'Robot {robot.name} of the fleet file stands on vertex {robot.vertex}, which '
                     f'{source} does not have; choose another.')
-        simulation = Simulation(graph, self._robots, _new_epoch, _milliseconds, self._speed)
+        simulation = Simulation(graph, self._robots, draw_epoch, milliseconds, self._speed)
         self._topics = {name: AgvTopics(vehicle, self._lock)
                         for name, vehicle in simulation.vehicles.items()}
         self._simulation = simulation
@@ -119,14 +119,6 @@ class AgvSim:
                     frames = [topics.tell(now) for topics in self._topics.values()]
                     self._frames.sendTransform([frame for frame in frames if frame is not None])
             before = now
-
-
-def _new_epoch() -> int:
-    return secrets.randbits(63) or 1
-
-
-def _milliseconds() -> int:
-    return time.time_ns() // 1_000_000
 
 
 def _read_robots() -> List[Robot]:

@@ -121,7 +121,6 @@ class Journal:
         """Closes the file."""
         self._file.close()
 
-    @property
     def milliseconds(self) -> int:
         """ms since 1970, by the clock of the journal."""
         return int(1000.0 * self._clock())

@@ -132,7 +132,7 @@ class ManagedRobot:
         if heard.is_located:
             self._located = now - max(report.age, 0.0)
         self.client.grow(now - self._located)
-        if heard.took or heard.refused or self.client.order is None:
+        if heard.news.took or heard.news.refused or self.client.order is None:
             self.liveness.nothing_to_answer(now)
             self.notice(Sign.ANSWER)
         self.passed += heard.passed
@@ -154,9 +154,9 @@ class ManagedRobot:
     def _judge(self, heard: Heard, report: Report, now: float) -> None:
         if heard.passed:
             self._refusals = 0
-        if heard.refused:
+        if heard.news.refused:
             self._follow_refusal(heard)
-        elif heard.took and report.motion is Motion.ON_ROUTE:
+        elif heard.news.took and report.motion is Motion.ON_ROUTE:
             self.notice(Sign.DRIVES)
         if report.said.unready is ReasonCode.EMERGENCY_STOP:
             self.notice(Sign.EMERGENCY, 'emergency stop')
@@ -174,8 +174,8 @@ class ManagedRobot:
             if sign is not None:
                 reason = report.said.reason
                 self.notice(sign, reason.text if reason else words_of(heard.cause))
-        elif heard.failed and self.outage is None:
-            self.notice(sign_of(heard.failed), heard.failed.text)
+        elif heard.news.failed and self.outage is None:
+            self.notice(sign_of(heard.news.failed), heard.news.failed.text)
         elif heard.is_off_graph and self.record.is_standing:
             self.notice(Sign.LEFT_GRAPH, 'it reports that it is off the graph')
         elif heard.left and (self.outage is None or self.outage is Outage.STOPPED
@@ -184,15 +184,15 @@ class ManagedRobot:
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
-        sign = sign_of(heard.refused)
+        sign = sign_of(heard.news.refused)
         if sign in (Sign.CLOCK_OFF, Sign.LINK_LOST, Sign.EMERGENCY):
             self._retried = self.liveness.seen
-            self.notice(sign, heard.refused.text)
+            self.notice(sign, heard.news.refused.text)
             return
-        self._refusals += not heard.was_shorter
+        self._refusals += not heard.news.was_shorter
         if self._refusals >= REFUSALS:
             self.notice(Sign.FAILURE,
-                        f'it refused its route {REFUSALS} times: {heard.refused}')
+                        f'it refused its route {REFUSALS} times: {heard.news.refused}')
 
     @property
     def _was_nowhere(self) -> bool:

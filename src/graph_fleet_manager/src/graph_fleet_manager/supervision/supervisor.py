@@ -18,7 +18,6 @@ from graph_fleet_manager.interlocking.reports import (
     check_report,
     old_location,
 )
-from graph_fleet_manager.interlocking.route_client import Heard
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
@@ -57,7 +56,7 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from route_protocol.messages import WrongReport
-from route_protocol.values import EpochCause, Reason
+from route_protocol.values import EpochCause
 from trajectory_graph import Graph
 from trajectory_graph.id_lists import listed
 
@@ -84,14 +83,12 @@ class Supervisor:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
         memories, stored = journal.robots(), journal.graph()
-
-        def clock() -> int:
-            return journal.milliseconds
         is_same = graph.is_same(stored)
         before = None if is_same else stored
-        self.robots = robots_of(fleet, settings, graph, memories, before, now, clock)
+        self.robots = robots_of(fleet, settings, graph, memories, before, now,
+                                journal.milliseconds)
         self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now,
-                                                              clock)
+                                                           journal.milliseconds)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
         """The data by which requests are checked."""
@@ -105,7 +102,6 @@ class Supervisor:
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
         self._waiting = WaitingMissions(self.book, self.robots)
-        self._refused: Dict[str, Reason] = {}  # by robot: the last refusal that was told
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
         self.interlocking = Interlocking(self.network.geometry, fleet.clearance, self._everywhere)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
@@ -254,23 +250,20 @@ class Supervisor:
                arrived: Optional[float] = None) -> List[Action]:
         """Handles a robot's report of place and route. `arrived`: when the report came."""
         robot, arrived = self.robots[name], now if arrived is None else arrived
-        try:
-            check_report(report, self.network.graph)
-        except WrongReport as wrong:
-            self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
-            return self._actions(now)
-        self._out.note_state(f'{name}/age', old_location(name, report),
-                             f'The locations of {name} are new again.')
         before = robot.client.progress
         try:
+            check_report(report, self.network.graph)
+            self._out.note_state(f'{name}/age', old_location(name, report),
+                                 f'The locations of {name} are new again.')
             heard = robot.hear(report, arrived)
         except WrongReport as wrong:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._actions(now)
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
-        if heard.refused:
-            self._note_refusal(robot, heard)
-        if heard.is_older:
+        if heard.news.refused:  # during an emergency stop each attempt is refused
+            self._out.note_state(f'{name}/refusal',
+                                 f'{name} refused an order: {heard.news.refused}.', '')
+        if heard.news.is_older:
             self._doubt_orders(robot, report)
         elif heard.cause is EpochCause.STOP:
             self._stop_as_well(robot)
@@ -287,12 +280,6 @@ class Supervisor:
         self._separate()
         self._outages.look_at(robot)
         return self._out.take_unless_due_later(now)
-
-    def _note_refusal(self, robot: ManagedRobot, heard: Heard) -> None:
-        """Tells the first refusal of a robot; during an emergency stop each attempt is refused."""
-        if heard.refused != self._refused.get(robot.name):
-            self._refused[robot.name] = heard.refused
-            self._out.note(f'{robot.name} refused an order: {heard.refused}.', True)
 
     def _stop_as_well(self, robot: ManagedRobot) -> None:
         """Stops the fleet because a robot got a stop that bypassed the supervisor."""

@@ -72,7 +72,7 @@ class OrderIntake:
 
     def arrived(self, order: RouteOrder, now: float) -> bool:
         """Answers an order that has arrived; returns whether it is a stop to obey, or waits."""
-        judgement = self._judge(order, now)
+        judgement = self.old_masters.answer(order, self._vehicle, now)
         if judgement.answer is Answer.STOP:
             self._waiting = None
             return True
@@ -92,11 +92,6 @@ class OrderIntake:
             self._waiting = None
             self.refuse(order, OVERRULED if order.known_epoch else TAKEN_OVER)
 
-    def _judge(self, order: RouteOrder, now: float) -> Judgement:
-        if order.order or order.is_stop:
-            return self._vehicle.judge(order)
-        return self.old_masters.judge(order, self._vehicle.state, now)
-
     def _explain(self, order: RouteOrder, reason: Reason) -> None:
         """Notes once why an order is ignored, if a person should know it."""
         note = f'Route {order.route_id} is ignored: {reason}.'
@@ -114,7 +109,8 @@ class OrderIntake:
         if self._waiting is None:
             return None
         order, give_up = self._waiting
-        judgement = self._judge(order, now)  # again: the route may have gone on meanwhile
+        # again: the route may have gone on meanwhile
+        judgement = self.old_masters.answer(order, self._vehicle, now)
         if judgement.answer is Answer.ROUTE:
             try:
                 check_order(order, 'the robot')

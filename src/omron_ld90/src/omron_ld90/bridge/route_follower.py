@@ -15,8 +15,6 @@ The epoch of the reports is the vehicle's own. Commands carry the controller's e
 """
 from __future__ import annotations
 
-import secrets
-import time
 from dataclasses import replace
 from functools import partial
 from typing import Callable, Iterable, List, Optional, Tuple
@@ -38,10 +36,10 @@ from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
+from route_protocol.old_masters import as_failed_route
 from route_protocol.order_rules import RouteRefused
 from route_protocol.values import (
     NO_REASON,
-    EdgeState,
     EpochCause,
     Location,
     Motion,
@@ -53,7 +51,7 @@ from route_protocol.values import (
     RouteReport,
     SymbolicPose,
 )
-from route_protocol.vehicle import OLD_MASTER, Vehicle
+from route_protocol.vehicle import OLD_MASTER, Vehicle, draw_epoch, milliseconds
 from trajectory_graph import Graph
 
 _SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot has sent no status')
@@ -64,22 +62,12 @@ _STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
 """After a new epoch for one of these reasons the robot only rolls on along our route."""
 
 
-def draw_epoch() -> int:
-    """Returns the number of a new epoch: random, and never 0."""
-    return secrets.randbits(63) | 1
-
-
-def clock() -> int:
-    """Returns ms since 1970."""
-    return time.time_ns() // 1_000_000
-
-
 class RouteFollower:
     """Drives one robot along the routes of a fleet manager."""
 
     def __init__(self, settings: Settings, graph: Optional[Graph] = None,
                  links: Iterable[p.Link] = (), draw: Callable[[], int] = draw_epoch,
-                 clock: Callable[[], int] = clock) -> None:
+                 clock: Callable[[], int] = milliseconds) -> None:
         """`links`: the links that must be up before an order is accepted.
 
         draw, clock -- see `Vehicle`
@@ -322,9 +310,7 @@ class RouteFollower:
         state = self.vehicle.state
         if state.master in (None, OLD_MASTER) and not refusal.order and (
                 state.route_id != refusal.route_id or not state.edges):
-            self._out.append(replace(
-                self.report(), route_id=refusal.route_id, edges=refusal.edges,
-                states=(EdgeState.FAILED,) * len(refusal.edges), reason=refusal.reason))
+            self._out.append(as_failed_route(self.report(), refusal))
 
     # --- progress of the route --------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ import rospy
 
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
+from route_protocol.messages import refusal_of
 from route_protocol.values import reason_of
 from trajectory_graph import Graph
 from vda5050_vehicle.drivers.route_driver import RouteDriver
@@ -52,9 +53,9 @@ class RouteLink:
         self._tell(lambda now: self._driver.on_report(report, now))
 
     def _on_refused(self, message: RouteRefused) -> None:
+        refusal = refusal_of(message)
         self._tell(lambda now: self._driver.on_refused(
-            message.route_id, tuple(message.edges),
-            reason_of(message.reason_code, message.reason), now))
+            refusal.route_id, refusal.edges, refusal.reason, now))
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._tell(lambda now: self._driver.use_graph(graph))
