@@ -38,7 +38,6 @@ from graph_fleet_manager.supervision import questions
 from graph_fleet_manager.supervision.actions import AskPlanner
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.settings import RobotSettings
-from graph_fleet_manager.supervision.supervisor import Supervisor
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
 LIVES = 60 if os.environ.get('LD90_LONG_TESTS') == '1' else 20  # number of lives with all guards
@@ -126,7 +125,7 @@ def test_a_guard_that_is_missing_is_found(table: str, guard: str, seed: int,
                                           monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CorruptedFleet, 'kinds', (without_order, with_holes, exchanged))
     monkeypatch.setattr(questions, 'fault_of', lambda *_: '')
-    monkeypatch.setattr(Supervisor, '_separate', lambda *_: None)
+    monkeypatch.setattr(interlocking.Interlocking, 'separate', lambda *_: [])
     guards = getattr(interlocking, table)
     live(seed, RecklessFleet)
     without = tuple(one for one in guards if one.__name__ != guard)

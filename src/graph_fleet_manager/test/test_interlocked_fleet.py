@@ -104,10 +104,10 @@ def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_e
     held = set(blocked(fleet, 'a')[1])
     assert {1, 2, 3, 4} & held
     restart(fleet, without(graph, 2))
-    lost = fleet.supervisor.robots['a'].client.lost
+    lost = fleet.supervisor.robots['a'].client.memory.lost.areas
     assert any(area.line[0] == (2.0, 0.0) and area.line[-1] == (4.0, 0.0) for area in lost)
     fleet.restart()
-    assert fleet.supervisor.robots['a'].client.lost == lost, (
+    assert fleet.supervisor.robots['a'].client.memory.lost.areas == lost, (
         'the restart must not forget it')
 
 

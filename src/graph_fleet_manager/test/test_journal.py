@@ -18,7 +18,7 @@ from fleet_builders import AGV, corridor
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import Located, Memory
+from graph_fleet_manager.interlocking.route_client import Located, Lost, Memory
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
 from graph_fleet_manager.supervision.journal_database import (
     JournalError,
@@ -87,8 +87,8 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
         open=(Order(7, 2 ** 60, 0, (1, -2), 3), Order(9, 0, 1, ())), behind=(Step(0, 1),),
         held=(Step(1, 4),), is_anywhere=True, commands=True, unknown=9, gap=(5, 6))
     client = Memory(protocol, (1, 0.5), GraphPosition(edge=1, fraction=0.25),
-                    (Located((1.0, 2.0), 0.5),), (Area(((0.0, 0.0), (1.0, 0.0)), 0.3),), 9, True,
-                    True)
+                    (Located((1.0, 2.0), 0.5),), Lost((Area(((0.0, 0.0), (1.0, 0.0)), 0.3),), 9),
+                    True, True)
     memory = RobotMemory(client, Outage.TAKEN_OVER, 'why', True, True, 6, 0.5, AGV)
     journal.store([mission], {'a': memory}, {'number': 7})
     journal.close()
@@ -207,7 +207,7 @@ def test_a_robot_of_version_1_0_keeps_all_that_it_may_be_on(path):
     assert client.held == (2, 3, 4, 5) and client.cleared == (0, 0.5)
     assert client.position == GraphPosition(vertex=2)
     assert client.locations == (Located((1.0, 3.0), 0.5),)
-    assert client.lost == (Area(((20.0, 3.0), (20.0, 4.0))),)
+    assert client.lost.areas == (Area(((20.0, 3.0), (20.0, 4.0))),)
     assert not (client.is_absent or client.protocol.open or client.protocol.is_ready)
     assert (robot.dock, robot.charge, robot.kind) == (6, 0.5, AGV)
 

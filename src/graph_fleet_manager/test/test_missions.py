@@ -12,7 +12,7 @@ from graph_fleet_manager.supervision.missions import (
     Request,
     RequestRefused,
 )
-from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, sign_of
+from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of
 from route_protocol.values import Reason, ReasonCode
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
@@ -96,6 +96,22 @@ def test_the_code_of_a_failed_route_and_no_word_says_how_the_robot_comes_back(co
     reason = Reason(code, 'emergency stop, taken over, lost link')
     assert TRANSITIONS[sign_of(reason)].target is outage
     assert outage.needs_person == (outage in (Outage.TAKEN_OVER, Outage.FAILED))
+
+
+_OF_PEOPLE = {Sign.TAKEN_OUT, Sign.BROUGHT_IN, Sign.DECLARED_ABSENT}
+
+
+@pytest.mark.parametrize('outage', Outage)
+def test_each_outage_begins_and_ends_by_an_event_and_its_end_is_told(outage):
+    """No restart and no guess is needed. A robot that needs a person waits for `fleet in`."""
+    ends = {sign for sign, change in TRANSITIONS.items()
+            if outage in change.sources and change.target is None}
+    begins = {sign for sign, change in TRANSITIONS.items() if change.target is outage}
+    assert begins or outage is Outage.UNSEEN  # each robot begins with UNSEEN
+    assert Sign.BROUGHT_IN in ends or outage is Outage.ABSENT
+    by_itself = ends - _OF_PEOPLE
+    assert bool(by_itself) is not outage.needs_person or outage is Outage.OFF_GRAPH
+    assert ('`fleet in a`' in outage.way_back('a')) is outage.needs_person
 
 
 def test_ended_missions_are_forgotten_but_for_the_last():

@@ -190,7 +190,9 @@ def test_after_an_emergency_stop_the_robot_goes_on_by_itself():
     fleet.agvs['a'].emergency = False
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
-    assert fleet.notes[told:] == ['a cannot work: emergency stop.', 'a works again.']
+    assert fleet.notes[told:] == [
+        'a cannot work: emergency stop. It comes back when the emergency stop is released and the '
+        'motors are on.', 'a works again.']
 
 
 def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
@@ -199,7 +201,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet.run(3.0)
     fleet.agvs['a'].fail(EMERGENCY_STOP)  # reported before it refuses orders because of it
     fleet.run_until_done(1)
-    assert 'a cannot work: emergency stop.' in fleet.notes
+    assert any(note.startswith('a cannot work: emergency stop.') for note in fleet.notes)
 
 
 def test_a_robot_taken_over_needs_a_person_and_its_mission_goes_to_another():

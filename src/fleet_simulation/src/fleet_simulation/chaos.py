@@ -254,7 +254,7 @@ class Chaos:
         """Lets another program order the robot to the end of its current edge."""
         agv = self.fleet.agvs[robot]
         if agv.is_driving and robot not in self.fleet.lost:
-            self.promises.driven_by_hand(robot, agv.edges[agv.current])
+            self.promises.blamed.add(robot)
             agv.obey_another((agv.edges[agv.current],))
 
     def carry(self, robot: str, number: int) -> None:

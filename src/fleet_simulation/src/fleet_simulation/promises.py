@@ -5,7 +5,6 @@ allocations must always include all places that a robot can really occupy or rea
 """
 from __future__ import annotations
 
-import math
 import os
 import sqlite3
 from dataclasses import dataclass
@@ -19,11 +18,12 @@ from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked, ro
 from graph_fleet_manager.interlocking.reports import CLOCK_ERROR
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
+from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import Graph
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
 _EXACT = 0.06  # m: the length of an arc that a standing robot may be beside its place
-_STANDS = 1.5       # s after which a robot that a person has put down is known to stand
+_STANDS = 1.5       # s after which a robot that is heard again is known to stand
 
 
 @dataclass
@@ -68,10 +68,6 @@ class Promises:
         self.resting: Dict[str, Rest] = {}
         self.blamed: Set[str] = set()
         self.carried: Set[str] = set()
-        self._by_hand: Dict[str, int] = {}
-        """By robot: the edge over which another program drove it."""
-        self._moved_at: Dict[str, float] = {}
-        """By robot: when a person or another program last moved it."""
         self._given: Dict[str, Set[int]] = {}
         self._lines = {id: LineString([_at(graph, id, 0.0), _at(graph, id, 1.0)])
                        for id in graph.edges}
@@ -95,18 +91,6 @@ class Promises:
         """The mission of a robot was cancelled or paused."""
         if len(self._may_drive(name)) > 1:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
-
-    def driven_by_hand(self, name: str, edge: int) -> None:
-        """Another program drives a robot over an edge: robots that hold places near it are stopped,
-        too."""
-        self.blamed.add(name)
-        self._by_hand[name] = edge
-        for other, robot in self.fleet.supervisor.robots.items():
-            held = unary_union([self._lines[abs(one)] for one in robot.record.held]
-                               + [Point(self.fleet.agvs[other].position)])
-            if self._lines[abs(edge)].distance(held) < (
-                    robot.type.radius + self.fleet.agvs[name].kind.radius + self.fleet.clearance):
-                self.blamed.add(other)
 
     def closed(self) -> None:
         """A person closed edges; only routes that robots already have may still lead there."""
@@ -245,14 +229,8 @@ class Promises:
         believed = {abs(edge) for edge in robot.record.held} | set(edges)
         is_unknown = name in fleet.supervisor.unknown  # then nothing is granted to any robot
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
-        if name in self.carried or agv.is_driving and agv.edges == (self._by_hand.get(name),):
-            self._moved_at[name] = fleet.now
         if not agv.off_graph and robot.record.pose == agv.pose:
             self.carried.discard(name)
-        if fleet.now - self._moved_at.get(name, -math.inf) <= _STANDS and (
-                fleet.hangs or name in fleet.lost or fleet.silent.get(name, 0.0) > fleet.now):
-            # Its area grows, because the supervisor does not know how far it is moved on.
-            self.blamed.update(fleet.agvs)
         if drives or (name not in self.carried and abs(agv.edge) not in believed
                       and not is_unknown and robot.liveness.is_seen):
             held = unary_union([*(self._lines[edge] for edge in believed),
@@ -260,8 +238,8 @@ class Promises:
             assert held.buffer(_EXACT).covers(self._possible(name, drives)), (
                 f'{name} may drive {drives}, but holds {believed} {vertices} only: '
                 f'{fleet.picture()}')
-        if robot.outage is not None and robot.outage.needs_person:
-            assert name in self.blamed, f'{name} needs a person: {fleet.picture()}'
+        if robot.needs_person and name not in self.blamed:
+            self._check_blame(name)
         is_well = not (fleet.loss or fleet.hangs or name in fleet.lost
                        or max(fleet.deaf.get(name, 0.0), fleet.silent.get(name, 0.0)) > fleet.now)
         if not is_well:
@@ -269,6 +247,19 @@ class Promises:
         since = max([self._well_since[name], *([self.stopped.since] if self.stopped else [])])
         if self.stopped is not None and fleet.now - since > STOPS_WITHIN:
             assert not agv.edges, f'{name} did not stop: {fleet.picture()}'
+
+    def _check_blame(self, name: str) -> None:
+        """Checks that a robot to which no fault happened is left to a person for another one.
+
+        The other one may be near it: a fault happened to it, or its location is an old one.
+        """
+        fleet, supervisor = self.fleet, self.fleet.supervisor
+        assert supervisor.robots[name].outage is Outage.TOO_NEAR and any(
+            supervisor.robots[other].client.allocation.areas
+            and (other in self.blamed or fleet.now - self._well_since[other] <= _STANDS)
+            for other in supervisor.interlocking.excluding(name)), (
+            f'{name} needs a person: {fleet.picture()}')
+        self.blamed.add(name)
 
     # -- the true state ---------------------------------------------------------------------------
 

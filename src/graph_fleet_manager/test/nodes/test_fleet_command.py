@@ -19,6 +19,13 @@ def test_every_state_has_its_word(state):
     assert line.split('agv')[1].strip().startswith(state.name.lower().replace('_', ' '))
 
 
+def test_below_the_table_it_says_how_each_robot_without_work_comes_back():
+    robots = [FleetRobot(name='a'), FleetRobot(
+        name='b', state=FleetRobot.TAKEN_OVER, outage_code=FleetRobot.OUTAGE_TOO_NEAR)]
+    assert fleet._listed(FleetState(robots=robots)).splitlines()[3:] == [
+        'b: When they are apart, bring it back with `fleet in b`.']
+
+
 @pytest.fixture
 def called(monkeypatch):
     """The called services. `gone` is no longer in the fleet file, `near` reports."""

@@ -20,6 +20,7 @@ from graph_fleet_manager.commands.fleet_client import (
     table,
 )
 from graph_fleet_manager.commands.stop import stop
+from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE
 from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.srv import DeclareAbsent
@@ -97,6 +98,7 @@ def _absent(robots: Sequence[str]) -> int:
 
 
 def _listed(state: FleetState) -> str:
+    """The table of all robots, and below it how those without work come back."""
     rows = [('robot', 'type', 'state', 'place', 'battery', 'mission', 'to', 'waits for')]
     for robot in state.robots:
         place = (f'edge {robot.pose.edge_id} at {robot.pose.percentage:.0f} %'
@@ -110,4 +112,9 @@ def _listed(state: FleetState) -> str:
                      '-' if math.isnan(robot.battery) else f'{100.0 * robot.battery:.0f} %',
                      str(robot.request_id) if robot.has_mission else '-',
                      str(robot.destination or '-'), robot.waits_for))
-    return table(rows)
+    ways_back = []
+    for robot in state.robots:
+        outage = OUTAGE_OF_CODE.get(robot.outage_code)
+        if outage is not None:
+            ways_back.append(f'{robot.name}: {outage.way_back(robot.name)}')
+    return '\n'.join((table(rows), *ways_back))

@@ -112,7 +112,8 @@ class Interlocking:
 
     No two allocations may exclude each other: the curves of the places of two robots must stay at
     least both reaches and the clearance apart. `grant` therefore gives a robot only edges that all
-    GATES and all CONDITIONS allow.
+    GATES and all CONDITIONS allow. Evidence may make allocations exclude each other all the same;
+    then `separate` stops all these robots. It is to be called after each event.
 
     clearance -- m that stays free between any two robots
     robots    -- all robots that the fleet manager knows, also those that left the fleet file
@@ -252,15 +253,29 @@ class Interlocking:
         area = Area((position.point(robot.client.record.graph),))
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
-    def newly_excluding(self) -> List[Tuple[str, str]]:
-        """All pairs of robots that exclude each other, if an allocation of the pair has changed.
+    def separate(self, is_starting: bool = False) -> List[str]:
+        """Stops robots that exclude each other since an allocation changed. Returns their names.
 
-        A grant never makes such a pair: evidence does, or a robot that drives its route again.
+        A grant never makes such a pair: evidence does, or a robot that drives its route again. In
+        the second case a robot with nothing to drive needs no stop: it is granted nothing
+        meanwhile. A robot that needs a person is stopped already.
+
+        is_starting -- the place of a robot that has not reported yet is known only roughly
         """
         self._refresh()
         changed, self._to_compare = self._to_compare, set()
-        return [(name, other) for name in sorted(changed) if name in self._robots
-                for other in self.excluding(name)]
+        stopped: Dict[str, InterlockedRobot] = {}
+        for name in sorted(changed & self._robots.keys()):
+            for other in self.excluding(name):
+                pair = self._robots[name], self._robots[other]
+                if is_starting and not all(robot.client.is_heard for robot in pair):
+                    continue
+                by_evidence = any(robot.client.is_by_evidence for robot in pair)
+                stopped.update((robot.name, robot) for robot in pair if not robot.needs_person
+                               and (by_evidence or robot.client.record.ahead))
+        for robot in stopped.values():
+            robot.client.halt()
+        return list(stopped)
 
     def _in_area(self, name: str, kind: RobotType, area: Area) -> Iterator[str]:
         for other, allocation in self._known.items():

@@ -86,21 +86,31 @@ class Located(NamedTuple):
         return Area((self.point,), max(self.age, 0.0) * kind.speed)
 
 
+class Lost(NamedTuple):
+    """Areas of edges that a robot held, and that the graph in force does not have.
+
+    until -- number of the stop after which the robot is seen not to be there
+    """
+
+    areas: Tuple[Area, ...] = ()
+    until: int = 0
+
+
+NOT_LOST = Lost()
+
+
 class Memory(NamedTuple):
     """The state of a route client that must survive a restart.
 
     position   -- where the robot stands
     locations  -- the last two, the newest first, as far as they matter after a restart
-    lost       -- areas of edges that the graph in force does not have
-    lost_until -- number of the stop after which the robot is seen not to be there
     """
 
     protocol: MasterState = MasterState()
     cleared: Tuple[int, float] = (0, 0.0)
     position: Optional[GraphPosition] = None
     locations: Tuple[Located, ...] = ()
-    lost: Tuple[Area, ...] = ()
-    lost_until: int = 0
+    lost: Lost = NOT_LOST
     is_absent: bool = False
     is_doubted: bool = False
 
@@ -146,25 +156,21 @@ class RouteClient:
     def __init__(self, record: RouteRecord, clock: Clock) -> None:
         self.record = record
         self._clock = clock
-        self._sent: Tuple[int, float] = (0, -math.inf)  # number of the last order, and when
-        self._restored = 0  # number of the last order before this start: it may have been sent
+        # Number of the last order that may have been sent, and when, if by this program.
+        self._sent: Tuple[int, float] = (0, -math.inf)
         self._label = 0  # of the route that is being extended
         self.locations: Tuple[Located, ...] = ()
         self.reach = 0.0
         """Radius (m) around the last location: another one may have moved the robot since then."""
-        self.lost: Tuple[Area, ...] = ()
-        """Areas of edges that the robot held, and that the graph in force does not have."""
-        self._lost_until = 0
-        self._told: Tuple[float, Optional[Point]] = (0.0, None)
+        self._lost = NOT_LOST
+        # Stamp and point of the newest location; None: it has not reported since the start.
+        self._told: Optional[Tuple[float, Optional[Point]]] = None
         self._strays = 0         # number of consecutive locations that were elsewhere
         self._off_graph = 0      # number of consecutive reports that were off the graph
-        self.is_absent = False
-        self._absent_since = -math.inf
+        self._absent_since: Optional[float] = None  # the supervisor's time
         self.clock_is_off = False
         self.is_doubted = False
         """The stored place may be an old one, and the robot has not reported its place since."""
-        self.is_heard = False
-        """Has the robot reported since the start?"""
         self._beside: Optional[Point] = None
         """Where the robot stood when another beginning of its next route was chosen."""
         self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
@@ -201,7 +207,17 @@ class RouteClient:
     @property
     def is_ready(self) -> bool:
         """May the robot be given a route now?"""
-        return self.protocol.is_ready and not self.lost
+        return self.protocol.is_ready and not self._lost.areas
+
+    @property
+    def is_heard(self) -> bool:
+        """Has the robot reported since the start?"""
+        return self._told is not None
+
+    @property
+    def is_absent(self) -> bool:
+        """Did a person declare that the robot is not on the site?"""
+        return self._absent_since is not None
 
     @property
     def needs_stop(self) -> bool:
@@ -243,7 +259,7 @@ class RouteClient:
         holds = record.holds()
         standing = record.position if record.is_standing else None
         vertex = None if standing is None else standing.vertex
-        areas = list(self.lost)
+        areas = list(self._lost.areas)
         if standing is not None and vertex is None:
             areas.append(Area((standing.point(record.graph),)))
         areas += [one.area(kind) for one in (*self.locations[:1], *(
@@ -280,7 +296,7 @@ class RouteClient:
         protocol, record = self.protocol, self.record
         return (protocol.epoch, protocol.order, protocol.refused, protocol.done, protocol.open,
                 protocol.held, protocol.is_anywhere, protocol.unknown, record.generation,
-                record.position, self._stored_locations, self.lost, self.is_doubted)
+                record.position, self._stored_locations, self._lost, self.is_doubted)
 
     def _changed(self) -> None:
         self._allocation = None
@@ -324,7 +340,7 @@ class RouteClient:
     def _take_back_unsent(self) -> None:
         """Takes back a route that never left this program: no robot can know of it."""
         order = self.order
-        if order is None or not order.edges or order.number <= max(self._sent[0], self._restored):
+        if order is None or not order.edges or order.number <= self._sent[0]:
             return
         self._set(replace(self.protocol, open=self.protocol.open[:-1]))
         if not self.record.ahead:
@@ -346,7 +362,7 @@ class RouteClient:
         if order is None:
             return None
         number, at = self._sent
-        is_repeat = number == order.number
+        is_repeat = number == order.number and at > -math.inf
         if is_repeat and now - at < REPEAT:
             return None
         self._sent = order.number, now
@@ -373,7 +389,8 @@ class RouteClient:
         if not news.is_new:
             return Heard()
         self._set(protocol)
-        is_first, self.is_heard = not self.is_heard, True
+        is_first = not self.is_heard
+        self._told = self._told or (0.0, None)
         record.pose = report.pose
         self._off_graph = 0 if report.pose.edge else self._off_graph + 1
         heard = Heard(news, record.passed(news.passed), news.cause if before.epoch else None,
@@ -445,8 +462,8 @@ class RouteClient:
     def _stand(self, report: Report) -> None:
         """The robot stands at the location of this report, and on nothing else."""
         record = self.record
-        if self.lost and self.protocol.order >= self._lost_until:
-            self.lost = ()
+        if self.protocol.order >= self._lost.until:
+            self._lost = NOT_LOST
         if self._beside is not None and self.location is not None and (
                 math.dist(self._beside, self.location) <= TREMBLE):
             record.stand(record.position)
@@ -491,8 +508,7 @@ class RouteClient:
     def memory(self) -> Memory:
         """The state for `restore` after a restart. It must be stored before an order is sent."""
         return Memory(self.protocol, self.record.cleared, self.record.position,
-                      self._stored_locations, self.lost, self._lost_until, self.is_absent,
-                      self.is_doubted)
+                      self._stored_locations, self._lost, self.is_absent, self.is_doubted)
 
     def restore(self, memory: Memory, now: float = 0.0) -> None:
         """Sets the state from before a restart."""
@@ -501,11 +517,10 @@ class RouteClient:
         # No journal that this start has read knows the numbers between these two.
         self.record.protocol = replace(memory.protocol, gap=(number, self._next_number()))
         self.record.cleared = memory.cleared
-        self._restored = number
+        self._sent = number, -math.inf
         self.record.position = memory.position
-        self.locations, self.lost = memory.locations, memory.lost
-        self._lost_until = memory.lost_until
-        self.is_absent, self._absent_since = memory.is_absent, now
+        self.locations, self._lost = memory.locations, memory.lost
+        self._absent_since = now if memory.is_absent else None
         self.is_doubted = memory.is_doubted
         self.reach = MANUAL_REACH if memory.protocol.is_anywhere else 0.0
         self._changed()
@@ -517,11 +532,9 @@ class RouteClient:
         """
         if not areas:
             return
-        self.lost = (*self.lost, *areas)
         if not self.is_stopping:
             self.halt()
-        order = self.order
-        self._lost_until = order.number if order is not None else self.protocol.number
+        self._lost = Lost((*self._lost.areas, *areas), self.protocol.number)
         self._changed()
 
     # -- other evidence ---------------------------------------------------------------------------
@@ -543,7 +556,7 @@ class RouteClient:
 
     def doubt(self) -> None:
         """The restored state is that of an old journal: until it is located, it may be anywhere."""
-        self.is_doubted, self.is_absent = True, False
+        self.is_doubted, self._absent_since = True, None
         self._changed()
 
     def settle(self, position: Optional[GraphPosition]) -> None:
@@ -551,7 +564,8 @@ class RouteClient:
         self._set(replace(self.protocol, behind=(), held=(), is_anywhere=False))
         self.record.stand(position)
         self.record.begin_anew()
-        self.locations, self.lost, self.reach, self._strays = self.locations[:1], (), 0.0, 0
+        self.locations, self._lost = self.locations[:1], NOT_LOST
+        self.reach, self._strays = 0.0, 0
         self.is_doubted, self._beside = False, None
         self._changed()
 
@@ -560,14 +574,14 @@ class RouteClient:
         self.settle(None)
         self.locations = ()
         self._set(replace(self.protocol, open=(), unknown=0))
-        self.is_absent, self._absent_since = True, now
+        self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
         """Ends the absence of a robot if its location was taken later. Returns whether it does."""
-        is_back = now - max(report.age, 0.0) > self._absent_since + CLOCK_ERROR
-        if not (self.is_absent and is_back and report.stamp):
+        if self._absent_since is None or not report.stamp or (
+                now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False
-        self.is_absent = False
+        self._absent_since = None
         self._changed()
         return True
 

@@ -27,6 +27,8 @@ Moment = Callable[[float], genpy.Time]
 _OUTAGES: Dict[Optional[Outage], int] = {
     None: msg.FleetRobot.OUTAGE_NONE,
     **{outage: getattr(msg.FleetRobot, f'OUTAGE_{outage.name}') for outage in Outage}}
+OUTAGE_OF_CODE: Dict[int, Optional[Outage]] = {code: outage for outage, code in _OUTAGES.items()}
+"""The outage of each `FleetRobot.outage_code`; None: the robot works."""
 _SAME = 1e-6           # s by which stamps of one request may differ, because floats round them
 _END_OF_TIME = genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)  # the latest time that a message can carry
 _LONGEST_NAME = 256

@@ -31,7 +31,7 @@ from file_replacement import replace_file
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import Located, Memory
+from graph_fleet_manager.interlocking.route_client import Located, Lost, Memory
 from graph_fleet_manager.supervision.journal_database import (
     JournalDatabase,
     JournalError,
@@ -376,8 +376,9 @@ def _memory_text(memory: RobotMemory) -> str:
         'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
                      'held': protocol.held},
         'cleared': client.cleared, 'place': _position_values(client.position),
-        'locations': client.locations, 'lost': [[area.line, area.radius] for area in client.lost],
-        'lost_until': client.lost_until, 'absent': client.is_absent, 'doubted': client.is_doubted,
+        'locations': client.locations,
+        'lost': [[area.line, area.radius] for area in client.lost.areas],
+        'lost_until': client.lost.until, 'absent': client.is_absent, 'doubted': client.is_doubted,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge,
@@ -389,7 +390,7 @@ def _memory(text: str) -> RobotMemory:
     client = _of_version_1(stored) if 'track' in stored else Memory(
         _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
         tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
-        _areas(stored['lost']), stored['lost_until'], stored['absent'], stored['doubted'])
+        Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'], stored['doubted'])
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
@@ -423,5 +424,5 @@ def _of_version_1(stored: Dict[str, Any]) -> Memory:
     if location is not None and reach:
         locations.append(Located((location[0], location[1])))
     return Memory(MasterState(held=held, is_anywhere=bool(reach)), (0, fraction),
-                  _position(stored['place']), tuple(locations[:2]), _areas(lost),
+                  _position(stored['place']), tuple(locations[:2]), Lost(_areas(lost)),
                   is_absent=is_absent)

@@ -39,8 +39,8 @@ class OutageWatch:
     def _drop_out(self, robot: ManagedRobot) -> None:
         mission_progress.drop_out(self._book, robot)
         if robot.outage is not Outage.UNSEEN and robot.outage is not None:
-            self._outbox.note(f'{robot.name} cannot work: {robot.why or robot.outage.value}.',
-                              True)
+            self._outbox.note(f'{robot.name} cannot work: {robot.why or robot.outage.value}. '
+                              f'{robot.outage.way_back(robot.name)}', True)
 
     def _come_back(self, robot: ManagedRobot, is_told: bool) -> None:
         mission = self._book.of_robot(robot.name)

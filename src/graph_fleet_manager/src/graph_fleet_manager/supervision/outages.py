@@ -28,6 +28,10 @@ class Outage(Enum):
         """Does the robot come back only by `fleet in`?"""
         return self in _NEED_PERSON
 
+    def way_back(self, name: str) -> str:
+        """How the robot of this name comes back, as a sentence for people."""
+        return _WAYS_BACK[self].format(name=name)
+
 
 class Sign(Enum):
     """An event that begins or ends an outage."""
@@ -60,6 +64,23 @@ _BY_ITSELF: FrozenSet[Optional[Outage]] = frozenset((
     None, *(one for one in Outage if one not in _NEED_PERSON and one is not Outage.ABSENT)))
 _ON_SITE: FrozenSet[Optional[Outage]] = _BY_ITSELF | _NEED_PERSON
 _ALL: FrozenSet[Optional[Outage]] = _ON_SITE | {Outage.ABSENT}
+
+
+_WAYS_BACK: Mapping[Outage, str] = {
+    Outage.UNSEEN: 'It comes back with its first report: switch it on, or `fleet absent {name}`.',
+    Outage.ABSENT: 'It comes back when it is switched on and reports a new location.',
+    Outage.SILENT: 'It comes back with its next report.',
+    Outage.DEAF: 'It comes back when it answers its order, which is repeated.',
+    Outage.CLOCK: 'It comes back when the clocks agree.',
+    Outage.LOST_LINK: 'It comes back when its computer reaches it and it stands where expected.',
+    Outage.STOPPED: 'It comes back when the emergency stop is released and the motors are on.',
+    Outage.TOO_NEAR: 'When they are apart, bring it back with `fleet in {name}`.',
+    Outage.TAKEN_OVER: 'When it stands on the graph, bring it back with `fleet in {name}`.',
+    Outage.FAILED: 'When the cause is gone and it stands on the graph, bring it back with '
+                   '`fleet in {name}`.',
+    Outage.OFF_GRAPH: 'Drive it onto the graph, then bring it back with `fleet in {name}`.',
+    Outage.OUT_OF_SERVICE: 'Bring it back with `fleet in {name}`.',
+}
 
 
 class Change(NamedTuple):

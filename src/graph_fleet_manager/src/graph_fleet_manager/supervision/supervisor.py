@@ -329,24 +329,13 @@ class Supervisor:
                 self._out.value_changed(RUN_NUMBER, self._run.draw())
 
     def _separate(self) -> None:
-        """Stops all robots that exclude each other since an allocation changed.
-
-        If no evidence is the cause, a robot that has nothing to drive needs no stop: it is granted
-        nothing meanwhile. After a start, the place of a robot that has not reported yet is known
-        only roughly.
-        """
-        for pair in self.interlocking.newly_excluding():
-            robots = [self.robots[name] for name in pair if name in self.robots]
-            if self._is_starting and not all(robot.client.is_heard for robot in robots):
-                continue
-            by_evidence = any(self._everywhere[name].client.is_by_evidence for name in pair)
-            for robot in robots:
-                if (by_evidence or robot.record.ahead) and robot.notice(
-                        Sign.EXCLUDED, self._too_near('it', robot)):
-                    robot.client.halt()
-                    self._out.robot_changed(robot.name)
-                    self._outages.look_at(robot)
-                    self._out.send()
+        """Lets the interlocking stop robots that exclude each other. They need a person then."""
+        for name in self.interlocking.separate(self._is_starting):
+            robot = self.robots[name]
+            robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
+            self._out.robot_changed(name)
+            self._outages.look_at(robot)
+            self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
         """A clause that names all robots to which this one is too near; empty: there is none."""
