@@ -440,3 +440,26 @@ def test_a_robot_whose_clock_is_mended_while_the_fleet_is_stopped_goes_on_with_i
     fleet.request(1, 4)
     fleet.run_until_done(1, limit=60.0)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('restart_after', [0.2, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 4.0])
+def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_ever(restart_after):
+    """Each outage is stored, so the next supervisor knows what the robot waits for (S12)."""
+    fleet = SupervisedFleet(corridor(8, siding_at=4), {'a': (AGV, 1), 'b': (AGV, 8)},
+                            settings=RobotSettings(release_ahead=3.0))
+    fleet.run(2.0)
+    fleet.request(1, 6, robot='a')
+    stopped = fleet.agvs['a']
+    fleet.run_until(lambda: stopped.is_driving and stopped.edge == 2)
+    stopped.emergency = True
+    fleet.run(0.5)
+    stopped.emergency = False
+    fleet.run_until(lambda: any(order.robot == 'a' and order.edges for order in fleet._to_robots))
+    fleet.lose_link('a')
+    fleet.run(1.6)
+    fleet.find_link('a')
+    fleet.run(restart_after)
+    fleet.restart()
+    fleet.request(2, 1, robot='b')
+    fleet.run_until_done(1, 2)
+    assert (fleet.state(1), fleet.state(2)) == (MissionState.SUCCEEDED, MissionState.SUCCEEDED)
