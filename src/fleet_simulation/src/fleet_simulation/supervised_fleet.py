@@ -33,6 +33,11 @@ import numpy as np
 
 from fleet_simulation.plain_agv import Agv, LostLink
 from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
+from graph_fleet_manager.interlocking.conformance import (
+    Conformance,
+    ObservedRobot,
+    Violation,
+)
 from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.interlocking.route_client import ME
 from graph_fleet_manager.planning.planner import FleetPlanner
@@ -247,7 +252,7 @@ class VirtualFleet(Generic[Body]):
         # No time limit for switching: the speed of the computer must not change the results.
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now,
-                                     switching=switching)
+                                     switching=switching, conformance=StrictConformance())
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:
@@ -527,6 +532,17 @@ class VirtualFleet(Generic[Body]):
         lines.append(f'is planning: {self.supervisor.plan_executor.is_planning}; last notes: '
                      f'{self.notes[-5:]}')
         return '\n'.join(lines)
+
+
+class StrictConformance(Conformance):
+    """Raises AssertionError at the first event that is not a step of the model of allocations."""
+
+    def event(self, robots: Mapping[str, ObservedRobot],
+              excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
+        """Checks an event; returns nothing."""
+        found = super().event(robots, excluding)
+        assert not found, '; '.join(map(str, found))
+        return found
 
 
 class SupervisedFleet(VirtualFleet[Agv]):

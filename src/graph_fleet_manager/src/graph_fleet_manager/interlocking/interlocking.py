@@ -29,6 +29,7 @@ from graph_fleet_manager.geometry.areas import Area, are_nearer
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
 from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
 from graph_fleet_manager.interlocking.claims import Claim, ClaimIndex
+from graph_fleet_manager.interlocking.conformance import Conformance, Violation
 from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.interlocking.route_client import RouteClient, Sending
 
@@ -115,12 +116,14 @@ class Interlocking:
     GATES and all CONDITIONS allow. Evidence may make allocations exclude each other all the same;
     then `separate` stops all these robots. It is to be called after each event.
 
-    clearance -- m that stays free between any two robots
-    robots    -- all robots that the fleet manager knows, also those that left the fleet file
+    clearance   -- m that stays free between any two robots
+    robots      -- all robots that the fleet manager knows, also those that left the fleet file
+    conformance -- checks each step against the model; None: nothing does
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
-                 robots: Mapping[str, InterlockedRobot]) -> None:
+                 robots: Mapping[str, InterlockedRobot],
+                 conformance: Optional[Conformance] = None) -> None:
         self.is_stopped = False
         """Is the fleet stopped?"""
         self.trouble = ''
@@ -129,6 +132,7 @@ class Interlocking:
         """Ids of the edges onto which no robot may be sent."""
         self._geometry, self._clearance = geometry, clearance
         self._robots = robots
+        self._conformance = conformance
         self._known: Dict[str, Allocation] = {}
         self._holds = ClaimIndex(geometry, clearance)
         self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
@@ -160,6 +164,8 @@ class Interlocking:
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if granted:
             robot.client.extend(granted, renew)
+            if self._conformance is not None:
+                self._conformance.granted(robot.name, granted)
         return Grant(tuple(granted), refusal)
 
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
@@ -189,8 +195,20 @@ class Interlocking:
         """The present allocations of these robots are in the journal now."""
         for name in names:
             if name in self._robots:
-                self._stored.put(name, self._robots[name].client.allocation)
+                allocation = self._robots[name].client.allocation
+                self._stored.put(name, allocation)
+                if self._conformance is not None:
+                    self._conformance.stored(name, allocation)
         self._to_store.difference_update(names)
+
+    # -- conformance ------------------------------------------------------------------------------
+
+    def violations(self) -> List[Violation]:
+        """What the event that ends now did against the model. To be called after its orders left.
+        """
+        if self._conformance is None:
+            return []
+        return self._conformance.event(self._robots, self.excluding)
 
     # -- orders that are sent ---------------------------------------------------------------------
 

@@ -189,6 +189,11 @@ class RouteClient:
         return self.protocol.pending
 
     @property
+    def last_sent(self) -> int:
+        """Number of the last order that may have left this program."""
+        return self._sent[0]
+
+    @property
     def is_stopping(self) -> bool:
         """Was the robot told to stop, and has not answered yet?"""
         return self.protocol.is_stopping
@@ -202,7 +207,7 @@ class RouteClient:
     def is_new_motion(self) -> bool:
         """Does that order let the robot drive, and was it never sent?"""
         return (self.order is not None and not self.takes_away
-                and self._sent[0] < self.order.number)
+                and self.last_sent < self.order.number)
 
     @property
     def is_ready(self) -> bool:
@@ -340,7 +345,7 @@ class RouteClient:
     def _take_back_unsent(self) -> None:
         """Takes back a route that never left this program: no robot can know of it."""
         order = self.order
-        if order is None or not order.edges or order.number <= self._sent[0]:
+        if order is None or not order.edges or order.number <= self.last_sent:
             return
         self._set(replace(self.protocol, open=self.protocol.open[:-1]))
         if not self.record.ahead:

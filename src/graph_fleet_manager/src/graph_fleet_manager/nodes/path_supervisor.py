@@ -25,6 +25,8 @@ Parameters
     ~keep_days    float   90.0   days for which the journal keeps missions that have ended
     ~improvement  float   0.0 s  time in which the planner improves a plan before it answers
     ~order_switching bool  false  robots that wait for a late robot may drive before it
+    ~check_every     int   0      events between two checks against the model of allocations; 0: no
+                                  check
     ~sim_speed    float   1.0    factor by which simulated robots are faster
 """
 from __future__ import annotations
@@ -44,6 +46,7 @@ from sensor_msgs.msg import BatteryState
 from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
+from graph_fleet_manager.interlocking.conformance import Conformance
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
@@ -92,6 +95,7 @@ class PathSupervisor:
         self._file = JournalFile()
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._switches: bool = parameter('~order_switching', False, bool)
+        self._check_every = int(number('~check_every', 0, 0))
         self._events = EventLoop(trouble=lambda: self._file.trouble)
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
@@ -218,7 +222,8 @@ class PathSupervisor:
         try:
             switching = OrderSwitching(self._fleet.clearance) if self._switches else None
             supervisor = Supervisor(self._graph, self._fleet, self._settings, journal, now,
-                                    self._rate, self._gate, switching)
+                                    self._rate, self._gate, switching,
+                                    Conformance(self._check_every) if self._check_every else None)
         except JournalUnavailable as unavailable:
             self._file.fail(unavailable)
             return waiting

@@ -12,6 +12,7 @@ from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.interlocking.allocation import Knowledge
+from graph_fleet_manager.interlocking.conformance import Conformance
 from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
 from graph_fleet_manager.interlocking.reports import (
     Report,
@@ -74,12 +75,14 @@ class Supervisor:
     settings -- of robots by name; a robot without an entry gets the defaults of RobotSettings
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
+    conformance -- checks each event against the model of allocations; None: nothing does
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
                  journal: Journal, now: float, rate: float = 1.0,
                  gate: Optional[StopGate] = None,
-                 switching: Optional[OrderSwitching] = None) -> None:
+                 switching: Optional[OrderSwitching] = None,
+                 conformance: Optional[Conformance] = None) -> None:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
         memories, stored = journal.robots(), journal.graph()
@@ -103,7 +106,8 @@ class Supervisor:
         self._is_recovering = False
         self._waiting = WaitingMissions(self.book, self.robots)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
-        self.interlocking = Interlocking(self.network.geometry, fleet.clearance, self._everywhere)
+        self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
+                                         self._everywhere, conformance)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching)
@@ -279,7 +283,7 @@ class Supervisor:
             mission_progress.follow(self.book, robot, now)
         self._separate()
         self._outages.look_at(robot)
-        return self._out.take_unless_due_later(now)
+        return self._checked(self._out.take_unless_due_later(now), now)
 
     def _stop_as_well(self, robot: ManagedRobot) -> None:
         """Stops the fleet because a robot got a stop that bypassed the supervisor."""
@@ -345,7 +349,19 @@ class Supervisor:
     def _actions(self, now: float) -> List[Action]:
         """All actions that follow an event. Robots that exclude each other now are stopped."""
         self._separate()
-        return self._out.take(now)
+        return self._checked(self._out.take(now), now)
+
+    def _checked(self, actions: List[Action], now: float) -> List[Action]:
+        """Stops the fleet if the event did what the model of allocations does not allow."""
+        violations = self.interlocking.violations()
+        if not violations:
+            return actions
+        for violation in violations:
+            self._out.note(f'An error of the fleet manager: {violation}. The whole fleet is '
+                           'stopped. Please report it, with this log and the journal.', True)
+        if not self.is_stopped:
+            self._stop()
+        return [*actions, *self._out.take(now)]
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """Handles a report of the state of charge, 0..1."""
