@@ -44,8 +44,9 @@ class Launch:
 
     @staticmethod
     def _edit(launch: Path, folder: Path) -> None:
-        """Changes the launch file in two points.
+        """Changes the launch file in three points.
 
+        - The supervisor checks each event against the model of allocations.
         - The planner publishes its answers on TRUE_ANSWERS; the soak forwards them.
         - Bridges keep their routes in files, as on real robots.
         """
@@ -55,6 +56,8 @@ class Launch:
         tree = ET.parse(original)
         planner = next(node for node in tree.iter('node') if node.get('name') == 'path_planner')
         ET.SubElement(planner, 'remap', {'from': '/plan_answer', 'to': TRUE_ANSWERS})
+        checks = next(arg for arg in tree.iter('arg') if arg.get('name') == 'check_every')
+        checks.set('default', '1')
         tree.write(manager)
         tree = ET.parse(launch)
         for include in tree.iter('include'):

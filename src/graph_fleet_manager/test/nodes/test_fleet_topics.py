@@ -20,8 +20,11 @@ class _Publisher:
     sent: dict = {}
     error: Exception
 
-    def __init__(self, topic, *_, **__):
+    newcomers: dict = {}
+
+    def __init__(self, topic, *_, subscriber_listener=None, **__):
         self._topic = topic
+        self.newcomers[topic] = subscriber_listener
 
     def publish(self, message):
         if getattr(message, 'request_id', 0) == 13:
@@ -45,15 +48,28 @@ def test_a_question_to_the_planner_carries_its_seed(topics):
 
 def test_a_question_is_asked_again_with_all_times_where_the_planner_lacks_some(topics):
     times = {('agv', 1): 3.0}
-    for number in (3, 4):
-        topics.do([AskPlanner(number, (), (), frozenset(), times)])
-        assert topics.is_answered(answer_to(_Publisher.sent['/plan_request'][-1]))
+    topics.do([AskPlanner(3, (), (), frozenset(), times)])
+    assert topics.is_answered(answer_to(_Publisher.sent['/plan_request'][-1]))
+    topics.do([AskPlanner(4, (), (), frozenset(), times)])
     assert [len(one.edge_times) for one in _Publisher.sent['/plan_request']] == [1, 0]
     lacking = answer_to(_Publisher.sent['/plan_request'][-1], PlanAnswer.OTHER_TIMES)
     assert not topics.is_answered(lacking)
     again = _Publisher.sent['/plan_request'][-1]
     assert (again.plan_id, again.edge_times_since, len(again.edge_times)) == (4, 0, 1)
     assert topics.is_answered(answer_to(again))
+
+
+def test_a_planner_that_connects_late_gets_the_open_question_at_once(topics):
+    heard = []
+    planner_connects = _Publisher.newcomers['/plan_request'].peer_subscribe
+    planner_connects('/plan_request', None, heard.append)
+    assert not heard
+    topics.do([AskPlanner(3, (), (), frozenset(), {})])
+    planner_connects('/plan_request', None, heard.append)
+    assert [question.plan_id for question in heard] == [3]
+    assert topics.is_answered(answer_to(heard[0]))
+    planner_connects('/plan_request', None, heard.append)
+    assert len(heard) == 1
 
 
 def test_an_answer_to_an_older_question_is_none(topics):

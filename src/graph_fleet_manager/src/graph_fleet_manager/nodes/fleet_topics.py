@@ -51,7 +51,8 @@ class FleetTopics:
                                          subscriber_listener=_Newcomers(newcomer))
         self._states = rospy.Publisher('/fleet_state', FleetState, queue_size=1, latch=True)
         self._plans = FleetPlanTopic(rate)
-        self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10)
+        self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
+                                         subscriber_listener=_Newcomers(self._ask_newcomer))
         self._routes = {robot: rospy.Publisher(f'/{robot}/target_route', TargetRoute,
                                                queue_size=10) for robot in robots}
 
@@ -86,6 +87,11 @@ class FleetTopics:
         self._asked = message, question.edge_times
         send(self._requests.publish, message)
 
+    def _ask_newcomer(self, publish: Callable[[PlanRequestMessage], None]) -> None:
+        """Sends the open question to a new subscriber: a planner that was not connected before."""
+        if self._asked is not None:
+            publish(self._asked[0])
+
     def is_answered(self, answer: PlanAnswer) -> bool:
         """Returns whether this answers the last plan request.
 
@@ -98,6 +104,7 @@ class FleetTopics:
             return False
         if answer.result != PlanAnswer.OTHER_TIMES:
             self._times.answered(answer.plan_id)
+            self._asked = None
             return True
         self._times.is_lost()
         self._times.fill(question, times, self._rate)
@@ -123,10 +130,10 @@ def status_message(status: Status) -> MissionStatus:
 class _Newcomers(rospy.SubscribeListener):
     """Calls `tell(publish)` for every new subscriber."""
 
-    def __init__(self, tell: Callable[[TellStatuses], None]) -> None:
+    def __init__(self, tell: Callable[[Callable[[Any], None]], None]) -> None:
         super().__init__()
         self._new = tell
 
     def peer_subscribe(self, topic_name: str, topic_publish: Callable[[Any], None],
-                       peer_publish: TellStatuses) -> None:
+                       peer_publish: Callable[[Any], None]) -> None:
         self._new(peer_publish)

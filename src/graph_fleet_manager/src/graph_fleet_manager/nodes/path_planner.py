@@ -7,7 +7,7 @@ Subscribes
     /graph (itrci_nav_msgs/Graph, latched), /parking (itrci_nav_msgs/ParkingPlaces, latched)
     /plan_request (itrci_nav_msgs/PlanRequest)
 Publishes
-    /plan_answer (itrci_nav_msgs/PlanAnswer): one for each request
+    /plan_answer (itrci_nav_msgs/PlanAnswer, latched): one for each request
     /diagnostics
 Parameters
     ~fleet_file          string  (required)  fleet file (YAML)
@@ -70,7 +70,7 @@ class PathPlanner:
         """Version of the graph of `_service`."""
         self._status = (DiagnosticStatus.WARN, 'waiting for /graph')
         self._figures = {'planning time': '', 'robots': '', 'unserved': ''}
-        self._answers = rospy.Publisher('/plan_answer', PlanAnswer, queue_size=10)
+        self._answers = rospy.Publisher('/plan_answer', PlanAnswer, queue_size=10, latch=True)
         publish_diagnostics('none', {'planner': self._report})
         threading.Thread(target=self._work, name='planner', daemon=True).start()
         self._subscribers = [
@@ -106,7 +106,7 @@ class PathPlanner:
             older, self._request = self._request, (message, times)
             self._received = time.monotonic()
             self._changed.notify()
-        if older is not None:
+        if older is not None and older[0].plan_id != message.plan_id:
             self._answers.publish(no_plan_message(older[0], PlanAnswer.SUPERSEDED,
                                                   'A newer request came.'))
 
