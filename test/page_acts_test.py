@@ -19,10 +19,12 @@ from typing import Set
 
 import rospkg
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fleet_support import READY, Factory, Place, Simulators, free_fleet_ports
 
 from fleet_page.core.acts import ActKind
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionRequest, MissionStatus
+from node_lifecycle.watchdog import STANDSTILL
 from system_support import Recorder, run_cases, wait_until
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path('fleet_page'), 'test'))
@@ -57,6 +59,7 @@ class FleetOnThePage(unittest.TestCase):
                               f'sim_speed:={SPEED}', first_port=ports)
         try:
             cls.closed = Recorder('/closed_edges_in_force', ClosedEdges)
+            cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
             cls.requests = Recorder('/mission_request', MissionRequest)
             cls.window = Browser()
             wait_until(cls.is_served, 40.0, f'the page at {cls.url}')
@@ -171,6 +174,15 @@ class FleetOnThePage(unittest.TestCase):
         done = {row['act'] for row in rows if row['ok']}
         self.assertEqual(set(), {kind.value for kind in ActKind} - done)
         self.assertEqual({'local'}, {row['person'] for row in rows})
+
+    def test_7_no_thread_of_a_node_counted_as_blocked(self) -> None:
+        states = [status for array in self.diagnostics.messages for status in array.status
+                  if status.name.endswith(': threads')]
+        first, last = (self.diagnostics.messages[at].header.stamp.to_sec() for at in (0, -1))
+        self.assertGreater(last - first, 2 * STANDSTILL)
+        self.assertGreaterEqual(len({status.name for status in states}), 4)
+        self.assertEqual({status.message for status in states
+                          if status.level != DiagnosticStatus.OK}, set())
 
     # --- the page --------------------------------------------------------------------------------
 

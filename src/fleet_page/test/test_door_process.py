@@ -5,6 +5,7 @@ import json
 import os
 import resource
 import socket
+import threading
 import time
 import urllib.request
 
@@ -55,6 +56,21 @@ def test_the_door_ends_with_the_process_that_opened_it(tmp_path):
     process.wait()
     with pytest.raises(OSError):
         socket.create_connection(('127.0.0.1', port), 1.0)
+
+
+def test_the_thread_that_waits_for_the_door_counts_as_waiting_and_not_as_blocked(tmp_path):
+    watchdog = pytest.importorskip('node_lifecycle.watchdog')
+    process = DoorProcess(stop)
+    process.open(settings(tmp_path))
+    thread = threading.Thread(target=process.wait, name='door', daemon=True)
+    thread.start()
+    watch, end = watchdog.ThreadWatch(('fleet_page',), standstill=0.2), time.monotonic() + 1.0
+    while time.monotonic() < end:
+        assert [one for one in watch.look(time.monotonic()) if one.thread == 'door'] == []
+        thread.join(0.1)
+    process.close()
+    thread.join(10.0)
+    assert not thread.is_alive()
 
 
 def test_a_door_that_was_never_opened_ends_too():

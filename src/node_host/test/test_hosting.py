@@ -4,12 +4,15 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
+
+from node_host.address import host_address
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOURCES = PACKAGE.parent
@@ -240,6 +243,65 @@ def test_a_launch_has_one_host_only(launch):
     status, _, errors = result(launch.host())
     assert status == 1
     assert 'has a node host already' in errors
+
+
+NOBODY = 65534
+root_only = pytest.mark.skipif(os.geteuid() != 0, reason='only root can be another user, too')
+
+
+class OtherUser:
+    """A process of another user: a child of this one, as the host and its programs are."""
+
+    def __init__(self, work):
+        reader, writer = os.pipe()
+        self._pid = os.fork()
+        if self._pid == 0:
+            try:
+                os.setresuid(NOBODY, NOBODY, NOBODY)
+                with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as end:
+                    end.settimeout(20.0)
+                    work(end, lambda said: os.write(writer, said + b'\n'))
+            finally:
+                os._exit(0)
+        os.close(writer)
+        self.said = os.fdopen(reader, 'rb')
+
+    def close(self):
+        self.said.close()
+        os.waitpid(self._pid, 0)
+
+
+@root_only
+def test_a_host_starts_nothing_for_another_user(launch):
+    launch.host()
+    assert result(launch.run("print('up')"))[0] == 0
+
+    def ask(end, say):
+        end.connect(host_address())
+        say(end.recv(1) or b'refused')
+
+    other = OtherUser(ask)
+    assert other.said.readline() == b'refused\n'
+    other.close()
+    assert result(launch.run("print('up')"))[:2] == (0, 'up\n')
+
+
+@root_only
+def test_a_program_uses_no_host_of_another_user(launch):
+    def serve(end, say):
+        end.bind(host_address())
+        end.listen(1)
+        say(b'ready')
+        connection, _ = end.accept()
+        say(connection.recv(10000) or b'nothing')
+
+    other = OtherUser(serve)
+    other.said.readline()
+    status, output, errors = result(launch.run("print('up')"))
+    assert (status, output) == (1, '')
+    assert 'belongs to another user' in errors
+    assert other.said.readline() == b'nothing\n'
+    other.close()
 
 
 def test_random_numbers_of_two_programs_differ(launch):

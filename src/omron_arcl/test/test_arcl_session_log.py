@@ -29,6 +29,53 @@ def test_an_older_log_is_kept(tmp_path):
     assert (tmp_path / 'log.old').read_text() == 'an older one'
 
 
+def written_log(path: Path, *lines: bytes) -> SessionLog:
+    log = SessionLog(str(path))
+    trace = log.connection()
+    for line in lines:
+        trace('S', line)
+    log.close()
+    return log
+
+
+@pytest.mark.parametrize('kept', ['my notes\n', '1.5 S> no line of a log\n', '\xff', '\n'])
+def test_a_file_of_the_user_beside_the_log_is_never_replaced(tmp_path, kept):
+    (tmp_path / 'log.old').write_text(kept, encoding='latin-1')
+    written_log(tmp_path / 'log', b'first')
+    before = (tmp_path / 'log').read_text()
+    with pytest.raises(OSError, match='log.old, because that file is no session log'):
+        SessionLog(str(tmp_path / 'log'))
+    assert (tmp_path / 'log.old').read_text(encoding='latin-1') == kept
+    assert (tmp_path / 'log').read_text() == before
+
+
+def test_a_file_of_the_user_in_place_of_the_log_is_kept_however_often_it_is_begun(tmp_path):
+    (tmp_path / 'log').write_text('my notes')
+    written_log(tmp_path / 'log', b'first')
+    with pytest.raises(OSError, match='no session log: rename it'):
+        SessionLog(str(tmp_path / 'log'))
+    assert (tmp_path / 'log.old').read_text() == 'my notes'
+
+
+def test_a_log_that_grows_replaces_no_file_of_the_user_and_ends_with_a_reason(tmp_path):
+    log = SessionLog(str(tmp_path / 'log'), size=100)
+    (tmp_path / 'log.old').write_text('my notes')
+    trace = log.connection()
+    for _ in range(10):
+        trace('S', b'Stopped')
+    assert 'no session log' in log.failure
+    assert (tmp_path / 'log.old').read_text() == 'my notes'
+    log.close()
+
+
+@pytest.mark.parametrize('lines', [(), (b'one',), (b'\xff\n', b'two')])
+def test_an_older_log_of_this_program_is_replaced(tmp_path, lines):
+    written_log(tmp_path / 'log', *lines)
+    written_log(tmp_path / 'log', b'second')
+    written_log(tmp_path / 'log', b'third')
+    assert (tmp_path / 'log.old').read_text().endswith('second\n')
+
+
 def test_a_folder_is_refused_and_keeps_its_name(tmp_path):
     folder = tmp_path / 'folder'
     folder.mkdir()

@@ -5,7 +5,7 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import List
+from typing import List, Set
 
 import pytest
 
@@ -20,6 +20,8 @@ OF_HISTORY = ('upgrading.md', 'CHANGELOG.md')
 _LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
 _MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|route_protocol|'
                      r'trajectory_graph)(?:\.[a-z]\w*)+)`')
+
+_TEST = re.compile(r'`((?:[\w/]*/)?(?:test_\w+|\w+_test)(?:\.py)?)`')
 
 # A sentence names its subject. These words name none, except `who` after a noun for people.
 _OPEN_SUBJECT = re.compile(r'\b(?:who(?:ever|m)?|some(?:body|one)|any(?:body|one)|nobody|'
@@ -86,6 +88,30 @@ def is_module(name: str) -> bool:
     folder = ROOT / 'src' / words[0] / 'src' / Path(*words)
     return folder.is_dir() or folder.with_suffix('.py').is_file() or (
         folder.parent.with_suffix('.py').is_file())
+
+
+def names_of_tests() -> Set[str]:
+    """The names and paths of all files of tests, and the names of the tests in them."""
+    found: Set[str] = set()
+    for file in (*ROOT.glob('test/*_test.py'), *ROOT.glob('src/*/test/**/test_*.py')):
+        found |= {file.name, name_of(file)}
+        found.update(re.findall(r'^ *def (test_\w+)\(', file.read_text(encoding='utf-8'), re.M))
+    return found
+
+
+@pytest.mark.parametrize('document', [document for document in DOCUMENTS
+                                      if document.name not in OF_HISTORY], ids=name_of)
+def test_every_test_that_is_named_is_there(document: Path):
+    named = set(_TEST.findall(document.read_text(encoding='utf-8')))
+    assert named - names_of_tests() == set()
+
+
+def test_what_holds_against_an_attacker_is_shown_by_a_test_that_is_named():
+    page = (ROOT / 'docs/explanation/security.md').read_text(encoding='utf-8')
+    tables = re.findall(r'^\| .* \| (?:shown by|tests?) \|\n\|[-|]+\|\n((?:\|.*\|\n)+)', page, re.M)
+    rows = [row for table in tables for row in table.splitlines()]
+    assert len(tables) >= 8 and len(rows) >= 30
+    assert [row for row in rows if not _TEST.search(row.rsplit('|', 2)[1])] == []
 
 
 def test_every_package_that_is_installed_stands_with_its_licence():

@@ -10,14 +10,17 @@ import subprocess
 import tempfile
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Dict, Iterable, List, Mapping, Tuple
+
+from roslib.packages import find_node
 
 from fleet_bringup.command import gather
 from fleet_services.ownership import NotDone, as_user, owner_of
 from fleet_services.plan import Plan, plan_services
 from fleet_services.site_file import SiteFile
-from fleet_services.state_folders import DATA, LOGS, move, planned_moves
+from fleet_services.state_folders import DATA, LOGS, make_private, move, planned_moves
 from fleet_services.units import System, unit_files
 
 #: Environment variables of this process that the nodes need too.
@@ -110,6 +113,8 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
         said = _divide_state(site, plan, system, machine)
         shutil.rmtree(settings, ignore_errors=True)
         made.rename(settings)
+    except NotDone as error:
+        raise NotInstalled(str(error)) from None
     finally:
         shutil.rmtree(made, ignore_errors=True)
     units = unit_files(plan.services, system)
@@ -196,21 +201,23 @@ def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) 
     """
     home = machine.path(DATA, site.name)
     user, group = machine.ids(site.user)
-    try:
-        moves = planned_moves(home, plan.state, plan.robots)
-        owner = owner_of(home)
-        running = _units_of(machine.path(UNITS, system.target))
-        if moves and running and machine.runs_systemd:
-            _run('systemctl', 'stop', *(unit.name for unit in running))
-        if owner:  # the folder of a site of 1.0.0, or of one that never ran
-            as_user(owner, lambda: move(moves), group)
-    except NotDone as error:
-        raise NotInstalled(str(error)) from None
+    moves = planned_moves(home, plan.state, plan.robots)
+    owner = owner_of(home)
+    running = _units_of(machine.path(UNITS, system.target))
+    if moves and running and machine.runs_systemd:
+        _run('systemctl', 'stop', *(unit.name for unit in running))
+    if owner:  # the folder of a site of 1.0.0, or of one that never ran
+        as_user(owner, lambda: move(moves), group)
     _own(home, -1 if os.geteuid() else 0, group, RUNNABLE)
     for name in (service.name for service in plan.services):
         _own(home / name, user, group, CLOSED)
     if not owner:
         as_user(max(user, 0), lambda: move(moves), group)
+    logs = machine.path(LOGS, site.name)
+    for folder in (*(home / service.name for service in plan.services),
+                   *(logs.iterdir() if logs.is_dir() else ())):
+        if folder.is_dir() and not folder.is_symlink():
+            as_user(owner_of(folder), partial(make_private, folder), group)
     return [f'Moved {source} to {target}.' for source, target in moves]
 
 
@@ -276,6 +283,17 @@ def _program(name: str) -> str:
     return path
 
 
+def _folder_of_master() -> str:
+    """The folder of this workspace's ROS master, which refuses web browsers. roscore starts the
+    first `rosmaster` in PATH.
+    """
+    found = find_node('node_lifecycle', 'rosmaster')
+    if not found:
+        raise NotInstalled('The package node_lifecycle has no program rosmaster: build the '
+                           'workspace again.')
+    return str(Path(found[0]).parent)
+
+
 def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
     """The EnvironmentFile of all units."""
     kept: Dict[str, str] = {name: value for name, value in sorted(environment.items())
@@ -283,6 +301,7 @@ def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
     for name, value in kept.items():
         if _LISTS.fullmatch(name):
             kept[name] = ':'.join(one for one in value.split(':') if one.startswith('/'))
+    kept['PATH'] = f'{_folder_of_master()}:{kept["PATH"]}'
     kept.update({'ROS_IP': site.address, 'LANG': 'C.UTF-8',
                  'ROS_MASTER_URI': f'http://{site.address}:{site.master_port}',
                  # a unit imports only what root has installed

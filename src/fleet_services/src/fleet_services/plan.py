@@ -15,10 +15,9 @@ from fleet_bringup.launch_file import Part, launch_text, parts_of
 from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import LD90, Entry
 from fleet_services.site_file import SiteFile
-from fleet_services.state_folders import DATA, MANAGER, UNITS
+from fleet_services.state_folders import DATA, MANAGER, MASTER, UNITS
 from fleet_services.units import Service, System
 
-MASTER = 'master'
 JOURNAL = 'graph_fleet_manager/fleet.sqlite'
 _DESCRIPTIONS = {Part.SIMULATORS: 'Simulated robots', Part.ROBOTS: 'Robots',
                  Part.MANAGER: 'Fleet manager', Part.PAGE: 'Web page'}

@@ -9,19 +9,23 @@ Up to version 1.0.0 all units had the folder of the site, which was ROS_HOME of 
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 from typing import Dict, Iterator, List, Mapping, Tuple
 
-from fleet_services.ownership import NotDone, rename
+from fleet_services.ownership import NotDone, owner_of, rename
 
 DATA, LOGS = 'var/lib/fleet', 'var/log/fleet'
-MANAGER, PAGE = 'manager', 'page'
+MASTER, MANAGER, PAGE = 'master', 'manager', 'page'
 #: The unit that has each folder of ROS_HOME.
 UNITS: Mapping[str, str] = {'graph_fleet_manager': MANAGER, 'fleet_page': PAGE}
 #: The folder of ROS_HOME with files of single robots, and the ends of their names.
 ROBOTS = 'omron_ld90'
 _ENDINGS = ('_route.json', '_motion.json')
 _LOCK = '.lock'
+#: Files of roscore: its process id.
+_PROCESS_IDS = 'roscore-*.pid'
+_FOLDER, _FILE = 0o700, 0o600  # modes of the folders and files in the folder of a unit
 
 Moves = List[Tuple[Path, Path]]
 
@@ -51,6 +55,8 @@ def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str
             unit = names.get(file.name, '')
             if unit and home != site / unit:
                 moves.append((file, site / unit / ROBOTS / file.name))
+    if owner_of(site):  # not root's: a site of 1.0.0
+        moves += [(file, site / MASTER / file.name) for file in sorted(site.glob(_PROCESS_IDS))]
     moves = [(source, target) for source, target in moves
              if not (source.name.endswith(_LOCK) and target.exists())]
     twice = next((move for move in moves if os.path.lexists(move[1])), None)
@@ -65,7 +71,30 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def move(moves: Moves) -> None:
-    """Moves files and folders on the same file system. A link is moved, never followed."""
+    """Moves files and folders on the same file system. A link is moved, never followed.
+
+    A folder of files of robots that is then empty goes.
+    """
     for source, target in moves:
-        target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        target.parent.mkdir(parents=True, exist_ok=True, mode=_FOLDER)
         rename(source, target)
+    for folder in {source.parent for source, _ in moves if source.parent.name == ROBOTS}:
+        if not any(folder.iterdir()) and os.access(folder.parent, os.W_OK):
+            folder.rmdir()
+
+
+def make_private(folder: Path) -> None:
+    """Gives the folder of a unit, and all files of this user in it, the modes of the table in
+    docs/explanation/security.md. Files of version 1.0.0 have other modes. No link is followed.
+    """
+    folder.chmod(_FOLDER)
+    for path, folders, files in os.walk(folder):
+        for name in (*folders, *files):
+            place = os.path.join(path, name)
+            status = os.lstat(place)
+            if status.st_uid != os.geteuid():
+                continue
+            if stat.S_ISDIR(status.st_mode):
+                os.chmod(place, _FOLDER)
+            elif stat.S_ISREG(status.st_mode):
+                os.chmod(place, _FILE)

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import stat
 import sys
 import tempfile
@@ -140,7 +141,8 @@ def image(site: Path) -> Path:
 def different(image: Path) -> List[str]:
     """How the files of the site differ from the table of docs/explanation/security.md."""
     names = {0: 'root', SERVICE: 'services'}
-    return differences(one for folder in ('etc/fleet', 'var/lib/fleet', 'etc/systemd/system')
+    return differences(one for folder in ('etc/fleet', 'var/lib/fleet', 'var/log/fleet',
+                                          'etc/systemd/system')
                        for one in walk(image / folder, f'/{folder}', names))
 
 
@@ -158,7 +160,8 @@ STATE = {'graph_fleet_manager/fleet.sqlite': 'manager', 'graph_fleet_manager/fle
          'fleet_page/page.sqlite': 'page', 'fleet_page/replay/1': 'page',
          'omron_ld90/ld90_1_motion.json': 'robots-1', 'omron_ld90/ld90_1_route.json': 'robots-1',
          'omron_ld90/ld90_2_route.json': 'robots-2',
-         'omron_ld90/ld90_2_route.json.lock': 'robots-2'}
+         'omron_ld90/ld90_2_route.json.lock': 'robots-2',
+         'roscore-11311.pid': 'master', 'roscore-11312.pid': 'master'}
 """The unit that has each persistent file."""
 
 
@@ -174,15 +177,31 @@ def make_site_of_1_0_0(image: Path, files: Iterable[str] = (*STATE, 'notes')) ->
     return home
 
 
+def make_logs_of_1_0_0(image: Path, unit: str) -> Path:
+    """The logs of a unit as version 1.0.0 left them: systemd made their folder with mode 0755, and
+    ROS's logging gives each folder the mode of the one above it.
+    """
+    logs = image / 'var/log/fleet/hall' / unit
+    (logs / 'run' / 'node').mkdir(parents=True)
+    (logs / 'run' / 'node' / 'node.log').write_text('a line')
+    (logs / 'latest').symlink_to('run')
+    for path in (logs, *logs.rglob('*')):
+        if not path.is_symlink():
+            path.chmod(0o755 if path.is_dir() else 0o644)
+        os.chown(path, SERVICE, SERVICE, follow_symlinks=False)
+    return logs
+
+
 def test_a_site_of_1_0_0_loses_no_file(site, image, capsys):
     home = make_site_of_1_0_0(image)
+    logs = [make_logs_of_1_0_0(image, unit) for unit in ('manager', 'a-unit-that-is-no-more')]
     install(site)
     for name, unit in STATE.items():
         assert (home / unit / name).read_text() == name
     assert (home / 'notes').read_text() == 'notes'
     assert f'Moved {home}/graph_fleet_manager to' in capsys.readouterr().out
+    assert all((log / 'run/node/node.log').read_text() == 'a line' for log in logs)
     (home / 'notes').unlink()
-    (home / 'omron_ld90').rmdir()
     assert different(image) == []
 
 
@@ -220,6 +239,22 @@ def test_root_moves_nothing_through_a_link_of_a_service(site, image, name):
     assert closed.stat().st_uid == 0
 
 
+def test_root_gives_nothing_another_mode_through_a_link_of_a_service(site, image):
+    logs = make_logs_of_1_0_0(image, 'manager')
+    home = make_site_of_1_0_0(image, ['manager/graph_fleet_manager/fleet.sqlite'])
+    of_root, own = site / 'of_root', site / 'own'
+    for file in (of_root, own):
+        file.write_text('')
+        file.chmod(0o644)
+    os.chown(own, SERVICE, SERVICE)
+    for folder in (logs, home / 'manager'):
+        for target in (of_root, own, site):
+            (folder / target.name).symlink_to(target)
+    install(site)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (of_root, own, site)] == [
+        0o644, 0o644, 0o755]
+
+
 @pytest.mark.parametrize('what', ['file', 'folder', 'link', 'open folder'])
 def test_root_reads_no_file_that_the_services_could_replace(site, what):
     map_file = site / 'maps' / 'site.map'
@@ -247,6 +282,17 @@ def test_a_unit_imports_only_what_root_has_installed(site, monkeypatch):
     for name in ('PYTHONPATH', 'PATH', 'LD_LIBRARY_PATH', 'ROS_PACKAGE_PATH'):
         folders = environment.get(name, '""').strip('"')
         assert [one for one in folders.split(':') if folders and not one.startswith('/')] == []
+
+
+def test_the_units_start_the_master_that_refuses_browsers_also_without_the_setup_file(
+        site, monkeypatch):
+    roslaunch = shutil.which('roslaunch')
+    monkeypatch.setenv('PATH', f'{Path(roslaunch).parent}:/usr/bin:/bin')
+    environment = dict(line.split('=', 1) for line in (
+        install(site) / 'etc/fleet/hall/environment').read_text().splitlines())
+    master = shutil.which('rosmaster', path=environment['PATH'].strip('"'))
+    assert 'node_lifecycle' in Path(master).parts
+    assert shutil.which('rosmaster') != master
 
 
 def test_a_wrong_site_file_is_one_sentence_and_writes_nothing(site, capsys):

@@ -4,6 +4,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
 import stat
 import threading
 import time
@@ -11,6 +12,8 @@ from typing import Callable, TextIO
 
 SIZE = 50_000_000  # bytes, the most in one file
 OUTGOING = 0  # number of the connection that the robot opens itself
+
+_LINE = re.compile(rb'\d+\.\d{3} [CS]\d*> ')  # the begin of each line
 
 _ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
 _ESCAPED[ord('\\')] = '\\\\'
@@ -21,8 +24,9 @@ class SessionLog:
 
     Times are seconds since 1970. Passwords are already redacted in the lines. An existing file is
     kept as `<path>.old`. A file that has grown to `size` bytes is kept in the same way, so both
-    together never take more than twice `size`. Raises OSError if the file cannot be opened or is no
-    regular file. A full disk ends the log, not the session: `failure` then has the reason.
+    together never take more than twice `size`. A `<path>.old` that is no session log is never
+    replaced. Raises OSError if the file cannot be opened or is no regular file, or the older one
+    cannot be kept. A full disk ends the log, not the session: `failure` then has the reason.
     """
 
     def __init__(self, path: str, size: int = SIZE) -> None:
@@ -38,8 +42,12 @@ class SessionLog:
 
     def _begin(self) -> TextIO:
         """Opens a new file; the last one becomes the old one."""
+        older = f'{self.path}.old'
         if os.path.exists(self.path):
-            os.replace(self.path, f'{self.path}.old')
+            if os.path.exists(older) and not _is_session_log(older):
+                raise OSError(errno.EEXIST, f'the last log cannot be kept as {older}, because '
+                              'that file is no session log: rename it', self.path)
+            os.replace(self.path, older)
         self._written = 0
         return open(self.path, 'w', encoding='ascii', buffering=1)
 
@@ -75,3 +83,10 @@ class SessionLog:
                     with contextlib.suppress(OSError):  # closing writes the rest, which may fail
                         self._file.close()
         return write
+
+
+def _is_session_log(path: str) -> bool:
+    """Whether a program of this class can have written the file. It may be empty."""
+    with open(path, 'rb') as file:
+        begin = file.readline(100)
+    return not begin or _LINE.match(begin) is not None
