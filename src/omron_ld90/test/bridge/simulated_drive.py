@@ -97,7 +97,8 @@ class SimulatedDrive:
         """Drives a route to its end; returns the seconds that it took."""
         start = self.now
         self.order(route_id, *edges)
-        self.run(lambda: not self.follower.running and not self.follower.orders.waits, seconds)
+        self.run(lambda: not self.follower.running and self.follower.orders.waiting is None,
+                 seconds)
         return self.now - start
 
     def wait(self, seconds: float) -> None:
