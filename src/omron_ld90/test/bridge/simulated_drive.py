@@ -113,6 +113,11 @@ class SimulatedDrive:
         self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))
                              for line in self.lines[heard:]), seconds)
 
+    @property
+    def stops(self) -> bool:
+        """Whether a stop of the bridge is under way."""
+        return self._dispatcher.records.motion.memory.stop_owed
+
     def inject(self, fault: str) -> None:
         """Injects a fault into the simulator, such as `estop press`."""
         self._faults.inject(fault)
