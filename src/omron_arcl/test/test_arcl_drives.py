@@ -758,6 +758,23 @@ class TestWhoseStopping:
         bench.robot('Motors enabled', 'Stopping', 'Stopped', 'Stopping', 'Stopped')
         assert bench.epoch == known
 
+    @pytest.mark.parametrize('said, says_stopped', [
+        (['Stopping', 'Motors enabled', 'Stopping'], 1),
+        (['Motors enabled', 'Stopping', 'Stopping'], 2),
+        (['Stopping', 'Motors enabled', 'Stopping'], 2)])
+    def test_a_robot_that_begins_to_stop_twice_may_stand_once(self, bench, said, says_stopped):
+        """The result of the stop came after 15 s, as a failure."""
+        bench.status('Stopped')
+        stop = bench.stop(ROUTE)
+        bench.robot(*said, 'Stopped')
+        assert (outcome(stop), bench.memory.stop_owed) == (Outcome.SUCCEEDED, False)
+        if says_stopped == 2:
+            bench.robot('Stopped')
+        known = bench.epoch
+        bench.drive(ROUTE)
+        bench.robot('Going to 12', 'Stopping')
+        assert bench.epoch != known, 'the pair of the motors explains no other stop'
+
     @pytest.mark.parametrize('before', [
         [], ['Motors enabled', 'Stopping', 'Stopped'],
         ['FaultCleared: Fault_Driving_Application f "s" "l" true false true', 'Stopping']])

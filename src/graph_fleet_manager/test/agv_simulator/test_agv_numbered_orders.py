@@ -7,7 +7,15 @@ import pytest
 from agv_builders import TICK, Conversation
 
 from graph_fleet_manager.agv_simulator.faults import UnknownFault, inject
-from route_protocol.values import EpochCause, Motion, Phase, Reason, ReasonCode, RouteOrder
+from route_protocol.values import (
+    EdgeState,
+    EpochCause,
+    Motion,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+)
 
 FAULT = Reason(ReasonCode.OTHER, 'a broken belt')
 
@@ -233,3 +241,35 @@ def test_numbers_of_reports_grow() -> None:
     agv.wait(20.0)
     numbers = [report.number for report in agv.reports]
     assert numbers == sorted(set(numbers))
+
+
+# -- masters with and without numbers --------------------------------------------------------------
+
+def test_a_refused_route_is_told_to_an_old_master_unless_the_reports_show_a_route_of_that_id(
+        ) -> None:
+    agv = NumberedConversation()
+    agv.order(0, 3)
+    assert [report.states for report in agv.reports] == [(EdgeState.FAILED,)]
+    agv.order(4, 1, 2)
+    heard = len(agv.reports)
+    agv.order(4, 1, 3)
+    assert len(agv.refusals) == 2 and len(agv.reports) == heard, 'the route itself goes on'
+
+
+def test_a_route_that_waits_is_refused_when_another_master_orders() -> None:
+    agv = driving(1, 2)
+    agv.give(6)
+    agv.give(7, 1, 2)
+    agv.give(1, -1, master='other')
+    assert [one.order for one in agv.refusals] == [7]
+    agv.is_at(6, 7, Phase.STOPPED)
+    agv.wait(5.0)
+    assert (agv.vehicle.state.master, agv.last.edges) == ('other', (-1,))
+
+
+def test_a_route_of_an_old_master_that_was_sent_before_a_numbered_stop_is_late() -> None:
+    agv = driving(1, 2)
+    agv.vehicle.handle(RouteOrder(9, (), stamp=2_000, order=6, master='fleet'))
+    agv.wait(5.0)
+    agv.order(8, 1, 2, stamp=1_000)
+    agv.is_at(6, 0, Phase.STOPPED)

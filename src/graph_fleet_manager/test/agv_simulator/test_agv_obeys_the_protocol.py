@@ -145,7 +145,7 @@ class ObedientAgv(RuleBasedStateMachine):
 
     def _order(self, route_id: int, edges: Tuple[int, ...]) -> None:
         before = self.vehicle.report()
-        running, waited = self.vehicle.running, self.vehicle._waiting
+        running, waited = self.vehicle.running, self.vehicle._intake.waiting
         self.order = RouteOrder(route_id, edges)
         self.vehicle.handle(self.order)
         messages = self.vehicle.take_messages()
@@ -160,17 +160,17 @@ class ObedientAgv(RuleBasedStateMachine):
                 before.route_id, before.edges, before.states), 'a refusal changed the route'
             assert self.vehicle.running == running
             told = [message for message in messages if isinstance(message, RouteReport)]
-            assert [one.route_id for one in told] == ([] if route_id == before.route_id
-                                                      else [route_id])
+            goes_on = bool(before.edges) and route_id == before.route_id
+            assert [one.route_id for one in told] == ([] if goes_on else [route_id])
             assert all(set(one.states) == {FAILED} for one in told)
-        elif self.vehicle._waiting is None or not edges:
+        elif self.vehicle._intake.waiting is None or not edges:
             assert (messages[0].route_id, messages[0].edges) == (route_id, edges), (
                 'the first report with its id acknowledges a route')
             kept = before.edges[:self._done(before) + 1]
             assert not edges or route_id != before.route_id or edges[:len(kept)] == kept, (
                 'a changed route lacks an edge that is complete or being driven')
         else:
-            assert not running and waited is not self.vehicle._waiting, (
+            assert not running and waited is not self.vehicle._intake.waiting, (
                 'only a braking vehicle may delay an order')
         self.last = after
 

@@ -39,7 +39,7 @@ import secrets
 from collections import deque
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
-from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
+from typing import Callable, Deque, Dict, NamedTuple, Optional, Set, Tuple
 
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind, activity_of
 from omron_arcl.commands import Command, Course
@@ -249,7 +249,8 @@ class Drives:
         self._strange = False  # whether the last status showed a drive that is not ours
         self._emergency = False
         self._unheard_stops = 0  # stops that were sent and whose `Stopping` has not come
-        self._pair_is_ours = True  # whether the last `Stopping`, and so its `Stopped`, is ours
+        # Whether they are ours, of the `Stopping`s that the next `Stopped` ends.
+        self._stoppings: Set[bool] = set()
         self.stopped_by_us = False
         """Whether the last `Stopped` may end a stop of ours."""
         self._replacing = False  # the robot began to stop, perhaps for a newer drive
@@ -406,7 +407,7 @@ class Drives:
         self._connected = connected
         self._activity = self._shown = self._stops_itself = self._docking = None
         self._strange = self._replacing = False
-        self._pair_is_ours = True
+        self._stoppings = set()
         self._unheard_stops = 0
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
@@ -414,16 +415,17 @@ class Drives:
         """The robot sends a line that is no status; called before the line ends commands."""
         if isinstance(reply, driving.Stopping):
             whose = self._whose_stopping()
-            self._pair_is_ours = whose in ('our stop', 'cleared fault')
+            self._stoppings.add(whose in ('our stop', 'cleared fault'))
             if whose is None:
                 self._foreign_stop('another client of the robot stopped it')
         elif isinstance(reply, driving.Stopped):
             if self._replacing:
                 self._foreign_stop('another client of the robot stopped it')
             self._replacing = False
-            if not self._pair_is_ours:  # else the robot's own pair is still to come
+            if False in self._stoppings:  # else the robot's own pair is still to come
                 self._stops_itself = None
-            self.stopped_by_us, self._pair_is_ours = self._pair_is_ours, True
+            self.stopped_by_us = self._stoppings != {False}
+            self._stoppings = set()
         elif isinstance(reply, safety.Motors) and reply.enabled:
             self._emergency, self._stops_itself = False, SelfStop.MOTORS_ENABLED
         elif isinstance(reply, safety.Fault) and reply.cleared:

@@ -242,7 +242,7 @@ class Bench:
         """Runs until the condition is true (by default: until no route runs, and no order waits).
         """
         until = until or (lambda bench: not bench.follower.running
-                          and not bench.follower.orders.waits)
+                          and bench.follower.orders.waiting is None)
         end = self.now + seconds
         while not until(self):
             assert self.now < end, f'not within {seconds} s; last report: {self.last}'

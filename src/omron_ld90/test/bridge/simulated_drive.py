@@ -97,7 +97,8 @@ class SimulatedDrive:
         """Drives a route to its end; returns the seconds that it took."""
         start = self.now
         self.order(route_id, *edges)
-        self.run(lambda: not self.follower.running and not self.follower.orders.waits, seconds)
+        self.run(lambda: not self.follower.running and self.follower.orders.waiting is None,
+                 seconds)
         return self.now - start
 
     def wait(self, seconds: float) -> None:
@@ -111,6 +112,11 @@ class SimulatedDrive:
         self._client.receive(f'{command}\n'.encode())
         self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))
                              for line in self.lines[heard:]), seconds)
+
+    @property
+    def stops(self) -> bool:
+        """Whether a stop of the bridge is under way."""
+        return self._dispatcher.records.motion.memory.stop_owed
 
     def inject(self, fault: str) -> None:
         """Injects a fault into the simulator, such as `estop press`."""

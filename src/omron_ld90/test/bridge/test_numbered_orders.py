@@ -458,3 +458,46 @@ def test_the_robot_is_never_sent_outside_of_the_last_order_that_was_taken(happen
             number, fleet.robot.number = fleet.robot.number, None
             fleet.tell(p.CommandEnded(number, p.Ending.FAILED, 'Failed going to goal'))
         fleet.check()
+
+
+# -- masters with and without numbers --------------------------------------------------------------
+
+def rolling() -> Fleet:
+    """A robot that comes to rest after the stop of its master."""
+    fleet = Fleet()
+    fleet.send(1, 5)
+    fleet.until_on(5)
+    fleet.send(first=1)
+    assert fleet.report.motion is Motion.COMING_TO_REST
+    return fleet
+
+
+def test_a_route_that_waits_is_refused_when_another_master_orders():
+    fleet = rolling()
+    waits = fleet.send(5, first=1)
+    fleet.send(5, number=1, master='other')
+    assert [refusal.order for refusal in fleet.refusals] == [waits.order]
+    assert fleet.report.refused == waits.order
+    fleet.run(lambda bench: bench.follower.running)
+    assert fleet.report.master == 'other'
+
+
+def test_a_route_that_waits_outlives_a_stop_that_came_late():
+    fleet = rolling()
+    waits = fleet.send(5, first=1, number=200)
+    fleet.send(first=1, number=150)
+    fleet.run(lambda bench: bench.follower.running)
+    assert fleet.report.order == waits.order
+
+
+def test_only_the_first_order_of_another_master_begins_an_epoch_for_old_masters():
+    fleet = Fleet()
+    fleet.order(8, 1)
+    fleet.run()
+    fleet.send(number=5)
+    fleet.run(seconds=300.0)
+    fleet.drive(5.0)
+    fleet.send(2, first=fleet.report.first)
+    fleet.tell(RouteOrder(9, (2,), stamp=int((fleet.now - 0.1) * NANOSECONDS),
+                          received=int(fleet.now * NANOSECONDS)))
+    assert fleet.refusals == []

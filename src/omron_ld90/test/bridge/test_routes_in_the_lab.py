@@ -154,6 +154,16 @@ def test_a_robot_that_goes_another_way_around_what_blocks_its_own_ends_the_route
     assert drive.commands[-1] == 'stop'
 
 
+def test_the_stop_of_a_failed_route_is_obeyed_as_soon_as_the_robot_stands():
+    """The result came after 15 s, as a failure: the enabled motors say `Stopping` as well."""
+    drive = under_way()
+    drive.inject('estop press')
+    drive.run(lambda: not drive.follower.running, 10.0)
+    drive.inject('estop release')
+    drive.enable_motors()
+    drive.run(lambda: not drive.stops, 2.0)
+
+
 def test_after_a_failure_a_new_route_goes_on_from_the_middle_of_an_edge():
     drive = under_way()
     drive.inject('estop press')

@@ -1,5 +1,6 @@
 """Numbered orders and reports between a master and a vehicle: both ends, without ROS.
 
 `values` has what is sent, `messages` how it is written on the wire, `vehicle` and `master` the two
-ends, and `old_masters` the rules for masters that do not number their orders.
+ends. `intake` says which order waits at a vehicle, and `old_masters` has the rules for masters that
+do not number their orders.
 """

@@ -5,8 +5,8 @@ numbered orders only. All of them count as one master, OLD_MASTER.
 
     | order without a number                                     | answer                          |
     |------------------------------------------------------------|---------------------------------|
-    | stamped before an order that passed                        | ignored: it came late           |
-    | same route_id and same edges as the last order that passed | ignored: it is a repeat         |
+    | stamped before an order of any master that passed          | ignored: it came late           |
+    | same route_id and same edges as the last one that passed   | ignored: it is a repeat         |
     | same stamp as the last one that was refused, and same route| refused again                   |
     | neither stamp nor epoch, and it came with a new connection | refused: it was latched         |
     | names an epoch that is over                                | refused: OVERRULED              |
@@ -45,15 +45,17 @@ class OldMasters:
 
     def __init__(self, last: Optional[RouteOrder] = None) -> None:
         self.last = last
-        """The last order that passed."""
+        """The last order without a number that passed, with the newest stamp of any that passed."""
         self._refused: Optional[Tuple[RouteOrder, Reason]] = None
         self._epoch_began = -math.inf
 
     def passed(self, order: RouteOrder) -> None:
-        """An order was taken: older ones are late from now on, also if it was late itself."""
-        last = self.last
-        self.last = (replace(order, stamp=last.stamp) if last is not None and is_late(order, last)
-                     else order)
+        """An order of any master was taken: older ones are late from now on, also if it was late
+        itself.
+        """
+        last = self.last or RouteOrder(0, ())
+        stamp = last.stamp if not order.stamp or is_late(order, last) else order.stamp
+        self.last = replace(last if order.order else order, stamp=stamp)
 
     def refused(self, order: RouteOrder, reason: Reason) -> None:
         """A route was refused: if it comes again, it is refused again."""

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Callable, Collection, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Collection, List, Optional, Tuple, Union
 
 from graph_fleet_manager.agv_simulator.battery import SimulatedBattery
 from graph_fleet_manager.agv_simulator.drive import ON_PLACE, Drive
@@ -15,10 +15,9 @@ from graph_fleet_manager.agv_simulator.route_rules import (
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from route_protocol import vehicle as protocol
-from route_protocol.old_masters import OldMasters, as_failed_route, is_late
+from route_protocol.intake import DueOrder, Intake, NotYet, messages_of
 from route_protocol.order_rules import RouteRefused
 from route_protocol.values import (
-    ANSWERED_WITHIN,
     EMERGENCY_STOP,
     NO_REASON,
     TAKEN_OVER,
@@ -33,7 +32,7 @@ from route_protocol.values import (
     RouteReport,
     SymbolicPose,
 )
-from route_protocol.vehicle import OLD_MASTER, Answer, Judgement, VehicleState
+from route_protocol.vehicle import Answer, VehicleState
 from trajectory_graph import Graph, change_of, speed_of
 
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
@@ -42,17 +41,7 @@ MOVED_FOR = 1.0  # s after a push during which it reports that another one moves
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')
-
-
-class NotYet(Exception):
-    """The route is not judged before the vehicle stands."""
-
-
-class WaitingRoute(NamedTuple):
-    """A route that came while the vehicle came to rest; `arrived` in s of the simulation."""
-
-    order: RouteOrder
-    arrived: float
+_ROLLS = Reason(ReasonCode.NOT_READY, 'the vehicle did not come to a stop')
 
 
 class Vehicle:
@@ -89,8 +78,7 @@ class Vehicle:
     def _forget(self) -> None:
         """Begins without memory of any order."""
         self._protocol = protocol.Vehicle(self._draw, self._clock)
-        self._old_masters = OldMasters()
-        self._waiting: Optional[WaitingRoute] = None
+        self._intake = Intake(self._protocol, self._take_up, self._tell_refusal)
         self._giver: Optional[str] = None  # the master by whose route it moves
         self._driven_by_hand = False
         self._path_begins = 0  # record number of the first edge of the drive's path
@@ -143,12 +131,9 @@ class Vehicle:
         """Takes an order."""
         if self.silent:
             return
-        if order.is_stop:
-            self._stop(order)
-        elif not self._is_answered(order, self._time) and (
-                self._waiting is None or _replaces(order, self._waiting.order)):
-            self._waiting = WaitingRoute(order, self._time)
-        self._consider()
+        if self._intake.arrived(order, self._time).answer is Answer.STOP:
+            self._driven_by_hand = False
+        self._intake.answer(self._time)
         self._report_change()
 
     def report(self) -> RouteReport:
@@ -180,7 +165,7 @@ class Vehicle:
         if self.running:
             self._protocol.complete(self._path_begins + self.drive.index - self.state.first)
         self._driven_by_hand = self._driven_by_hand and not self.drive.at_end
-        self._consider()
+        self._intake.answer(self._time)
         self._report_change()
 
     # --- faults -----------------------------------------------------------------------------------
@@ -216,7 +201,7 @@ class Vehicle:
         """Brakes hard; the route fails, and routes are refused until the release."""
         self.emergency = True
         self._begin_epoch(EpochCause.EMERGENCY_STOP, EMERGENCY_STOP)
-        self._consider()
+        self._intake.answer(self._time)
         self._report_change()
 
     def release_emergency_stop(self) -> None:
@@ -290,41 +275,6 @@ class Vehicle:
     def _speeds(self, graph: Graph) -> SpeedLimits:
         return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
 
-    def _stop(self, order: RouteOrder) -> None:
-        if self._protocol.judge(order).answer is not Answer.STOP:
-            return
-        epoch = self.state.epoch
-        self._protocol.stop(order)
-        self._driven_by_hand = False
-        self._tell_old_masters(order, epoch)
-        if self._waiting is not None and not self._waiting.order.order:
-            self._waiting = None
-
-    def _consider(self) -> None:
-        """Answers the waiting route as soon as that is possible; refuses it if it is too old."""
-        if self._waiting is None:
-            return
-        order, arrived = self._waiting
-        if not self._is_answered(order, arrived):
-            if self._time < arrived + ANSWERED_WITHIN:
-                return
-            self._refuse(order, Reason(ReasonCode.NOT_READY, 'the vehicle did not come to a stop'))
-        self._waiting = None
-
-    def _is_answered(self, order: RouteOrder, arrived: float) -> bool:
-        """Takes, refuses or ignores a route. Returns False if it has to wait."""
-        judgement = self._old_masters.answer(order, self._protocol, arrived)
-        if judgement.answer is Answer.REFUSED:
-            self._refuse(order, judgement.reason)
-        elif judgement.answer is Answer.ROUTE:
-            try:
-                self._take_up(order, judgement)
-            except NotYet:
-                return False
-            except RouteRefused as refusal:
-                self._refuse(order, refusal.reason)
-        return True
-
     def _check(self, order: RouteOrder) -> None:
         """Raises RouteRefused for what the vehicle cannot drive now, wherever it is on the graph.
         """
@@ -336,53 +286,31 @@ class Vehicle:
         if self._driven_by_hand:
             raise RouteRefused(TAKEN_OVER)
 
-    def _take_up(self, order: RouteOrder, judgement: Judgement) -> None:
+    def _take_up(self, due: DueOrder) -> None:
         """Takes a route. Raises RouteRefused, or NotYet while the vehicle comes to rest."""
-        self._check(order)
-        numbered, done, rest = order, judgement.done, judgement.rest
-        if not order.order:
-            skipped = self._driven_of_old(order, judgement.goes_on)
-            numbered = self._old_masters.numbered(order, self.state)
-            done, rest = numbered.first + skipped, order.edges[skipped:]
+        self._check(due.given)
+        if not due.given.order:
+            due = self._from_here(due)
         if not (self.running or self.drive.at_rest):
-            raise NotYet
-        if rest:
-            self.drive.follow(rest, 0, find_start(rest, self.state, self.drive))
-            self._path_begins = done
-        epoch = self.state.epoch
-        self._protocol.take(numbered, done)
-        self._giver = numbered.master
-        self._tell_old_masters(order, epoch)
+            raise NotYet(_ROLLS)
+        if due.rest:
+            self.drive.follow(due.rest, 0, find_start(due.rest, self.state, self.drive))
+            self._path_begins = due.done
+        self._intake.take(due, self._time)
+        self._giver = due.order.master
 
-    def _tell_old_masters(self, order: RouteOrder, before: int) -> None:
-        """An order was taken. `before`: the epoch before that."""
-        if not order.order:
-            self._old_masters.passed(order)
-        elif self.state.epoch != before:
-            self._old_masters.epoch_began(self._time)
+    def _from_here(self, due: DueOrder) -> DueOrder:
+        """Returns an order without a number, without what the vehicle has driven already."""
+        if due.goes_on:
+            if self.state.edges and not self.drive.path:
+                raise RouteRefused(_GRAPH_CHANGED)
+            check_change(self.state, due.given)
+        elif has_just_left(due.given.edges, self.state):
+            return replace(due, done=due.done + 1, rest=due.rest[1:])
+        return due
 
-    def _driven_of_old(self, order: RouteOrder, changes_route: bool) -> int:
-        """Returns how many edges of an order without a number the vehicle has driven already."""
-        if not changes_route:
-            return int(has_just_left(order.edges, self.state))
-        if self.state.edges and not self.drive.path:
-            raise RouteRefused(_GRAPH_CHANGED)
-        check_change(self.state, order)
-        return self.state.completed
-
-    def _refuse(self, order: RouteOrder, reason: Reason) -> None:
-        """Sends a refusal.
-
-        Masters that do not number their orders also get a report if the id is not that of the route
-        in the reports.
-        """
-        refusal = self._protocol.refuse(order, reason)
-        self._messages.append(refusal)
-        if order.order:
-            return
-        self._old_masters.refused(order, reason)
-        if self.state.route_id != order.route_id and self.state.master in (None, OLD_MASTER):
-            self._messages.append(as_failed_route(self.report(), refusal))
+    def _tell_refusal(self, refusal: RouteRefusal) -> None:
+        self._messages += messages_of(refusal, self.state, self.report)
 
     def _lose_route(self, reason: Reason) -> None:
         """Ends what it drives."""
@@ -392,8 +320,7 @@ class Vehicle:
     def _begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
         """Lets a running route fail; orders that are on their way are not obeyed any more."""
         self._lose_route(reason)
-        self._protocol.begin_epoch(cause)
-        self._old_masters.epoch_began(self._time)
+        self._intake.begin_epoch(cause, NO_REASON, self._time)
 
     def _moved_by_person(self, reason: Reason) -> None:
         self._moved_until = self._time + MOVED_FOR
@@ -419,12 +346,3 @@ class Vehicle:
         if self.state.phase in (Phase.RUNNING, Phase.COMPLETE):
             return SymbolicPose(drive.edge, done if drive.at_end else min(done, MOST))
         return SymbolicPose(abs(drive.edge), done if drive.edge > 0 else 100.0 - done)
-
-
-def _replaces(order: RouteOrder, waiting: RouteOrder) -> bool:
-    """Does the order replace one that waits?"""
-    if order.master != waiting.master:
-        return True
-    if order.order or waiting.order:
-        return order.order > waiting.order
-    return not (order.is_repeat_of(waiting) or is_late(order, waiting))

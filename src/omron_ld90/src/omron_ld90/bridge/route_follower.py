@@ -2,8 +2,8 @@
 
 It uses neither ROS nor sockets: every event comes with its time (s, monotonic), and every answer is
 a list of actions. Lengths are in m, in the map frame. Events update the known state
-(`robot_monitor`). `order_intake` sorts orders, and `route_protocol.vehicle` says which of them
-count; here they become routes. The running route is judged and driven on (`route_run`). The fleet
+(`robot_monitor`). `route_protocol.intake` says which orders count, and which one waits; here they
+become routes. The running route is judged and driven on (`route_run`). The fleet
 manager gets reports.
 
 The epoch of the reports is the vehicle's own. Commands carry the controller's epoch instead
@@ -23,7 +23,7 @@ from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.motion_judge import MotionJudge
-from omron_ld90.bridge.order_intake import DueOrder, OrderIntake
+from omron_ld90.bridge.order_notes import OrderNotes
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import (
     check_braking,
@@ -36,9 +36,10 @@ from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
-from route_protocol.old_masters import as_failed_route
-from route_protocol.order_rules import RouteRefused
+from route_protocol.intake import DueOrder, Intake, NotYet, messages_of
+from route_protocol.order_rules import RouteRefused, check_order
 from route_protocol.values import (
+    EMERGENCY_STOP,
     NO_REASON,
     EpochCause,
     Location,
@@ -51,7 +52,7 @@ from route_protocol.values import (
     RouteReport,
     SymbolicPose,
 )
-from route_protocol.vehicle import OLD_MASTER, Vehicle, draw_epoch, milliseconds
+from route_protocol.vehicle import Answer, Vehicle, draw_epoch, milliseconds
 from trajectory_graph import Graph
 
 _SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot has sent no status')
@@ -81,8 +82,9 @@ class RouteFollower:
         self.route: Optional[RouteRun] = None
         """How the vehicle's route is driven, or was; None: it has none, or not on this graph."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to continue; time to give up
-        self.orders = OrderIntake(self.vehicle, self.robot, settings.location_timeout,
-                                  self._tell_refusal, self._note)
+        self.orders = Intake(self.vehicle, self._take_up, self._tell_refusal,
+                             settings.location_timeout)
+        self._order_notes = OrderNotes(self._note)
         self._motion = MotionJudge()
         self._now = 0.0
         self._last_reported = self._reported
@@ -231,30 +233,17 @@ class RouteFollower:
     # --- orders -----------------------------------------------------------------------------------
 
     def _on_order(self, order: RouteOrder, now: float) -> None:
-        if self.orders.arrived(order, now):
-            if order.is_stop:
-                self._stop(order, now)
-            self._go_on(now)
-
-    def _stop(self, order: RouteOrder, now: float) -> None:
-        """Obeys a stop at once."""
         was_running = self.running
-        self.vehicle.stop(order)
-        self.orders.taken(order, now)
-        self._restored = self.route = None
-        self.robot.stop(0)
-        if was_running:
-            self._motion.route_ended(Phase.STOPPED)
-
-    def _consider_order(self, now: float) -> None:
-        """Accepts or refuses the waiting order, once it can be judged."""
-        due = self.orders.due(self._why_order_waits, now)
-        if due is None:
-            return
-        try:
-            self._take_up(due, now)
-        except RouteRefused as refusal:
-            self.orders.refuse(due.given, refusal.reason)
+        judgement = self.orders.arrived(order, now)
+        if judgement.answer is Answer.IGNORED:
+            self._order_notes.ignored(order, judgement.reason)
+        elif judgement.answer is Answer.STOP:
+            self._restored = self.route = None
+            self.robot.stop(0)
+            if was_running:
+                self._motion.route_ended(Phase.STOPPED)
+        if judgement.answer in (Answer.STOP, Answer.ROUTE):
+            self._go_on(now)
 
     def _why_order_waits(self, now: float) -> Reason:
         motion = self.motion
@@ -267,8 +256,15 @@ class RouteFollower:
             return Reason(ReasonCode.NOT_READY, 'there is no graph')
         return self.robot.why_unknown(now)
 
-    def _take_up(self, due: DueOrder, now: float) -> None:
-        """Changes the route or begins a new one; raises RouteRefused."""
+    def _take_up(self, due: DueOrder) -> None:
+        """Changes the route or begins a new one; raises RouteRefused or NotYet."""
+        now = self._now
+        check_order(due.given, 'the robot')
+        if self.robot.emergency:
+            raise RouteRefused(EMERGENCY_STOP)
+        unknown = self._why_order_waits(now)
+        if unknown:
+            raise NotYet(unknown)
         here, route = self._here, self.route
         check_edges(here.graph, due.order.edges)
         if due.goes_on and not due.given.order:
@@ -279,8 +275,8 @@ class RouteFollower:
             check_braking(due, self.vehicle.state, route, now)
         under_way = route.edges_under_way if route is not None and self.running else ()
         was_running = self.running
-        self.vehicle.take(due.order, due.done)
-        self.orders.taken(due.given, now)
+        self.orders.take(due, now)
+        self._order_notes.taken(due.given)
         self._restored = None
         if due.goes_on and route is not None and route.progress.graph is here.graph:
             if not was_running:
@@ -302,15 +298,8 @@ class RouteFollower:
                         progress, now)
 
     def _tell_refusal(self, refusal: RouteRefusal) -> None:
-        """Sends a refusal; also a report for a master that does not number its orders.
-
-        Such a master reads a refusal as a failed route. Another one must not.
-        """
-        self._out.append(refusal)
-        state = self.vehicle.state
-        if state.master in (None, OLD_MASTER) and not refusal.order and (
-                state.route_id != refusal.route_id or not state.edges):
-            self._out.append(as_failed_route(self.report(), refusal))
+        self._out += messages_of(refusal, self.vehicle.state, self.report)
+        self._order_notes.refused(refusal, self.robot.emergency)
 
     # --- progress of the route --------------------------------------------------------------------
 
@@ -342,7 +331,7 @@ class RouteFollower:
         """Judges the known state, and drives on."""
         self._end_epoch(now)
         self._consider_restored(now)
-        self._consider_order(now)
+        self.orders.answer(now)
         driven = self._driven
         if driven:
             self.robot.check(now)
@@ -355,11 +344,7 @@ class RouteFollower:
         cause = self.robot.overruled
         if cause is not None and not self.running:
             self.robot.overruled = None
-            self._begin_epoch(cause, NO_REASON, now)
-
-    def _begin_epoch(self, cause: EpochCause, reason: Reason, now: float) -> None:
-        self.vehicle.begin_epoch(cause, reason)
-        self.orders.epoch_began(now)
+            self.orders.begin_epoch(cause, NO_REASON, now)
 
     def _consider_restored(self, now: float) -> None:
         """Continues the route from before a restart, once the robot's state is known."""
@@ -413,5 +398,5 @@ class RouteFollower:
             self._motion.route_ended(Phase.FAILED)
         self.vehicle.fail(failure.reason)
         if cause is not None:
-            self._begin_epoch(cause, NO_REASON, now)
+            self.orders.begin_epoch(cause, NO_REASON, now)
         self._note(f'Route {self.vehicle.state.route_id} failed: {failure}')

@@ -4,8 +4,8 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from omron_ld90.bridge.graph_location import GraphLocation
-from omron_ld90.bridge.order_intake import DueOrder
 from omron_ld90.bridge.route_run import RouteRun
+from route_protocol.intake import DueOrder
 from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
