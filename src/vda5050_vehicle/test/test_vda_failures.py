@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
-from route_protocol.values import Reason, ReasonCode, reason_of
+from route_protocol.values import EpochCause, Reason, ReasonCode, SymbolicPose
 from vda5050_vehicle.drivers.robot_view import Pose, silence
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop
@@ -12,17 +12,12 @@ from vda5050_vehicle.protocol.values import EStop
 HALL = way(8, 10, 12, 14, 32)
 
 
-def no(text: str) -> Reason:
-    """A reason of a refusal, with a text only."""
-    return reason_of(0, text)
-
-
 def failed(reason: str = 'no progress for 30 s') -> Lab:
     """A vehicle whose route failed after one edge."""
     lab = Lab()
     lab.order(HALL.order('o', base=4))
     lab.drive(1)
-    lab.robot.reason = reason
+    lab.robot.fail(reason)
     lab.see(velocity=STANDING)
     lab.wait(0.2)
     return lab
@@ -159,67 +154,90 @@ def test_a_route_that_nobody_answers_is_repeated_unchanged_and_then_given_up():
     lab.wait(PATIENCE + 2.0)
     driven = [command for command in lab.robot.routes if command.edges]
     assert len(set(driven)) == 1
-    assert len(driven) >= 5
+    assert len(driven) >= PATIENCE - 2.0
     assert lab.errors == ['driveError']
     assert lab.robot.routes[-1].edges == (), 'a stop must follow, in case the route arrives late'
 
 
 def test_a_refused_route_holds_the_vehicle():
     lab = Lab()
-    lab.robot.answers = False
+    lab.robot.refuses = Reason(ReasonCode.OFF_GRAPH, 'off the graph')
     lab.order(HALL.order('o'))
-    lab.driver.on_refused(lab.robot.routes[-1].route_id, (1, 2, 3, 4), no('off the graph'), lab.now)
     lab.wait(0.1)
     assert lab.state['errors'][0]['errorDescription'] == 'off the graph'
     assert lab.nodes == ['10', '12', '14', '32']
 
 
-def lab_that_refused_an_extension():
-    """When its route grows, a robot that has driven the route may have left the end of it."""
+def test_an_extension_of_a_route_that_the_robot_has_left_holds_the_vehicle():
+    """Only a master may decide how the robot comes back to the end of its base."""
     lab = Lab()
     lab.order(HALL.order('o', base=2))
     lab.drive(1)
-    lab.robot.answers = False
+    lab.robot.refuses = Reason(ReasonCode.STARTS_ELSEWHERE, 'not at its end')
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
-    lab.driver.on_refused(lab.robot.route_id, (1, 2, 3, 4),
-                          Reason(ReasonCode.STARTS_ELSEWHERE, 'not at its end'), lab.now)
-    return lab
-
-
-def test_an_extension_of_a_route_that_the_robot_has_left_is_a_route_of_its_own():
-    lab = lab_that_refused_an_extension()
-    route_id = lab.robot.route_id
-    lab.robot.answers = True
-    lab.wait(1.5)
-    assert lab.robot.route == (2, 3, 4)
-    assert lab.robot.route_id != route_id
+    lab.wait(0.1)
+    assert lab.errors == ['driveError']
+    lab.robot.refuses = None
+    lab.wait(5.0)
+    assert not lab.robot.drives
+    lab.act('stopPause')
+    assert lab.robot.drives
     lab.drive(3)
     assert lab.nodes == []
 
 
-def test_a_route_of_its_own_that_is_refused_holds_the_vehicle():
-    lab = lab_that_refused_an_extension()
-    anew = lab.driver.take_commands()[-1]
-    assert anew.edges == (2, 3, 4)
-    lab.driver.on_refused(anew.route_id, anew.edges, no('no, I say'), lab.now)
+def test_an_order_that_was_refused_is_not_given_again_with_the_next_one():
+    lab = Lab()
+    lab.robot.refuses = Reason(ReasonCode.OTHER, 'no, I say')
+    lab.order(HALL.order('o'))
     lab.wait(0.1)
+    lab.robot.refuses = None
     assert lab.errors == ['driveError']
+    lab.act('cancelOrder')
+    lab.settle()
+    lab.order(way(8, 10).order('p'))
+    assert lab.robot.route == (1,)
 
 
-def test_another_route_on_the_robot_holds_the_vehicle():
+@pytest.mark.parametrize('cause, words', [
+    (EpochCause.OTHER_GIVER, 'another program or person'), (EpochCause.STOP, 'another program'),
+    (EpochCause.EMERGENCY_STOP, 'another program'), (EpochCause.RESTART, 'does not know its route'),
+    (EpochCause.LOST_LINK, 'does not know its route')])
+def test_the_cause_of_a_new_epoch_is_told_where_the_route_has_no_reason(cause, words):
     lab = Lab()
     lab.order(HALL.order('o'))
     lab.drive(1)
-    lab.robot.route_id = 4711
+    lab.robot.overruled(cause, Reason(ReasonCode.OTHER, ''))
     lab.wait(0.1)
-    assert lab.state['errors'][0]['errorDescription'] == 'the robot drives another route'
+    assert words in lab.state['errors'][0]['errorDescription']
+
+
+def test_another_master_on_the_robot_holds_the_vehicle():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.drive(1)
+    lab.robot.taken_by_another_master()
+    lab.wait(0.1)
+    assert 'another program or person' in lab.state['errors'][0]['errorDescription']
+
+
+def test_a_robot_of_another_master_is_stopped_before_it_drives_for_this_one():
+    lab = Lab()
+    lab.robot.taken_by_another_master()
+    lab.wait(0.1)
+    lab.order(HALL.order('o'))
+    assert [command.edges for command in lab.robot.routes] == [()]
+    assert not lab.robot.drives
+    lab.wait(0.2)
+    assert lab.robot.route == (1, 2, 3, 4)
+    assert lab.errors == []
 
 
 def test_after_the_order_others_may_use_the_robot():
     lab = Lab()
     lab.order(way(8, 10).order('o'))
     lab.drive(1)
-    lab.robot.route_id = 4711
+    lab.robot.taken_by_another_master()
     lab.wait(5.0)
     assert lab.errors == []
 
@@ -232,7 +250,7 @@ def test_a_vertex_passed_while_the_robot_stops_counts_as_passed():
     lab.robot.percentage = 95.0
     lab.wait(0.1)
     lab.act('startPause')
-    lab.driver.on_report(lab.robot.report().__class__(lab.robot.route_id, (), 3, 2.0), lab.now)
+    lab.robot.place = SymbolicPose(3, 2.0)
     lab.settle()
     assert lab.state['lastNodeId'] == '12'
     lab.act('stopPause')
@@ -249,8 +267,7 @@ def test_a_robot_that_rolls_to_the_end_of_its_base_while_it_stops_has_driven_it(
     lab.drive(1)
     lab.see(velocity=DRIVING)
     lab.act('startPause')
-    report = type(lab.robot.report())
-    lab.driver.on_report(report(lab.robot.route_id, (), edge, percentage), lab.now)
+    lab.robot.place = SymbolicPose(edge, percentage)
     lab.settle()
     assert (lab.state['lastNodeId'] == '12') is passed
     routes = len(lab.robot.routes)

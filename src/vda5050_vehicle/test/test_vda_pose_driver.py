@@ -36,7 +36,7 @@ class MoveBaseLab(Lab):
 @pytest.fixture
 def lab(monkeypatch):
     lab = MoveBaseLab()
-    monkeypatch.setattr(lab.robot, 'take', lab.robot.routes.append)
+    monkeypatch.setattr(lab.robot, 'arrive', lab.robot.routes.append)
     lab.at(*PLACES[0], STANDING)
     return lab
 

@@ -183,7 +183,7 @@ class RandomMaster(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.drives)
     @rule()
     def fail(self):
-        self.lab.robot.reason = 'no progress'
+        self.lab.robot.fail('no progress')
         self.lab.see(velocity=STANDING)
         self.lab.wait(0.1)
 

@@ -148,7 +148,7 @@ def test_a_robot_with_move_base_passes_a_second_node_without_a_goal():
     lab = Lab(at=None, driver=lambda memory: PoseDriver(memory, abilities(), Matching()))
     x, y = laboratory().vertex(8).position
     lab.see(pose=Pose(x, y, 0.0), velocity=STANDING)
-    lab.robot.take = goals(lab)
+    lab.robot.arrive = goals(lab)
     lab.order(with_actions(second(8).order('o'), 1, say('now', 'HARD')))
     assert (lab.nodes, lab.started, lab.goals) == ([], ['now'], [])
 

@@ -1,14 +1,14 @@
 """Random stops, with a robot that misbehaves and an adapter that is killed at any step.
 
 The robot refuses, hides its velocity, loses its link, brakes late, and obeys people. Some robots
-report if they stand, and in which epoch they move (the optional signals of vehicle.yaml). Robots
-with epochs refuse a drive that does not know the present epoch. These properties always hold:
+have a signal that says if they stand (see vehicle.yaml). The robot's end of the route protocol is
+the real one. These properties always hold:
 
 * no route is sent after cancelOrder without another order;
 * cancelOrder and startPause are FINISHED only while the robot stands;
 * after a person's stop no route is begun before the master's stopPause or another order;
 * during a pause no drive begins before stopPause;
-* a robot that reports epochs drives no route that was sent before a person's last act.
+* no number is that of two orders, and no order to drive lacks the epoch of a report.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from vda_builders import DRIVING, STANDING, Lab, RobotSide, lab, say, way
 
-from route_protocol.values import Reason, ReasonCode
+from route_protocol.values import Motion, Reason, ReasonCode
 from vda5050_vehicle.drivers.robot_view import Pose
 
 VERTICES = sorted(lab().vertices)
@@ -38,42 +38,21 @@ class UnrulyRobot(RobotSide):
 
     def __init__(self):
         super().__init__()
-        self.refuses = None
-        self.refusals = []
         self.braking = 0.0  # s until it stands
         self.by_hand = False  # True: a person drives it
-        self.sent = []  # all commands, received or not
-        self.epoch = 1  # epoch of its motion
-        self.is_ours = True  # True: only the adapter has moved it in this epoch
 
-    def overruled(self):
-        """A person drives or stops it."""
-        self.epoch += 1
-        self.is_ours = False
-
-    def take(self, command):
-        self.sent.append(command)
-        if not self.answers:
-            return
-        known = (command.route_id, command.edges) == (self.route_id, self.route)
-        if known:
-            super().take(command)
-            return
-        code = self.refuses
-        if command.edges and command.route_id == self.route_id and self.reason:
-            code = ReasonCode.WRONG_CHANGE  # a failed route cannot be extended
-        if command.edges and command.known_epoch not in (0, self.epoch):
-            code = ReasonCode.OVERRULED
-        if command.edges and code is not None:
-            self.refusals.append((command.route_id, command.edges, Reason(code, 'refused')))
-            return
-        if not command.edges:
+    def arrive(self, order):
+        if self.answers and not order.edges:
             self.braking = BRAKING if self.moves else 0.0
             self.by_hand = False
-        if not self.is_ours:  # the first command of the adapter after those of a person
-            self.epoch += 1
-            self.is_ours = True
-        super().take(command)
+        super().arrive(order)
+
+    @property
+    def motion(self):
+        """What it says that it does."""
+        if self.by_hand:
+            return Motion.MOVED
+        return Motion.COMING_TO_REST if self.braking > 0.0 else super().motion
 
     @property
     def moves(self):
@@ -84,7 +63,7 @@ class UnrulyRobot(RobotSide):
 class UnrulyLab(Lab):
     """The laboratory with this robot; the adapter can be killed between two effects."""
 
-    hides = tells_standing = tells_epoch = False
+    hides = tells_standing = False
     effects_left = None
 
     def __init__(self):
@@ -97,8 +76,7 @@ class UnrulyLab(Lab):
         velocity = DRIVING if moves else STANDING
         if self.robot.answers:
             self.see(velocity=None if self.hides else velocity,
-                     standing=not moves if self.tells_standing else None,
-                     epoch=self.robot.epoch if self.tells_epoch else 0)
+                     standing=not moves if self.tells_standing else None)
 
     def do(self, effects):
         for effect in effects:
@@ -108,18 +86,12 @@ class UnrulyLab(Lab):
                 self.effects_left -= 1
             super().do([effect])
 
-    def step(self, refusal_first):
+    def step(self):
         """Runs for a tenth of a second."""
         self.now += 0.1
         self.robot.braking = max(self.robot.braking - 0.1, 0.0)
         if self.robot.answers:
-            refusals, self.robot.refusals = self.robot.refusals, []
-            if not refusal_first:
-                self.driver.on_report(self.robot.report(), self.now)
-            for refusal in refusals:
-                self.driver.on_refused(*refusal, self.now)
-            if refusal_first:
-                self.driver.on_report(self.robot.report(), self.now)
+            self.driver.on_report(self.robot.report(), self.now)
         self.do(self.vehicle.tick(self.now))
         self.look()
 
@@ -127,21 +99,20 @@ class UnrulyLab(Lab):
 class RandomStops(RuleBasedStateMachine):
     """One run."""
 
-    @initialize(data=st.data(), base=st.integers(3, 5), tells_standing=st.booleans(),
-                tells_epoch=st.booleans())
-    def begin(self, data, base, tells_standing, tells_epoch):
+    @initialize(data=st.data(), base=st.integers(3, 5), tells_standing=st.booleans())
+    def begin(self, data, base, tells_standing):
         self.lab = UnrulyLab()
-        self.lab.tells_standing, self.lab.tells_epoch = tells_standing, tells_epoch
+        self.lab.tells_standing = tells_standing
         self.lab.look()
         self.names = 0
         self.cancelled_at = None  # number of commands sent when the cancel was accepted
         self.paused_at = None
-        self.overruled_at = None
+        self.overruled = None  # the epochs since a person's act
         self.moved_at = None  # the same number at a person's act while the robot waited
         self.known = {}  # status of each stop
         self.stops = []
         self.order(data, base, False)
-        self.wait(1, False)
+        self.wait(1)
 
     def name(self):
         self.names += 1
@@ -173,11 +144,11 @@ class RandomStops(RuleBasedStateMachine):
         track = track.part(0, min(len(track.stops) - 1, 5))
         name = self.name()
         actions = {track.stops[1].node_id: [say(f'a{name}', 'HARD')]} if acts else None
-        sent = len(self.lab.robot.sent)
+        sent = len(self.lab.robot.routes)
         self.attempt(lambda: self.lab.order(track.order(
             name, base=min(base, len(track.stops)), start_deviation=30.0, actions=actions)))
         if self.lab.vehicle.state.order.order_id == name:
-            self.cancelled_at = self.overruled_at = self.moved_at = None
+            self.cancelled_at = self.overruled = self.moved_at = None
             self.paused_at = None if self.paused_at is None else sent
 
     @rule()
@@ -191,7 +162,7 @@ class RandomStops(RuleBasedStateMachine):
 
     @rule()
     def cancel(self):
-        sent, name = len(self.lab.robot.sent), self.name()
+        sent, name = len(self.lab.robot.routes), self.name()
         was_busy = self.lab.vehicle.state.busy
         self.attempt(lambda: self.lab.act('cancelOrder', name))
         if was_busy and name in self.lab.vehicle.state.actions:
@@ -200,7 +171,7 @@ class RandomStops(RuleBasedStateMachine):
 
     @rule()
     def pause(self):
-        sent, name = len(self.lab.robot.sent), self.name()
+        sent, name = len(self.lab.robot.routes), self.name()
         self.attempt(lambda: self.lab.act('startPause', name))
         if self.lab.vehicle.state.paused:
             self.stops.append(name)
@@ -212,14 +183,14 @@ class RandomStops(RuleBasedStateMachine):
         if not self.lab.vehicle.state.paused:
             self.paused_at = None
         if not self.lab.vehicle.state.held:
-            self.overruled_at = self.moved_at = None
+            self.overruled = self.moved_at = None
 
     # --- the robot --------------------------------------------------------------------------------
 
-    @rule(steps=st.sampled_from([1, 5, 15, 40]), refusal_first=st.booleans())
-    def wait(self, steps, refusal_first):
+    @rule(steps=st.sampled_from([1, 5, 15, 40]))
+    def wait(self, steps):
         for _ in range(steps):
-            self.attempt(lambda: self.lab.step(refusal_first))
+            self.attempt(self.lab.step)
             self.a_stop_is_finished_while_the_robot_stands()
 
     @precondition(lambda self: self.lab.robot.drives)
@@ -229,11 +200,11 @@ class RandomStops(RuleBasedStateMachine):
         robot.done = min(robot.done + edges, len(robot.route))
         x, y = lab().end_vertex(robot.route[robot.done - 1]).position
         self.attempt(lambda: self.lab.see(pose=Pose(x, y, 0.0)))
-        self.wait(1, False)
+        self.wait(1)
 
     @rule(code=REFUSALS)
     def refuse(self, code):
-        self.lab.robot.refuses = code
+        self.lab.robot.refuses = None if code is None else Reason(code, 'refused')
 
     @rule()
     def hide(self):
@@ -248,39 +219,38 @@ class RandomStops(RuleBasedStateMachine):
     def a_person_stops_it(self, drives_on):
         """A person stops it, and perhaps drives it elsewhere."""
         robot = self.lab.robot
-        robot.reason, robot.by_hand = 'taken over', drives_on
+        robot.by_hand = drives_on
         robot.braking = BRAKING
         robot.overruled()
         if self.lab.vehicle.state.busy:
-            self.overruled_at = len(robot.sent)
+            self.overruled = {*(self.overruled or ()), robot.vehicle.state.epoch}
 
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
     def a_person_stops_it_while_the_base_grows(self, drives_on):
-        """The refusal of the longer route may arrive before the failure of the shorter one."""
+        """The longer route was ordered before the adapter knew of it."""
         self.a_person_stops_it(drives_on)
         self.update()
-        self.wait(1, True)
+        self.wait(1)
 
-    @precondition(lambda self: self.lab.tells_epoch and self.lab.robot.answers
-                  and not self.lab.vehicle.state.busy)
+    @precondition(lambda self: self.lab.robot.answers and not self.lab.vehicle.state.busy)
     @rule(data=st.data())
     def a_person_moves_it_between_two_drives(self, data):
         """During an action of a node; the action ends after that."""
         self.lab.robot.refuses = None
         self.order(data, 4, True)
-        self.wait(5, False)
+        self.wait(5)
         if self.lab.robot.drives:
             self.drive(1)
-        self.wait(5, False)
+        self.wait(5)
         robot, state = self.lab.robot, self.lab.vehicle.state
         robot.overruled()
         if state.busy and state.drive.at_rest:
-            self.moved_at = len(robot.sent)
-        self.attempt(self.lab.look)
+            self.moved_at = len(robot.routes)
+        self.attempt(self.lab.step)
         for name in self.lab.started:
             self.attempt(lambda: self.lab.end_action(name))  # noqa: B023
-        self.wait(5, False)
+        self.wait(5)
 
     @precondition(lambda self: self.lab.robot.by_hand)
     @rule()
@@ -305,40 +275,36 @@ class RandomStops(RuleBasedStateMachine):
 
     # --- invariants -------------------------------------------------------------------------------
 
-    def begun_since(self, number):
-        """The ids of routes that were sent since then, and not before."""
-        sent = self.lab.robot.sent
-        before = {command.route_id for command in sent[:number]}
-        return [command for command in sent[number:]
-                if command.edges and command.route_id not in before]
-
     @invariant()
     def no_route_after_a_cancel(self):
         if hasattr(self, 'lab') and self.cancelled_at is not None:
-            later = self.lab.robot.sent[self.cancelled_at:]
+            later = self.lab.robot.routes[self.cancelled_at:]
             assert not [command for command in later if command.edges], later
 
     @invariant()
     def no_route_is_sent_while_paused(self):
         if hasattr(self, 'lab') and self.paused_at is not None:
-            later = self.lab.robot.sent[self.paused_at:]
+            later = self.lab.robot.routes[self.paused_at:]
             assert not [command for command in later if command.edges], later
 
     @invariant()
     def no_route_is_begun_after_a_persons_stop(self):
-        if hasattr(self, 'lab') and self.overruled_at is not None:
-            assert not self.begun_since(self.overruled_at)
+        if hasattr(self, 'lab') and self.overruled is not None:
+            assert not [order for order in self.lab.robot.routes if order.epoch in self.overruled]
+            assert not self.lab.robot.drives
 
     @invariant()
     def no_route_gets_longer_after_a_person_moved_the_robot_that_waited(self):
         if hasattr(self, 'lab') and self.moved_at is not None:
-            later = self.lab.robot.sent[self.moved_at:]
+            later = self.lab.robot.routes[self.moved_at:]
             assert not [command for command in later if command.edges], later
 
     @invariant()
-    def each_route_tells_the_epoch_in_which_it_makes_sense(self):
-        if hasattr(self, 'lab') and self.lab.tells_epoch:
-            assert all(command.known_epoch for command in self.lab.robot.sent if command.edges)
+    def each_order_has_a_number_of_its_own(self):
+        if hasattr(self, 'lab'):
+            sent = self.lab.robot.routes
+            assert all(order.epoch for order in sent if order.edges)
+            assert len({order.number for order in sent}) == len(set(sent))
 
     @invariant()
     def a_stop_is_finished_while_the_robot_stands(self):

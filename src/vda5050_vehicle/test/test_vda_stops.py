@@ -9,9 +9,9 @@ import time
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, payload, say, way
 
-from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
+from route_protocol.values import EpochCause, Reason, ReasonCode
 from vda5050_vehicle.conformance.track import action
-from vda5050_vehicle.drivers.route_driver import SETTLING
+from vda5050_vehicle.drivers.driver import SETTLING
 from vda5050_vehicle.protocol.codec_3 import VERSION_3_0
 from vda5050_vehicle.protocol.codecs import VERSION_2_1
 
@@ -30,25 +30,25 @@ def under_way(**order):
 
 def refuse_extension(lab, reason):
     """The base grows, and the robot's side refuses the longer route."""
-    route, lab.robot.answers = lab.robot.route, False
+    lab.robot.refuses = reason
     lab.order(HALL.part(2).order('o', 1, first_sequence=4))
-    longer = lab.robot.routes[-1]
-    assert longer.edges[:len(route)] == route != longer.edges
-    lab.driver.on_refused(longer.route_id, longer.edges, reason, lab.now)
-    lab.robot.answers = True
+    assert lab.robot.routes[-1].edges == (2, 3, 4)
+    lab.robot.refuses = None
 
 
 # --- B3: unknown motion does not count as standing ------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
-def test_a_robot_that_hides_its_velocity_is_not_known_to_stand(kind):
+def test_a_robot_that_hides_its_velocity_stands_when_its_side_says_so(kind):
     lab = under_way()
     lab.see(velocity=None)
+    lab.robot.rolls = True
     stop = lab.act(kind)
     lab.wait(20.0)
     assert lab.robot.routes[-1].edges == ()
     assert (lab.status(stop), lab.state['driving']) == ('RUNNING', True)
-    lab.see(velocity=STANDING)
+    lab.robot.rolls = False
+    lab.wait(0.1)
     assert (lab.status(stop), lab.state['driving']) == ('FINISHED', False)
 
 
@@ -57,6 +57,18 @@ def test_a_velocity_from_before_the_stop_tells_nothing(kind):
     lab = Lab()
     lab.order(HALL.order('o'))
     lab.is_seen = False  # its last report: it stands
+    lab.robot.rolls = True
+    stop = lab.act(kind)
+    lab.wait(2.0)
+    assert lab.status(stop) == 'RUNNING'
+    lab.robot.rolls = False
+    lab.wait(0.1)
+    assert lab.status(stop) == 'FINISHED'
+
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_a_robot_that_is_seen_to_move_does_not_stand_though_its_side_says_so(kind):
+    lab = under_way()
     stop = lab.act(kind)
     lab.wait(2.0)
     assert lab.status(stop) == 'RUNNING'
@@ -69,10 +81,10 @@ def test_a_stop_that_the_robot_owes_is_not_finished(kind):
     lab = under_way()
     stop = lab.act(kind)
     lab.see(velocity=STANDING)
-    lab.robot.reason = 'the robot has not obeyed the stop yet: lost link'
+    lab.robot.owes_stop = 'the robot has not obeyed the stop yet: lost link'
     lab.wait(5.0)
     assert lab.status(stop) == 'RUNNING'
-    lab.robot.reason = ''
+    lab.robot.owes_stop = ''
     lab.wait(SETTLING + 0.3)
     assert lab.status(stop) == 'FINISHED'
 
@@ -95,7 +107,7 @@ def test_it_is_stopped_though_an_extension_of_its_route_was_refused(kind):
 @pytest.mark.parametrize('reason', ['taken over', 'no progress'])
 def test_it_is_stopped_though_its_route_failed(kind, reason):
     lab = under_way()
-    lab.robot.reason = reason
+    lab.robot.fail(reason)
     lab.wait(0.2)
     lab.robot.routes.clear()
     lab.act(kind)
@@ -105,7 +117,7 @@ def test_it_is_stopped_though_its_route_failed(kind, reason):
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 def test_it_is_stopped_though_it_drives_another_route(kind):
     lab = under_way()
-    lab.robot.route_id = 4711
+    lab.robot.taken_by_another_master()
     lab.wait(0.1)
     assert lab.errors == ['driveError']
     assert lab.robot.routes[-1].edges, 'the vehicle must not stop the other route without a request'
@@ -195,7 +207,7 @@ def test_a_cancel_that_comes_twice_is_done_once():
 def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
     lab = under_way(base=3)
     refuse_extension(lab, Reason(code, 'no'))
-    lab.robot.reason = str(TAKEN_OVER)
+    lab.robot.overruled()
     lab.see(velocity=STANDING)
     routes = [command for command in lab.robot.routes if command.edges]
     lab.wait(10.0)
@@ -208,9 +220,7 @@ def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
 def at_an_action(last=None):
     """A vehicle that stands in an order, and drives on when an action of its first node ends."""
     lab = Lab()
-    lab.see(epoch=7)
     lab.order(HALL.order('o', actions={'10': [say('a', 'HARD'), last or say('b', 'HARD')]}))
-    lab.see(epoch=8, velocity=DRIVING)  # of its own drive
     lab.drive(1)
     assert lab.errors == []
     lab.end_action('a')
@@ -219,8 +229,9 @@ def at_an_action(last=None):
 
 def test_a_robot_that_was_stopped_while_it_stood_is_not_driven_on():
     lab = under_way(base=2)
-    lab.see(epoch=8, velocity=STANDING)
-    lab.see(epoch=9)
+    lab.see(velocity=STANDING)
+    lab.robot.overruled(EpochCause.STOP)
+    lab.wait(0.1)
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
     lab.wait(5.0)
     assert lab.errors == ['driveError']
@@ -229,37 +240,60 @@ def test_a_robot_that_was_stopped_while_it_stood_is_not_driven_on():
     assert (lab.errors, lab.robot.drives) == ([], True)
 
 
-def test_an_epoch_of_its_own_drive_or_action_holds_nothing():
+def test_a_robot_that_was_stopped_while_it_stood_is_not_driven_on_by_an_order_that_was_faster():
+    lab = under_way(base=2)
+    lab.see(velocity=STANDING)
+    lab.robot.overruled(EpochCause.STOP)
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    lab.wait(5.0)
+    assert lab.errors == ['driveError']
+    assert lab.robot.route == (1,)
+
+
+@pytest.mark.parametrize('cause', [EpochCause.RESTART, EpochCause.LOST_LINK])
+def test_a_robot_that_only_forgot_its_orders_while_it_stood_is_driven_on(cause):
+    lab = under_way(base=2)
+    lab.see(velocity=STANDING)
+    lab.robot.overruled(cause)
+    lab.wait(0.1)
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    assert (lab.errors, lab.robot.drives) == ([], True)
+
+
+def test_an_epoch_of_its_own_action_holds_nothing():
     lab = at_an_action(action('wait', 'b', 'HARD', seconds=5))
-    lab.see(epoch=9)  # of the action
+    lab.robot.overruled()  # by the action
+    lab.wait(0.1)
     lab.end_action('b')
-    assert (lab.errors, lab.robot.route) == ([], (1, 2, 3, 4))
-    assert lab.robot.routes[-1].known_epoch == 9
+    assert (lab.errors, lab.robot.drives) == ([], True)
+    assert lab.robot.routes[-1].epoch == lab.robot.vehicle.state.epoch
 
 
 def test_a_person_who_stops_the_robot_while_it_speaks_holds_it():
     lab = at_an_action()
-    lab.see(epoch=9)  # speech is no motion
+    lab.robot.overruled()  # speech is no motion
+    lab.wait(0.1)
     lab.end_action('b')
     lab.wait(5.0)
     assert lab.errors == ['driveError']
     assert len(lab.robot.routes) == 1
 
 
-def test_a_route_that_is_repeated_has_the_epoch_of_its_first_message():
+def test_an_order_that_is_repeated_keeps_its_number_and_its_epoch():
     lab = Lab()
-    lab.see(epoch=7)
     lab.robot.answers = False
     lab.order(HALL.order('o'))
-    lab.see(epoch=8)
+    known = lab.robot.vehicle.state.epoch
+    lab.robot.overruled()
     lab.wait(3.0)
     assert len(lab.robot.routes) > 1
-    assert {command.known_epoch for command in lab.robot.routes} == {7}
+    assert {(one.number, one.epoch) for one in lab.robot.routes} == {
+        (lab.robot.routes[0].number, known)}
 
 
 @pytest.mark.parametrize('standing, velocity, rests, ended', [
     (True, None, False, True), (True, STANDING, False, True), (False, STANDING, False, False),
-    (True, DRIVING, False, False), (None, None, False, False), (None, None, True, True)])
+    (True, DRIVING, False, False), (None, None, False, True), (None, None, True, True)])
 def test_a_robot_that_tells_of_its_motion_stands_where_nothing_says_otherwise(
         standing, velocity, rests, ended):
     lab = under_way()

@@ -49,8 +49,10 @@ def test_an_update_extends_the_route_under_its_id_at_once():
     lab.order(HALL.order('o', base=3))
     lab.drive(1)
     lab.order(HALL.part(2).order('o', 1, first_sequence=4))
-    assert [command.edges for command in lab.robot.routes] == [(1, 2), (1, 2, 3, 4)]
-    assert len({command.route_id for command in lab.robot.routes}) == 1
+    before, after = lab.robot.routes
+    assert (before.edges, after.edges, after.first) == ((1, 2), (2, 3, 4), before.first + 1)
+    assert before.route_id == after.route_id
+    assert lab.robot.route == (1, 2, 3, 4)
     assert lab.state['orderUpdateId'] == 1
     lab.drive(3)
     assert lab.nodes == []

@@ -4,12 +4,27 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import lru_cache
+from itertools import count
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import yaml
 
-from route_protocol.values import EdgeState, reason_of
+from route_protocol import vehicle as protocol
+from route_protocol.master import Order
+from route_protocol.values import (
+    NO_REASON,
+    TAKEN_OVER,
+    EpochCause,
+    Location,
+    Motion,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+    RouteReport,
+    SymbolicPose,
+)
+from route_protocol.vehicle import Answer
 from trajectory_graph import Graph, load_graph
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.layout import track_on
@@ -21,11 +36,11 @@ from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.action_table import ActionTable, read_table
 from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.core.vehicle import MakeDriver, Vehicle
+from vda5050_vehicle.drivers.driver import SETTLING
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
-from vda5050_vehicle.drivers.route_driver import SETTLING, RouteDriver
-from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
+from vda5050_vehicle.drivers.route_driver import ME, RouteDriver
 from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
 from vda5050_vehicle.protocol.fields import write_json
 from vda5050_vehicle.protocol.headers import Headers
@@ -36,6 +51,8 @@ PACKAGE = Path(__file__).resolve().parents[1]
 IDENTITY = Identity('OMRON', 'lab', 'map', '1')
 STANDING, DRIVING = Velocity(0.0, 0.0, 0.0), Velocity(1.0, 0.0, 0.0)
 SAY = {'text': 'hello'}
+CLOCK = 1_700_000_000_000  # ms since 1970
+_EPOCHS, _REPORTS = count(1), count(1)  # they never repeat, over restarts too
 
 
 @lru_cache(maxsize=None)
@@ -63,7 +80,8 @@ def abilities(*ignored: str) -> Abilities:
 
 def route_driver(graph: Optional[Graph] = None, *ignored: str) -> MakeDriver:
     """Makes drivers for the laboratory's routes."""
-    return lambda memory: RouteDriver(memory, graph or lab(), abilities(*ignored), Matching())
+    return lambda memory: RouteDriver(memory, graph or lab(), abilities(*ignored), Matching(),
+                                      lambda: CLOCK)
 
 
 def way(*vertices: int) -> Track:
@@ -79,43 +97,102 @@ def payload(message: Mapping[str, Any], header_id: int = 0, version: str = '2.1.
 
 
 class RobotSide:
-    """The receiver of routes: it accepts them, drives when the test says so, and stops."""
+    """The receiver of orders: the real vehicle's end of the route protocol.
+
+    It takes what the protocol lets it take, drives when the test says so, and stops at once.
+    """
 
     def __init__(self) -> None:
-        self.route: Tuple[int, ...] = ()
-        self.route_id = 0
-        self.done = 0
+        self.vehicle = protocol.Vehicle(lambda: next(_EPOCHS), lambda: next(_REPORTS))
         self.percentage = 0.0
-        self.reason = ''
-        self.routes: List[RouteCommand] = []
+        self.place: Optional[SymbolicPose] = None  # where it stands, if a test says it
+        self.routes: List[Order] = []  # all orders that were sent to it, received or not
         self.answers = True
+        self.refuses: Optional[Reason] = None
+        self.owes_stop = ''
+        self.rolls = False  # it has not come to rest yet
+        self._driven: Tuple[int, ...] = ()  # by the route before the edges of the last order
 
-    def take(self, command: RouteCommand) -> None:
-        """Accepts a route as the bridge does: the same route again changes nothing."""
-        self.routes.append(command)
-        if not self.answers or (command.route_id, command.edges) == (self.route_id, self.route):
-            return
-        if command.route_id != self.route_id:
-            self.done, self.percentage, self.reason = 0, 0.0, ''
-        else:
-            assert command.edges[:self.done] == self.route[:self.done], (
-                'the route changed an edge that is already driven')
-        self.route_id, self.route = command.route_id, command.edges
+    def arrive(self, order: Order) -> None:
+        """An order arrives."""
+        self.routes.append(order)
+        if self.answers:
+            self.judge(order.sent_by(ME))
+
+    def judge(self, order: RouteOrder) -> None:
+        """Answers an order as the protocol says."""
+        judgement = self.vehicle.judge(order)
+        if judgement.answer is Answer.STOP:
+            self.vehicle.stop(order)
+            self._driven = ()
+        elif judgement.answer is Answer.REFUSED or (
+                judgement.answer is Answer.ROUTE and self.refuses):
+            self.vehicle.refuse(order, self.refuses or judgement.reason)
+        elif judgement.answer is Answer.ROUTE:
+            is_same = order.route_id == self.route_id
+            self._driven = self.route[:self.done] if is_same else ()
+            self._driven = self._driven[:len(self._driven) - (judgement.done - order.first)]
+            self.vehicle.take(order, judgement.done)
+            self.percentage, self.place = (self.percentage if is_same else 0.0), None
 
     def report(self) -> RouteReport:
-        """The bridge's present report."""
-        rest = EdgeState.FAILED if self.reason else EdgeState.PROCESSING
-        states = (EdgeState.COMPLETE,) * self.done + (rest,) * (len(self.route) - self.done)
-        current = min(self.done, len(self.route) - 1)
-        edge = self.route[current] if self.route else 0
-        percentage = 100.0 if self.done == len(self.route) else self.percentage
-        return RouteReport(self.route_id, states, edge, percentage,
-                           reason_of(0, self.reason))
+        """The present report."""
+        return self.vehicle.report(
+            0, self.pose, Location(0.0, 0.0, 0.0), self.motion,
+            Reason(ReasonCode.STOP_OWED, self.owes_stop) if self.owes_stop else NO_REASON)
+
+    @property
+    def motion(self) -> Motion:
+        """What it does."""
+        if self.drives:
+            return Motion.ON_ROUTE
+        return Motion.COMING_TO_REST if self.owes_stop or self.rolls else Motion.STANDING
+
+    @property
+    def pose(self) -> SymbolicPose:
+        """The edge of its route on which it is."""
+        if self.place is not None or not self.route:
+            return self.place or SymbolicPose()
+        edge = self.route[min(self.done, len(self.route) - 1)]
+        return SymbolicPose(edge, self.percentage if self.done < len(self.route) else 100.0)
+
+    @property
+    def route_id(self) -> int:
+        """The label of its route."""
+        return self.vehicle.state.route_id
+
+    @property
+    def route(self) -> Tuple[int, ...]:
+        """All edges that it drives, or has driven, under this label."""
+        return self._driven + self.vehicle.state.edges
+
+    @property
+    def done(self) -> int:
+        """Number of these edges that are driven."""
+        return len(self._driven) + self.vehicle.state.completed
+
+    @done.setter
+    def done(self, number: int) -> None:
+        self.vehicle.complete(number - len(self._driven))
 
     @property
     def drives(self) -> bool:
         """True if there is something left to drive."""
-        return bool(self.route) and self.done < len(self.route) and not self.reason
+        return self.vehicle.state.is_running
+
+    def fail(self, text: str) -> None:
+        """Its route fails."""
+        self.vehicle.fail(Reason(ReasonCode.OTHER, text))
+
+    def overruled(self, cause: EpochCause = EpochCause.OTHER_GIVER,
+                  reason: Reason = TAKEN_OVER) -> None:
+        """Another giver drives or stops it, or nobody can."""
+        self.vehicle.begin_epoch(cause, reason)
+
+    def taken_by_another_master(self) -> None:
+        """Another master sends it a route."""
+        self.judge(RouteOrder(4711, (9,), known_epoch=self.vehicle.state.epoch, order=1,
+                              master='another'))
 
 
 class Lab:
@@ -131,7 +208,7 @@ class Lab:
         self.robot = RobotSide()
         can = abilities_ or abilities()
         self.make_driver = driver or (
-            lambda memory: RouteDriver(memory, lab(), can, Matching()))
+            lambda memory: RouteDriver(memory, lab(), can, Matching(), lambda: CLOCK))
         self.vehicle = Vehicle(IDENTITY, codec, table(), self.make_driver, can)
         self.driver: Any = self.vehicle.driver
         self.codec = codec
@@ -145,8 +222,18 @@ class Lab:
         self.checker = VehicleChecker('OMRON', 'lab', codec.version)
         self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
         self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
+        self.begin_to_command()
         if at is not None:  # otherwise the robot has not reported yet
             self.stand_at(at)
+
+    def begin_to_command(self) -> None:
+        """The robot counts the orders of the adapter, as after an earlier order."""
+        if isinstance(self.driver, RouteDriver):
+            self.driver.stop(self.now)
+            for command in self.driver.take_commands():
+                self.robot.arrive(command)
+            self.driver.on_report(self.robot.report(), self.now)
+            self.robot.routes.clear()
 
     # --- events -----------------------------------------------------------------------------------
 
@@ -239,7 +326,7 @@ class Lab:
         for effect in effects:
             self.effects.append(effect)
             if isinstance(effect, fx.Command):
-                self.robot.take(effect.command)
+                self.robot.arrive(effect.command)
             elif isinstance(effect, fx.SendState):
                 message = write_json(self.codec.write('state', self.headers.make('state'),
                                                       effect.state))

@@ -588,5 +588,4 @@ def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int,
 
 def route_order(order: Order) -> RouteOrder:
     """Returns the supervisor's order as the robot receives it."""
-    return RouteOrder(order.route_id, order.edges, known_epoch=order.epoch, order=order.number,
-                      first=order.first, master=ME)
+    return order.sent_by(ME)

@@ -51,6 +51,7 @@ from route_protocol.values import (
     Motion,
     Reason,
     ReasonCode,
+    RouteOrder,
     RouteReport,
 )
 
@@ -87,6 +88,11 @@ class Order(NamedTuple):
         skipped = max(begin - self.first, 0)
         return tuple(Step(self.first + skipped + k, edge)
                      for k, edge in enumerate(self.edges[skipped:]))
+
+    def sent_by(self, master: str, stamp: int = 0) -> RouteOrder:
+        """Returns the order as this master sends it."""
+        return RouteOrder(self.route_id, self.edges, stamp, known_epoch=self.epoch,
+                          order=self.number, first=self.first, master=master)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import math
 from enum import IntEnum
 from typing import Any, Optional, Type, TypeVar
 
+from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import (
     EdgeState,
     EpochCause,
@@ -27,6 +28,8 @@ Kind = TypeVar('Kind', bound=IntEnum)
 
 _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 _LONGEST_NAME = 256
+
+_LAST_NUMBER = 2 ** 63  # beyond it, no number of an order or a report makes sense
 
 _UNKNOWN = Location(math.nan, math.nan, math.nan)
 
@@ -103,6 +106,19 @@ def report_of(message: Any) -> RouteReport:
         reason_of(message.refusal_code, _words(message.refusal)), message.first,
         _member(Motion, message.motion, Motion.UNKNOWN), message.report,
         _member(ReasonCode, message.unready, ReasonCode.OTHER))
+
+
+def check_report(said: RouteReport) -> None:
+    """Raises WrongReport for a report that no master can use."""
+    if not said.number:
+        raise WrongReport('it has no number (field `report`): the program of the robot is older '
+                          'than the one that reads it, so update it')
+    if len(said.edges) != len(said.states):
+        raise WrongReport('it does not have one state for each edge')
+    if len(said.edges) > MAXIMUM_EDGES:
+        raise WrongReport(f'its route has more than {MAXIMUM_EDGES} edges')
+    if max(said.number, said.order, said.refused) >= _LAST_NUMBER:
+        raise WrongReport('it has a number at the end of 64 bits: none could follow')
 
 
 def refusal_of(message: Any) -> RouteRefusal:

@@ -4,13 +4,13 @@ from __future__ import annotations
 import json
 
 import pytest
-from vda_builders import STANDING, Lab, say, way
+from vda_builders import STANDING, Lab, RobotSide, say, way
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.journal import WrongRecord
 from vda5050_vehicle.drivers.pose_driver import PoseDrive
-from vda5050_vehicle.drivers.route_driver import RESTART_PATIENCE, RouteDrive
+from vda5050_vehicle.drivers.route_driver import PATIENCE, RouteDrive
 from vda5050_vehicle.nodes.files import JournalFile
 
 HALL = way(8, 10, 12, 14, 32)
@@ -40,11 +40,12 @@ def test_a_base_that_was_driven_to_its_end_needs_nobody_after_a_restart_of_every
     lab.drive(2 if base else 4)
     lab = lab.restarted()
     lab.robot.__init__()
-    lab.wait(RESTART_PATIENCE + 1.0)
+    lab.wait(PATIENCE + 1.0)
     assert (lab.errors, lab.state['paused']) == ([], False)
     end = HALL.stops[2] if base else HALL.stops[4]
     lab.order(way(int(end.node_id), 14 if base else 12).order('o', 1, first_sequence=(
         4 if base else 8)))
+    lab.wait(0.2)
     assert lab.robot.drives
 
 
@@ -92,13 +93,14 @@ def test_a_robot_that_forgot_the_route_is_not_sent_on_by_itself():
     lab.order(HALL.order('o'))
     lab.drive(1)
     routes = list(lab.robot.routes)
-    lab.robot.route_id, lab.robot.route, lab.robot.done = 0, (), 0
+    lab.robot.vehicle = RobotSide().vehicle
     lab = lab.restarted()
     lab.wait(30.0)
     assert lab.robot.routes == routes
     assert lab.errors == ['driveError']
     assert lab.nodes == ['12', '14', '32']
     lab.act('stopPause')
+    lab.wait(0.2)
     assert lab.robot.route == (2, 3, 4)
 
 
@@ -107,7 +109,7 @@ def test_a_robot_that_stays_silent_is_given_up():
     lab.order(HALL.order('o'))
     lab.robot.answers = False
     lab = lab.restarted()
-    lab.wait(RESTART_PATIENCE + 1.0)
+    lab.wait(PATIENCE + 1.0)
     assert lab.errors == ['driveError']
 
 
@@ -128,7 +130,7 @@ def test_another_order_right_after_a_restart_is_driven():
 def test_a_failure_is_not_forgotten():
     lab = Lab()
     lab.order(HALL.order('o'))
-    lab.robot.reason = 'emergency stop'
+    lab.robot.fail('emergency stop')
     lab.wait(0.1)
     lab = lab.restarted()
     lab.wait(5.0)

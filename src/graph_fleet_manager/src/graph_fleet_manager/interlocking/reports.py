@@ -7,12 +7,11 @@ from typing import Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Point
+from route_protocol import messages
 from route_protocol.messages import WrongReport
 from route_protocol.values import Motion, RouteReport
 from trajectory_graph import Graph
 
-LAST_NUMBER = 2 ** 63  # beyond it, no number of an order or a report makes sense
-LONGEST = 1000     # number of edges in a route; a longer one is a mistake or an attack
 # m from a vertex within which a robot can count as standing on it, for any play
 NEAR = 0.3
 # m from a vertex within which a robot without play counts as standing on it
@@ -87,22 +86,14 @@ class Report:
 
 def check_report(report: Report, graph: Graph) -> None:
     """Raises WrongReport for a report that makes no sense on this graph."""
-    said, pose = report.said, report.pose
-    if not said.number:
-        raise WrongReport('it has no number (field `report`): the program of the robot is older '
-                          'than this fleet manager, so update it')
-    if len(said.edges) != len(said.states):
-        raise WrongReport('it does not have one state for each edge')
-    if len(said.edges) > LONGEST:
-        raise WrongReport(f'its route has more than {LONGEST} edges')
+    pose = report.pose
+    messages.check_report(report.said)
     if not math.isfinite(pose.fraction) or not 0.0 <= pose.fraction <= 1.0:
         raise WrongReport(f'it is at {100.0 * pose.fraction} % of an edge')
     if not (math.isfinite(report.stamp) and math.isfinite(report.age)):
         raise WrongReport('its stamp is not a finite number')
     if pose.edge and abs(pose.edge) not in graph.edges:
         raise WrongReport(f'it is on edge {pose.edge}, which the graph does not have')
-    if max(said.number, said.order, said.refused) >= LAST_NUMBER:
-        raise WrongReport('it has a number at the end of 64 bits: none could follow')
 
 
 def old_location(name: str, report: Report) -> str:

@@ -19,7 +19,6 @@ from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
 from route_protocol import messages as route_messages
 from route_protocol.master import Order
-from route_protocol.values import RouteOrder
 
 Moment = Callable[[float], genpy.Time]
 """Converts a time of the supervisor's clock (s) into ROS time."""
@@ -100,9 +99,8 @@ def _words(text: str) -> str:
 
 def route_message(order: Order, stamp: genpy.Time) -> msg.TargetRoute:
     """An order to a robot."""
-    return route_messages.fill_order(msg.TargetRoute(), RouteOrder(
-        order.route_id, order.edges, stamp.to_nsec(), known_epoch=order.epoch, order=order.number,
-        first=order.first, master=ME if order.number else ''))
+    return route_messages.fill_order(
+        msg.TargetRoute(), order.sent_by(ME if order.number else '', stamp.to_nsec()))
 
 
 def state_message(robots: Iterable[RobotView], moment: Moment,

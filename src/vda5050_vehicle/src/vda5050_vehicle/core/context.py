@@ -61,13 +61,21 @@ class Context:
         drive, robot = self.state.drive, self.robot
         if not drive.at_rest:
             return False
-        return robot.stands or (drive.in_order and not robot.moves and robot.standing is None)
+        return robot.stands or self._is_told_to_stand or (
+            drive.in_order and not robot.moves and robot.standing is None)
 
     @property
     def is_known_to_stand(self) -> bool:
         """Whether the robot has reported that it stands, after its drive ended."""
         drive, robot = self.state.drive, self.robot
-        return drive.at_rest and robot.stands and robot.seen_at >= drive.rest_since
+        return drive.at_rest and (self._is_told_to_stand or (
+            robot.stands and robot.seen_at >= drive.rest_since))
+
+    @property
+    def _is_told_to_stand(self) -> bool:
+        """Whether the robot's side says so, and nothing else contradicts it."""
+        robot = self.robot
+        return self.state.drive.stands and not robot.moves and robot.standing is not False
 
     def stop(self, now: float) -> None:
         """Stops the robot for the master.

@@ -30,7 +30,7 @@ from typing import (
 from vda5050_vehicle.core.state import VehicleState
 from vda5050_vehicle.drivers.driver import Drive
 
-VERSION = 3
+VERSION = 4
 _PLAIN: FrozenSet[type] = frozenset({str, int, float, bool})
 
 
@@ -143,6 +143,9 @@ def _value(kind: Any, found: Any, instead: Mapping[str, type]) -> Any:
         if set(found) != {field.name for field in fields(make)}:
             raise ValueError(f'{make.__name__} has other fields than {sorted(found)}')
         return make(**{name: _value(hints[name], item, {}) for name, item in found.items()})
+    if issubclass(kind, tuple):  # a NamedTuple
+        return kind(*(_value(hint, item, {})
+                      for hint, item in zip(_hints(kind).values(), found)))
     if kind in _PLAIN:
         if not isinstance(found, (int, float) if kind is float else kind):
             raise TypeError(f'{found!r:.40} is not of type {kind.__name__}')

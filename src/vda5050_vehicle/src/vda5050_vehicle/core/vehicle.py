@@ -77,7 +77,6 @@ class Vehicle:
         """Processes a new view of the robot; a robot may also be silent for too long."""
         self.context.robot = robot
         self.driver.see(robot, now)
-        self._look_at_epoch()
         return self._go_on(now)
 
     def action_ended(self, action_id: str, succeeded: bool, text: str, now: float,
@@ -118,6 +117,7 @@ class Vehicle:
     def _settle(self, now: float) -> None:
         self._pass_nodes()
         self._look_at_failure()
+        self._look_at_epoch()
         self._instant.go_on(now)
         self._enter_edge()
         self._pass_nodes_at_a_stand()
@@ -143,7 +143,7 @@ class Vehicle:
         A new epoch while this vehicle commands no motion shows this. Only the master may then
         continue the drive. If an action commands the motion, the new epoch belongs to the action.
         """
-        state, epoch = self.state, self.context.robot.epoch
+        state, epoch = self.state, self.state.drive.epoch
         if not epoch or epoch == state.epoch:
             return
         if (state.epoch and state.busy and not state.cancelling and not state.errors.failure

@@ -53,12 +53,17 @@ class Drive:
     along      -- m that the robot has driven on the next leg
     failure    -- the reason why the robot does not drive on; '' if there is none
     rest_since -- s; older reports do not show whether the robot stands
+    epoch      -- a number that changes when another program or person drives or stops the robot;
+                  0: unknown
+    stands     -- whether the robot's side says, in its newest report, that it stands
     """
 
     passed: int = 0
     along: float = 0.0
     failure: str = ''
     rest_since: float = -math.inf
+    epoch: int = 0
+    stands: bool = False
 
     @property
     def at_rest(self) -> bool:

@@ -110,9 +110,7 @@ class PoseDriver(Driver[PoseDrive]):
 
     def begin(self) -> None:
         """See Driver."""
-        before = self.drive_state
-        self._memory.drive = PoseDrive(rest_since=before.rest_since, goal=before.goal,
-                                       numbers=before.numbers)
+        self._set(passed=0, along=0.0, failure='', until=0)
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
         """See Driver."""
@@ -150,6 +148,8 @@ class PoseDriver(Driver[PoseDrive]):
     def see(self, robot: RobotView, now: float) -> None:
         """See Driver."""
         self._pose = robot.pose
+        if robot.epoch not in (0, self.drive_state.epoch):
+            self._set(epoch=robot.epoch)
         self._look()
 
     def _look(self) -> None:

@@ -1,19 +1,38 @@
 """Drives an order as one route over the trajectory graph, and extends it when the base grows.
 
-The driver uses the route protocol: it sends routes of signed edge ids, and receives the states of
-all edges. An extension has the id of the route that it extends, so the robot does not brake.
+The driver is a master of the route protocol: `route_protocol.master` says what the robot may still
+do by its orders, when the next one may be given, and which one is repeated. The driver adds which
+legs of the VDA order these edges are: the edges of the route record are numbered, and `origin` is
+the number of leg 0.
+
+    | the report                                          | what follows                        |
+    |-----------------------------------------------------|-------------------------------------|
+    | shows edges as driven                               | these legs are passed               |
+    | shows that a route of these legs is lost or refused | a failure: a master must decide     |
+    | has an epoch that something else began meanwhile    | a failure, if the robot was driving |
+    |                                                     | or stopping; else `epoch` tells it  |
+    | shows an order that is not in the journal           | the robot is stopped                |
 """
 from __future__ import annotations
 
 import math
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Optional, Sequence, Tuple
+from typing import Callable, Optional, Sequence, Tuple
 
+from route_protocol.master import (
+    MasterState,
+    News,
+    Order,
+    give_route,
+    give_stop,
+    hear,
+    next_number,
+)
 from route_protocol.order_rules import MAXIMUM_EDGES
-from route_protocol.values import EdgeState, Reason, ReasonCode
+from route_protocol.values import EdgeState, EpochCause, RouteReport, SymbolicPose
 from trajectory_graph import Graph
-from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
+from vda5050_vehicle.drivers.driver import Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
     check_deviations,
@@ -24,63 +43,68 @@ from vda5050_vehicle.drivers.order_fields import (
 )
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
-from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport, SentRoute
 from vda5050_vehicle.protocol.values import Edge, Node
 
-REPEAT = 1.0           # s; a route is sent again after this time without an acknowledgement
-PATIENCE = 10.0        # s; a route must be acknowledged within this time
-RESTART_PATIENCE = 25.0  # s; the robot's side must report within this time after our restart
-LARGEST_ID = 2 ** 31 - 1
-# Refusals because another program or person drives the robot. This driver must not stop it then.
-_NOT_OURS = (ReasonCode.TAKEN_OVER, ReasonCode.OVERRULED, ReasonCode.EMERGENCY_STOP)
+ME = 'vda5050_vehicle'
+"""The name of this master in its orders."""
+REPEAT = 1.0     # s after which an order that no report shows is sent again
+PATIENCE = 25.0  # s after which a robot that does not answer is given up; a bridge restarts in 20 s
+_LARGEST_LABEL = 2 ** 31 - 1
+# Epochs for other reasons begin because the robot does not know its orders any more.
+_BY_OTHERS = (EpochCause.OTHER_GIVER, EpochCause.STOP, EpochCause.CANCEL, EpochCause.OTHER_CLIENT,
+              EpochCause.ROBOT, EpochCause.EMERGENCY_STOP, EpochCause.OTHER_MASTER)
 
 
 @dataclass(frozen=True)
 class RouteDrive(Drive):
     """The memory of the route driver.
 
-    route         -- the last route that was sent; None after the robot has obeyed a stop
-    stop          -- id of a stop that the robot has perhaps not obeyed yet
-    stopped_at    -- s; time of the acknowledgement of the stop
-    waiting_since -- s; the driver waits for an acknowledgement since then
-    restarted_at  -- s; time of a restart after which the route was not reported yet
+    protocol -- what the robot may still do by the orders of this adapter
+    origin   -- number, in the route record, of leg 0 in the last route of these legs; None: none of
+                them was ordered yet
     """
 
-    next_id: int = 1
-    route: Optional[SentRoute] = None
-    stop: Optional[int] = None
-    stopped_at: Optional[float] = None
-    sent_at: float = 0.0
-    waiting_since: Optional[float] = None
-    restarted_at: Optional[float] = None
+    protocol: MasterState = MasterState()
+    origin: Optional[int] = None
 
     @property
     def at_rest(self) -> bool:
         """See Drive."""
-        route = self.route
-        return self.stop is None and (route is None or route.complete or route.lost)
+        known = self.protocol
+        return not (known.may_drive or known.is_stopping or known.unknown)
 
     @property
     def in_order(self) -> bool:
         """See Drive."""
-        return self.at_rest and (self.route is None or self.route.complete)
+        return self.at_rest and not self.failure
+
+    @property
+    def route(self) -> Optional[Order]:
+        """The route of these legs that is in force, or driven to its end; None: there is none."""
+        return None if self.origin is None else self.protocol.farthest
 
 
 class RouteDriver(Driver[RouteDrive]):
-    """See the module's docstring. `first_id` is the id of the first route."""
+    """See the module's docstring. `clock` returns ms since 1970."""
 
     longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
 
     def __init__(self, memory: Memory, graph: Graph, abilities: Abilities, matching: Matching,
-                 first_id: int = 1) -> None:
-        super().__init__(memory, RouteDrive(next_id=first_id))
+                 clock: Callable[[], int]) -> None:
+        super().__init__(memory, RouteDrive())
         self._graph = OrderGraph(graph, matching)
         self._matching = matching
         self._abilities = abilities
-        self._first_id = first_id
-        self._epoch = 0  # the robot's present epoch
-        self._route_epoch = 0  # the same, as the reports on routes tell it; 0: they do not
+        self._clock = clock
         self._pose: Optional[Pose] = None
+        self._is_heard = False  # the robot has reported since the start
+        self._given_at = self._sent_at = -math.inf
+        self._begin_run()
+
+    def _begin_run(self) -> None:
+        """Marks the numbers that other journals may have: what shows one is of a lost journal."""
+        known = self.drive_state.protocol
+        self._set(protocol=replace(known, gap=(known.number, next_number(known, self._clock()))))
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -135,185 +159,162 @@ class RouteDriver(Driver[RouteDrive]):
 
     def begin(self) -> None:
         """See Driver."""
-        before = self.drive_state
-        self._memory.drive = RouteDrive(
-            rest_since=before.rest_since, next_id=before.next_id, stop=before.stop,
-            stopped_at=before.stopped_at, sent_at=before.sent_at,
-            waiting_since=before.waiting_since)
+        self._set(passed=0, along=0.0, failure='', origin=None)
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
-        """See Driver; after a stop it waits until the robot has stopped."""
-        drive = self.drive_state
-        settled = drive.stopped_at is not None and now >= drive.stopped_at + SETTLING
-        if drive.failure or not legs or drive.restarted_at is not None or (
-                drive.stop is not None and not settled):
+        """See Driver; after a stop it waits until the robot has reported that it stands."""
+        drive, known = self.drive_state, self.drive_state.protocol
+        if drive.failure or not legs or not self._is_heard:
             return
-        route, edges = drive.route, tuple(leg.edge for leg in legs)
-        if route is None or route.lost:
-            self._begin(first, edges, now)
-            return
-        edges = route.edges[:first - route.first] + edges
-        if edges != route.edges:
-            self._follow(replace(route, edges=edges, complete=False), now)
+        if not known.commands and not known.is_stopping:
+            self.stop(now)  # the robot counts the orders of the master that stopped it last
+        elif known.is_ready:
+            self._order(first, tuple(leg.edge for leg in legs), now)
 
-    def _begin(self, first: int, edges: Tuple[int, ...], now: float) -> None:
-        before: Tuple[int, ...] = ()
-        if first == 0 and self._pose is not None:
-            with suppress(NotDrivable):  # the robot's side knows more and refuses if necessary
-                before = self._approach(edges[0], self._pose)
-        self._follow(SentRoute(self._new_id(), before + edges, first - len(before)), now)
+    def _order(self, first: int, edges: Tuple[int, ...], now: float) -> None:
+        """Orders these legs, from number `first` on, if that is anything new."""
+        drive, known, number = self.drive_state, self.drive_state.protocol, self._next_number()
+        route, origin, label = drive.route, drive.origin, number % _LARGEST_LABEL + 1
+        if route is not None and origin is not None:
+            edges = known.ahead[:max(origin + first - known.done, 0)] + edges
+            label = route.route_id
+        else:
+            before = self._way_to(edges[0]) if first == 0 else ()
+            edges, origin = before + edges, known.done + len(before) - first
+        if edges != known.ahead:
+            self._set(origin=origin)
+            self._give(give_route(known, number, edges, label), now)
 
-    def _follow(self, route: SentRoute, now: float) -> None:
-        self._set(route=replace(route, epoch=self._route_epoch or self._epoch), stop=None,
-                  stopped_at=None, waiting_since=now)
-        self._send(now)
+    def _way_to(self, first: int) -> Tuple[int, ...]:
+        with suppress(NotDrivable):  # the robot's side knows more and refuses if necessary
+            return () if self._pose is None else self._approach(first, self._pose)
+        return ()
 
     def halt(self, now: float) -> None:
         """See Driver."""
-        if self.drive_state.stop is None and not self.drive_state.at_rest:
+        known = self.drive_state.protocol
+        if known.ahead and not known.is_stopping:
             self.stop(now)
 
     def stop(self, now: float) -> None:
         """See Driver."""
-        drive = self.drive_state
-        if drive.stop is None or drive.stopped_at is not None:
-            self._set(route=None, stop=self._new_id(), stopped_at=None, waiting_since=now,
-                      restarted_at=None)
+        known = self.drive_state.protocol
+        if known.is_stopping:
+            self._send(now)
+        else:
+            number = self._next_number()
+            self._give(give_stop(known, number, number % _LARGEST_LABEL + 1), now)
+
+    def _next_number(self) -> int:
+        known = self.drive_state.protocol
+        return max(next_number(known, self._clock()), known.gap[1])
+
+    def _give(self, protocol: MasterState, now: float) -> None:
+        self._set(protocol=protocol)
+        self._given_at = now
         self._send(now)
 
-    def _new_id(self) -> int:
-        number = self.drive_state.next_id
-        self._set(next_id=number % LARGEST_ID + 1)
-        return number
-
     def _send(self, now: float) -> None:
-        drive = self.drive_state
-        if drive.stop is not None:
-            self._commands.append(RouteCommand(drive.stop, ()))
-        elif drive.route is not None:
-            self._commands.append(RouteCommand(drive.route.id, drive.route.edges,
-                                               drive.route.epoch))
-        self._set(sent_at=now)
+        self._commands.append(self.drive_state.protocol.pending)
+        self._sent_at = now
 
     # --- reports ----------------------------------------------------------------------------------
 
     def see(self, robot: RobotView, now: float) -> None:
-        """See Driver; a stop counts as obeyed when the robot is known to stand after it."""
-        self._epoch, self._pose = robot.epoch, robot.pose
-        at = self.drive_state.stopped_at
-        if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
-            self._set(stop=None, stopped_at=None, rest_since=at)
+        """See Driver; the reports tell whether the robot stands."""
+        self._pose = robot.pose
 
-    def on_report(self, report: RouteReport, now: float) -> None:
-        """Evaluates a message of execution_route_states."""
-        self._route_epoch = report.epoch
-        drive = self.drive_state
-        if drive.stop is not None and report.route_id == drive.stop:
-            at = None if report.reason else drive.stopped_at or now
-            self._set(stopped_at=at, waiting_since=now if at is None else None)
-        if drive.route is None or drive.route.lost:
-            self._catch_up(report)
-        if drive.route is not None and report.route_id == drive.route.id:
-            self._on_route_report(drive.route, report, now)
-        elif drive.route is not None and not drive.route.lost:
-            self._on_other_report(drive.route, now)
-
-    def _on_other_report(self, route: SentRoute, now: float) -> None:
-        if route.complete:  # another program may use the robot now
-            self._set(route=None)
-        elif self.drive_state.restarted_at is not None:
-            self._fail('the adapter was restarted, and the robot no longer drives its route', now)
-        elif route.taken:
-            self._fail('the robot drives another route', now)
-
-    def _on_route_report(self, route: SentRoute, report: RouteReport, now: float) -> None:
-        done = report.states.count(EdgeState.COMPLETE)
-        failed = EdgeState.FAILED in report.states
-        leg = self._memory.leg(route.first + done)
-        along = leg.length * report.percentage / 100.0 if leg and report.edge == leg.edge else 0.0
-        self._set_passed(route.first + done, along)
-        if route.lost:
-            if route.unwanted and not failed and done < len(report.states):
-                self.stop(now)
-            return
-        if self.drive_state.restarted_at is not None:  # send the edges that were perhaps not sent
-            self._set(restarted_at=None, waiting_since=now)
-        taken, complete = len(report.states), done == len(route.edges)
-        if (taken, complete) != (route.taken, route.complete):
-            self._set(route=replace(route, taken=taken, complete=complete),
-                      **({'rest_since': now} if complete else {}))
-        if failed:
-            self._fail(report.reason.text or 'the route failed', now)
-        elif taken == len(route.edges) and self.drive_state.waiting_since is not None:
-            self._set(waiting_since=None)
-
-    def on_refused(self, refused_id: int, edges: Tuple[int, ...], reason: Reason,
-                   now: float) -> None:
-        """Evaluates a message of route_refused.
-
-        A route that the robot has driven to its end cannot be extended if the robot has moved
-        since then. In that case the driver sends the remaining edges as a new route.
-        """
-        route, drive = self.drive_state.route, self.drive_state
-        if route is None or route.lost or (refused_id, edges) != (route.id, route.edges):
-            return
-        if (reason.code is ReasonCode.STARTS_ELSEWHERE and route.taken
-                and drive.passed == route.first + route.taken):
-            self._begin(drive.passed, edges[route.taken:], now)
-            return
-        self._fail(reason.text or 'the route was refused', now,
-                   unwanted=route.taken > 0 and reason.code not in _NOT_OURS)
-
-    def _set_passed(self, passed: int, along: float) -> None:
+    def on_report(self, said: RouteReport, now: float) -> None:
+        """Evaluates a report. Raises WrongReport."""
+        self._look_for_lost_journal(said)
         before = self.drive_state
-        if passed == before.passed:
-            along = max(along, before.along)
-        if passed >= before.passed and (passed, along) != (before.passed, before.along):
-            self._set(passed=passed, along=along)
+        protocol, news = hear(before.protocol, said, ME, self._next_number(),
+                              said.location is not None or said.pose.edge != 0)
+        if not news.is_new:
+            return
+        self._is_heard = True
+        self._set(protocol=protocol, stands=news.stands)
+        if before.origin is not None and before.route is not None and news.cause is None:
+            self._set_passed(protocol.done - before.origin)
+        elif self.drive_state.route is None and before.origin is not None:
+            self._catch_up(said.pose)
+        self._set_along(said.pose)
+        if self.drive_state.at_rest and not before.at_rest:
+            self._set(rest_since=now)
+        self._look_at_orders(before, said, news, now)
 
-    def _catch_up(self, report: RouteReport) -> None:
+    def _look_for_lost_journal(self, said: RouteReport) -> None:
+        """Learns numbers above all that this run could draw: the clock was set back since then."""
+        known, newest = self.drive_state.protocol, max(said.order, said.refused)
+        if said.master == ME and newest > known.number and newest >= known.gap[1]:
+            self._set(protocol=replace(known, gap=(known.number, newest + 1)))
+
+    def _look_at_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float,
+                        ) -> None:
+        """Evaluates what the report changes about the orders."""
+        known = before.protocol
+        is_ours = news.cause is EpochCause.OTHER_MASTER and said.master == ME
+        by_others = news.cause in _BY_OTHERS and not is_ours
+        if by_others or not known.epoch:
+            self._set(epoch=said.epoch)
+        if news.is_older:
+            self.stop(now)
+            if self._memory.leg(before.passed) is not None:
+                self._fail('the journal of the adapter is an older one: the robot knows an order '
+                           'that is not in it')
+        elif news.failed or news.refused:
+            self._fail((news.failed or news.refused).text or 'the robot gave no reason')
+        elif news.cause is not None and (known.ahead and not known.is_stopping
+                                         or by_others and not before.at_rest):
+            why = said.reason.text if EdgeState.FAILED in said.states else ''
+            self._fail(why or ('another program or person has driven or stopped the robot'
+                               if by_others else 'the robot does not know its route any more'))
+
+    def _fail(self, reason: str) -> None:
+        self._set(failure=reason)
+
+    def _set_passed(self, passed: int) -> None:
+        if passed > self.drive_state.passed:
+            self._set(passed=passed, along=0.0)
+
+    def _set_along(self, pose: SymbolicPose) -> None:
+        drive = self.drive_state
+        leg = None if drive.origin is None else self._memory.leg(drive.passed)
+        along = leg.length * pose.percentage / 100.0 if leg and pose.edge == leg.edge else 0.0
+        if along > drive.along:
+            self._set(along=along)
+
+    def _catch_up(self, pose: SymbolicPose) -> None:
         """Updates the progress: a stopped robot may have rolled to a vertex or past it."""
         drive = self.drive_state
         here, ahead = (self._memory.leg(drive.passed + step) for step in (0, 1))
-        if here is None or not report.edge:
+        if here is None or not pose.edge:
             return
-        is_past = (ahead is not None and abs(report.edge) == abs(ahead.edge)
-                   and abs(report.edge) != abs(here.edge))
-        if is_past or not drive.failure and self._is_at_end(here, report):
-            self._set_passed(drive.passed + 1, 0.0)
+        is_past = (ahead is not None and abs(pose.edge) == abs(ahead.edge)
+                   and abs(pose.edge) != abs(here.edge))
+        if is_past or not drive.failure and self._is_at_end(here, pose):
+            self._set_passed(drive.passed + 1)
 
-    def _is_at_end(self, leg: Leg, report: RouteReport) -> bool:
+    def _is_at_end(self, leg: Leg, pose: SymbolicPose) -> bool:
         """Returns whether the robot is so near to the leg's end that its side refuses the leg."""
-        place = self._graph.place_on(report.edge, report.percentage)
+        place = self._graph.place_on(pose.edge, pose.percentage)
         return place is not None and math.dist(place, (leg.x, leg.y)) <= self._abilities.passing
-
-    def _fail(self, reason: str, now: float, unwanted: bool = False) -> None:
-        route = self.drive_state.route
-        if route is not None:
-            self._set(route=replace(route, lost=True, unwanted=unwanted), waiting_since=None)
-        self._set(failure=reason, restarted_at=None, rest_since=now)
 
     def tick(self, now: float) -> None:
         """See Driver."""
-        drive = self.drive_state
-        if drive.restarted_at is not None:
-            if now - drive.restarted_at > RESTART_PATIENCE:
-                self._fail('the robot has not reported the route since the adapter was restarted',
-                           now)
-        elif drive.waiting_since is not None and now - drive.sent_at >= REPEAT:
-            if drive.stop is None and now - drive.waiting_since > PATIENCE:
-                self.stop(now)  # in case the robot begins the route after all
-                self._fail('the robot does not acknowledge its route', now)
-            else:
-                self._send(now)
+        known = self.drive_state.protocol
+        if known.pending is not None and now - self._sent_at >= REPEAT and (
+                self._is_heard or known.is_stopping):
+            self._send(now)
+        waits = known.pending is not None or not self._is_heard
+        if waits and known.ahead and not known.is_stopping and now - self._given_at > PATIENCE:
+            self._fail('the robot does not acknowledge its route' if self._is_heard else
+                       'the robot has not reported its route since the adapter was restarted')
 
     def restart(self, now: float) -> None:
         """See Driver; until the robot's side reports, only an owed stop is sent."""
-        drive = self.drive_state
-        self._set(next_id=max(drive.next_id, self._first_id), stopped_at=None, rest_since=now,
-                  waiting_since=None)
-        if drive.stop is not None:
-            self._set(waiting_since=now)
+        self._begin_run()
+        self._set(rest_since=now)
+        self._given_at = now
+        if self.drive_state.protocol.is_stopping:
             self._send(now)
-        elif not drive.at_rest:
-            self._set(restarted_at=now)

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import os
-import time
 from pathlib import Path
 from typing import Any, List, Mapping, Tuple
 
@@ -12,6 +11,7 @@ import rospy
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, choice, number, parameter
 from node_lifecycle.secret_files import warn_if_exposed
+from route_protocol.vehicle import milliseconds
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 from trajectory_graph.messages import graph_from_message
 from vda5050_vehicle.core import factsheet as sheet
@@ -30,10 +30,6 @@ from vda5050_vehicle.nodes.robot_watch import Signal, read_signals
 from vda5050_vehicle.nodes.ros_actions import check_types
 from vda5050_vehicle.protocol.codec_3 import CODECS
 from vda5050_vehicle.protocol.codecs import Codec
-
-# s since 1970. The first route id is the number of seconds since this time, so that no id repeats
-# an id of an earlier run.
-EPOCH = 1_600_000_000
 
 
 class Settings:
@@ -114,8 +110,8 @@ class Settings:
                             number('~start_radius', 0.5, 0.01, 5.0))
         if choice('~driver', 'route', ('route', 'move_base')) == 'move_base':
             return lambda memory: PoseDriver(memory, can, matching)
-        graph, first_id = _graph(), int(time.time()) - EPOCH
-        return lambda memory: RouteDriver(memory, graph, can, matching, first_id)
+        graph = _graph()
+        return lambda memory: RouteDriver(memory, graph, can, matching, milliseconds)
 
 
 def _graph() -> Graph:

@@ -4,7 +4,7 @@ MQTT, under ~interface_name/v2/~manufacturer/~serial_number (v3 if ~version is 3
     in: order, instantActions; out: state, connection, factsheet, visualization
 Subscribes
     pose, odom, battery_state, and the topics of the vehicle file's signals (`robot_watch`)
-    execution_route_states, route_refused, /graph (driver route)
+    execution_route_states, /graph (driver route)
 Publishes
     target_route (itrci_nav_msgs/TargetRoute; driver route)
     initialpose (geometry_msgs/PoseWithCovarianceStamped): for initPosition
