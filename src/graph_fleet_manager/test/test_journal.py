@@ -88,7 +88,7 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
         held=(Step(1, 4),), is_anywhere=True, commands=True, unknown=9, gap=(5, 6))
     client = Memory(protocol, (1, 0.5), GraphPosition(edge=1, fraction=0.25),
                     (Located((1.0, 2.0), 0.5),), Lost((Area(((0.0, 0.0), (1.0, 0.0)), 0.3),), 9),
-                    True, True)
+                    True)
     memory = RobotMemory(client, Outage.TAKEN_OVER, 'why', True, True, 6, 0.5, AGV)
     journal.store([mission], {'a': memory}, {'number': 7})
     journal.close()

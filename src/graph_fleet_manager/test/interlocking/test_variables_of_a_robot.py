@@ -16,7 +16,7 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 from route_protocol.master import MasterState
 
 PAGE = Path(__file__).resolve().parents[4] / 'docs/explanation/fleet.md'
-AT_MOST = 25
+AT_MOST = 24
 
 OTHERS: Dict[str, Set[str]] = {
     'MasterState': set(),

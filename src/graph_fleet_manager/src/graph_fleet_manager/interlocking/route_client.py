@@ -9,7 +9,8 @@ it is. Both together give its allocation, which is computed from nothing else:
     |                                     | it, or it is held until the robot stands               |
     | on the vertex where it stands, or   | its last report says STANDING                          |
     | at the point between vertices       |                                                        |
-    | near one of its last two locations  | that is not on an edge or vertex of the two lines above|
+    | near its last location, or the one  | that is not on an edge or vertex of the two lines above|
+    | before if that was a stray one      |                                                        |
     | within a radius of its last location| another one moves it; the radius grows with the age of |
     |                                     | the location                                           |
     | in an area                          | it held an edge that the graph does not have any more  |
@@ -112,7 +113,6 @@ class Memory(NamedTuple):
     locations: Tuple[Located, ...] = ()
     lost: Lost = NOT_LOST
     is_absent: bool = False
-    is_doubted: bool = False
 
     @property
     def held(self) -> Tuple[int, ...]:
@@ -169,8 +169,6 @@ class RouteClient:
         self._off_graph = 0      # number of consecutive reports that were off the graph
         self._absent_since: Optional[float] = None  # the supervisor's time
         self.clock_is_off = False
-        self.is_doubted = False
-        """The stored place may be an old one, and the robot has not reported its place since."""
         self._beside: Optional[Point] = None
         """Where the robot stood when another beginning of its next route was chosen."""
         self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
@@ -267,15 +265,23 @@ class RouteClient:
         areas = list(self._lost.areas)
         if standing is not None and vertex is None:
             areas.append(Area((standing.point(record.graph),)))
-        areas += [one.area(kind) for one in (*self.locations[:1], *(
-            before for before in self.locations[1:] if before.is_stray))
-            if not self._covers(one.point, holds, standing)]
+        areas += [one.area(kind) for one in self._locations_elsewhere]
         if self.reach and self.location is not None:
             areas.append(Area((self.location,), self.reach))
-        is_known = bool(holds or areas or vertex is not None) and not (
-            self.is_doubted or self.protocol.unknown)
+        is_known = bool(holds or areas or vertex is not None) and not self.protocol.unknown
         return Allocation(kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds, vertex,
                           tuple(dict.fromkeys(areas)))
+
+    @property
+    def _locations_elsewhere(self) -> Tuple[Located, ...]:
+        """The last two locations, as far as they are not on a place that the robot has.
+
+        The one before the last counts only if it was a stray one.
+        """
+        record = self.record
+        holds, standing = record.holds(), record.position if record.is_standing else None
+        return tuple(one for k, one in enumerate(self.locations)
+                     if (one.is_stray or not k) and not self._covers(one.point, holds, standing))
 
     def _covers(self, point: Point, holds: Sequence[Hold],
                 position: Optional[GraphPosition]) -> bool:
@@ -301,7 +307,7 @@ class RouteClient:
         protocol, record = self.protocol, self.record
         return (protocol.epoch, protocol.order, protocol.refused, protocol.done, protocol.open,
                 protocol.held, protocol.is_anywhere, protocol.unknown, record.generation,
-                record.position, self._stored_locations, self._lost, self.is_doubted)
+                record.position, self._stored_locations, self._lost)
 
     def _changed(self) -> None:
         self._allocation = None
@@ -461,7 +467,6 @@ class RouteClient:
         age = 0.0 if report.motion is Motion.STANDING else report.age
         self.locations = (Located(point, age, is_stray), *self.locations[:1])
         self._strays = 0 if is_covered else self._strays + 1
-        self.is_doubted = False
         return True
 
     def _stand(self, report: Report) -> None:
@@ -505,15 +510,13 @@ class RouteClient:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
                                   math.floor(y / _SQUARE) * _SQUARE + _SQUARE / 2), _SQUARE)
                          for (x, y), *_ in self.locations[:1])
-        holds, position = self.record.holds(), self.record.position
-        return tuple(one for one in self.locations
-                     if not self._covers(one.point, holds, position))
+        return self._locations_elsewhere
 
     @property
     def memory(self) -> Memory:
         """The state for `restore` after a restart. It must be stored before an order is sent."""
         return Memory(self.protocol, self.record.cleared, self.record.position,
-                      self._stored_locations, self._lost, self.is_absent, self.is_doubted)
+                      self._stored_locations, self._lost, self.is_absent)
 
     def restore(self, memory: Memory, now: float = 0.0) -> None:
         """Sets the state from before a restart."""
@@ -526,7 +529,6 @@ class RouteClient:
         self.record.position = memory.position
         self.locations, self._lost = memory.locations, memory.lost
         self._absent_since = now if memory.is_absent else None
-        self.is_doubted = memory.is_doubted
         self.reach = MANUAL_REACH if memory.protocol.is_anywhere else 0.0
         self._changed()
 
@@ -560,9 +562,13 @@ class RouteClient:
         return True
 
     def doubt(self) -> None:
-        """The restored state is that of an old journal: until it is located, it may be anywhere."""
-        self.is_doubted, self._absent_since = True, None
-        self._changed()
+        """The restored state is that of an older journal: the robot may be anywhere.
+
+        That ends when the robot stands after a stop that is given from now on, because an order
+        that the journal does not know may still be on its way.
+        """
+        self._absent_since = None
+        self._set(replace(self.protocol, unknown=self._next_number()))
 
     def settle(self, position: Optional[GraphPosition]) -> None:
         """A person says that the robot stands at this position and holds nothing else."""
@@ -571,7 +577,7 @@ class RouteClient:
         self.record.begin_anew()
         self.locations, self._lost = self.locations[:1], NOT_LOST
         self.reach, self._strays = 0.0, 0
-        self.is_doubted, self._beside = False, None
+        self._beside = None
         self._changed()
 
     def declare_absent(self, now: float) -> None:

@@ -378,7 +378,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'cleared': client.cleared, 'place': _position_values(client.position),
         'locations': client.locations,
         'lost': [[area.line, area.radius] for area in client.lost.areas],
-        'lost_until': client.lost.until, 'absent': client.is_absent, 'doubted': client.is_doubted,
+        'lost_until': client.lost.until, 'absent': client.is_absent,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge,
@@ -390,7 +390,7 @@ def _memory(text: str) -> RobotMemory:
     client = _of_version_1(stored) if 'track' in stored else Memory(
         _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
         tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
-        Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'], stored['doubted'])
+        Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'])
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),

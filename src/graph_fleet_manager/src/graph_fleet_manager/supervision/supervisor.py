@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet
-from graph_fleet_manager.interlocking.allocation import Knowledge
 from graph_fleet_manager.interlocking.conformance import Conformance
 from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
 from graph_fleet_manager.interlocking.reports import (
@@ -305,30 +304,28 @@ class Supervisor:
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
-        """Counts the place of each robot that has not reported since the start as unknown.
+        """Counts the place of each robot as unknown until it has stopped once.
 
-        The run number stays wrong until all robots are located, so that a restart doubts, too.
+        The run number stays wrong until all places are known, so that a restart doubts, too.
 
         why       -- the reason as a clause
         reporting -- the robot whose report is just being handled
         """
-        doubted = [name for name, robot in self._everywhere.items()
-                   if name != reporting and name not in self._declared_absent
-                   and not robot.client.is_heard
-                   and robot.client.allocation.knowledge is not Knowledge.UNKNOWN]
+        doubted = [name for name in self._everywhere
+                   if name != reporting and name not in self._declared_absent]
         for name in doubted:
             self._everywhere[name].client.doubt()
         self._run.is_wrong = True
         self._out.value_changed(RUN_NUMBER, 0)
         if doubted:
             self._out.note(f'The journal is an old one: {why}. Nothing is granted until '
-                           f'{", ".join(doubted)} report where they are, or are declared absent.',
-                           True)
+                           f'{", ".join(doubted)} stand and have obeyed a stop, or are declared '
+                           'absent.', True)
 
     def _believe_journal(self) -> None:
         """Draws a new run number when the places of all robots are known again."""
         if self._run.is_wrong and not self.trouble and not any(
-                robot.client.is_doubted for robot in self._everywhere.values()):
+                robot.client.protocol.unknown for robot in self._everywhere.values()):
             with suppress(JournalUnavailable):  # it is tried again
                 self._out.value_changed(RUN_NUMBER, self._run.draw())
 
@@ -477,7 +474,7 @@ class Supervisor:
                     + self.trouble)
         elif self.unknown:
             told = (f'The stop is released, but no robot goes on before {", ".join(self.unknown)} '
-                    'report where they are, or are declared absent')
+                    'report where they are and stand, or are declared absent')
         elif staying and len(staying) == len(self.robots):
             told = f'The stop is released, but no robot goes on: {"; ".join(staying)}'
         else:

@@ -1,0 +1,53 @@
+"""Sequences of one robot that the model of a yard has found."""
+from __future__ import annotations
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from graph_fleet_manager.interlocking.allocation import Knowledge
+from graph_fleet_manager.interlocking.reports import Report
+from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_record import RouteRecord
+from route_protocol.values import EdgeState, Location, Motion, RouteReport, SymbolicPose
+
+GRAPH = corridor(4)
+C, P = EdgeState.COMPLETE, EdgeState.PROCESSING
+
+
+def client() -> RouteClient:
+    """The client of a robot that has not reported yet. Its orders have the numbers from 1 on."""
+    return RouteClient(RouteRecord(GRAPH, AGV), int)
+
+
+def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), order=0, age=0.0):
+    """A report of a robot in its first epoch."""
+    curve = GRAPH.curve(edge)
+    x, y = curve.point_at(percentage / 100.0 * curve.length)
+    return Report(RouteReport(
+        0, 0, edges, states, SymbolicPose(edge, percentage), location=Location(x, y, 0.0), epoch=1,
+        master='path_supervisor', order=order, first=1 if order else 0,
+        motion=motion, number=number), age)
+
+
+@pytest.mark.parametrize('age', [0.0, 3.0])
+def test_after_a_restart_a_robot_that_has_driven_there_and_back_holds_no_more_than_before(age):
+    robot = client()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1, -1))
+    robot.hear(told(2, -1, 0.0, Motion.ON_ROUTE, (C, P), (1, -1), 1, age))
+    robot.hear(told(3, -1, 100.0, Motion.STANDING, (C, C), (1, -1), 1))
+    restored = client()
+    restored.restore(robot.memory)
+    assert robot.allocation == restored.allocation
+
+
+def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_obeys_a_newer_stop():
+    robot = client()
+    robot.hear(told(1, 1, 0.0))
+    robot.doubt()
+    robot.hear(told(2, 1, 0.0))
+    assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
+    robot.halt()
+    assert robot.order is not None
+    robot.hear(told(3, 1, 0.0, order=robot.order.number))
+    assert robot.allocation.knowledge is Knowledge.KNOWN
