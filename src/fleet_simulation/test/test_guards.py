@@ -114,6 +114,11 @@ def test_with_all_guards_every_promise_is_kept() -> None:
         live(seed)
 
 
+@pytest.mark.parametrize('seed', [2336, 50429, 51297, 51327, 60171])
+def test_lives_that_found_a_fault_once_find_none(seed: int) -> None:
+    live(seed)
+
+
 @pytest.mark.parametrize(('table', 'guard', 'seed'), [
     ('GATES', '_fleet_is_not_stopped', 0), ('GATES', '_journal_can_be_written', 7),
     ('GATES', '_no_person_is_needed', 0), ('GATES', '_clock_is_right', 7),
