@@ -57,6 +57,19 @@ def test_a_stop_is_heard_before_all_reports_that_wait(loop):
     assert notes == ['stop', 'resume', 0, 1, 2]
 
 
+def test_only_the_newest_report_of_each_robot_waits_and_keeps_the_turn_of_the_oldest(loop, clock):
+    notes = []
+    for number in range(5):
+        clock.now += TICK / 10
+        for robot in ('a', 'b'):
+            loop.put_report(lambda _, now, arrived, robot=robot, number=number: notes.append(
+                (robot, number, arrived)) or (), robot)
+        loop.put(noted(notes, number))
+    for _ in range(7):
+        loop.take()(object(), clock.now)
+    assert notes == [('a', 4, clock.now), ('b', 4, clock.now), 0, 1, 2, 3, 4]
+
+
 def test_the_clock_is_looked_at_in_time_however_many_reports_come(loop, clock):
     notes = []
     for number in range(100):
@@ -164,7 +177,7 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
         fleet.now += 0.25
         report = fleet.agvs['a'].report(fleet.now)
         loop.put_report(lambda supervisor, now, arrived, report=report: supervisor.report(
-            'a', Report(report), now, arrived))
+            'a', Report(report), now, arrived), 'a')
         if late == 3:
             loop.put_order(lambda supervisor, now: supervisor.command(1, Command.PAUSE, now))
     for _ in range(30):

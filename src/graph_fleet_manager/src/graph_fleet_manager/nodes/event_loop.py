@@ -3,7 +3,8 @@
 The order of events:
 
 - Stops come first.
-- Reports, commands and answers follow, in the order of their arrival.
+- Reports, commands and answers follow, in the order of their arrival. Only the newest report of a
+  robot waits. It has the turn of the oldest one that it replaces.
 - A tick comes when it is due, after all reports, commands and answers that arrived before it.
 - Requests get the time that is left, and at least one turn between two ticks. When no request is
   left, a tick is due at once.
@@ -21,7 +22,7 @@ import itertools
 import threading
 import time
 from collections import OrderedDict, deque
-from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence
+from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
 from graph_fleet_manager.supervision.mission_book import MOST_OPEN
@@ -65,6 +66,7 @@ class EventLoop:
         self._numbers = itertools.count()
         self._stops: Deque[Event] = deque()
         self._events: List[_Waiting] = []  # a heap
+        self._newest: Dict[str, Tuple[ReportEvent, float]] = {}  # with the time of its arrival
         self._requests: OrderedDict[int, Request] = OrderedDict()
         self._by_id: Dict[int, List[int]] = {}  # numbers of the requests with an id
         self._room = threading.Semaphore(_WAITING)
@@ -95,11 +97,23 @@ class EventLoop:
             self._stops.append(event)
             self._changed.notify()
 
-    def put_report(self, event: ReportEvent) -> None:
-        """Queues an event that is dropped without a supervisor, because its sender repeats it."""
+    def put_report(self, event: ReportEvent, key: str = '') -> None:
+        """Queues an event that is dropped without a supervisor, because its sender repeats it.
+
+        key -- the event takes the place of one with the same key that still waits; empty: of none
+        """
         arrived = self._clock()
-        self._put(lambda supervisor, now: (
-            () if supervisor is None else event(supervisor, now, arrived)), arrived)
+        key = key or f'{next(self._numbers)}'
+        with self._changed:
+            is_waiting = key in self._newest
+            self._newest[key] = event, arrived
+        if not is_waiting:
+            self._put(lambda supervisor, now: self._report(key, supervisor, now), arrived)
+
+    def _report(self, key: str, supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+        with self._changed:
+            event, arrived = self._newest.pop(key)
+        return () if supervisor is None else event(supervisor, now, arrived)
 
     def put_order(self, event: ReadyEvent, lost: str = '') -> None:
         """Queues an event that its sender does not repeat: it is kept until there is a supervisor.

@@ -265,14 +265,16 @@ class PathSupervisor:
             return
         self._poses.note(robot, message)
         self._events.put_report(
-            lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived))
+            lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived),
+            f'/{robot}/execution_route_states')
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = measured(message.percentage, 0.0, 1.0, f'The charge in battery_state of {robot}')
         if charge is not None:
             known = charge
             self._events.put_report(
-                lambda supervisor, _, arrived: supervisor.battery(robot, known, arrived))
+                lambda supervisor, _, arrived: supervisor.battery(robot, known, arrived),
+                f'/{robot}/battery_state')
 
     def _on_answer(self, message: PlanAnswer) -> None:
         def take(supervisor: Supervisor, now: float, _: float) -> Sequence[Action]:
