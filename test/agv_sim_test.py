@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import socket
+import subprocess
+import sys
 import unittest
+from pathlib import Path
 from typing import Dict, List
 
 import rospy
@@ -18,6 +22,7 @@ from system_support import Recorder, connected_publisher, run_cases
 from trajectory_graph import Graph, load_graph
 
 COMPLETE = EdgeState.COMPLETE
+EXAMPLE = Path(__file__).resolve().parents[1] / 'examples' / 'own_fleet_manager.py'
 
 
 class AgvSimTest(unittest.TestCase):
@@ -73,6 +78,32 @@ class AgvSimTest(unittest.TestCase):
         states.wait_for(lambda _: True, 20.0, 'a report', heard)
         Recorder('/agv_2/battery_state', BatteryState).wait_for(
             lambda one: abs(one.percentage - 0.4) < 0.01, 20.0, 'battery at 40 %')
+
+    def test_the_smallest_manager_with_numbers_drives_and_tells_the_place(self) -> None:
+        first = self.graph.edges_from(8)[0]
+        self.assertEqual([f'edge {first} is complete', 'the route is complete'],
+                         self.manage(first))
+        self.assertEqual(8, self.began_at)
+        self.assertEqual([f'edge {-first} is complete', 'the route is complete'],
+                         self.manage(-first))
+        self.assertEqual(self.graph.end_vertex(first).id, self.began_at)
+        self.assertIn('the robot refused the route', self.manage(-first)[-1])
+        self.assertEqual([], self.manage())
+        self.assertEqual(8, self.began_at)
+        end = Recorder('/agv_2/execution_route_states', ExecutionRouteStates).wait_for(
+            lambda one: one.motion == one.STANDING, 10.0, 'a standing robot')
+        self.assertEqual('own_fleet_manager', end.master)
+
+    def manage(self, *edges: int) -> List[str]:
+        """The lines of examples/own_fleet_manager.py, except the first one: the robot's place."""
+        done = subprocess.run([sys.executable, str(EXAMPLE), 'agv_2', '--', *map(str, edges)],
+                              check=False, text=True, stdout=subprocess.PIPE, timeout=30.0)
+        place, *lines = done.stdout.splitlines()
+        edge, percentage = map(int, re.findall(r'-?\d+', place))
+        self.assertIn(percentage, (0, 100))
+        self.began_at = (self.graph.end_vertex(edge) if percentage
+                         else self.graph.start_vertex(edge)).id
+        return lines
 
     def where(self) -> Dict[str, Dict[str, float]]:
         return json.loads(self.ask('where'))['robots']
