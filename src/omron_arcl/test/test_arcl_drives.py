@@ -18,6 +18,7 @@ from omron_arcl.drives import (
     RETRY,
     STOPPINGS,
     Cause,
+    CommandFate,
     Drives,
     Fate,
     Memory,
@@ -912,6 +913,95 @@ class TestOtherMotions:
         bench.robot(line, DOCKING, line, DOCKED)
         assert outcome(dock) is Outcome.SUCCEEDED
         assert bench.memory.giver == ROUTE
+
+
+class TestLastCommands:
+    """A giver that lost an answer reads what became of its last command."""
+
+    @staticmethod
+    def told(bench: Bench, giver: Giver = ROUTE) -> Tuple[int, Optional[CommandFate]]:
+        return next(((last.number, last.fate) for last in bench.memory.last_commands
+                     if last.giver == giver.name), (0, None))
+
+    @pytest.mark.parametrize('lines, fate', [
+        ([], CommandFate.GIVEN), (['Going to 12'], CommandFate.OBEYED),
+        (['Going to 12', 'Arrived at 12'], CommandFate.COMPLETED),
+        (['Going to 12', 'Error: Failed going to goal', 'Failed going to goal'],
+         CommandFate.FAILED),
+        (['CommandError: goto 12', "CommandErrorDescription: No goal '12'"],
+         CommandFate.NOT_OBEYED),
+        (['Going to 12', 'Interrupted: Going to 12', 'Going to 9'], CommandFate.NOT_OBEYED)])
+    def test_the_lines_of_the_robot_decide(self, bench, lines, fate):
+        bench.drive(ROUTE, number=7)
+        bench.robot(*lines)
+        assert self.told(bench) == (7, fate)
+
+    @pytest.mark.parametrize('shown, fate', [
+        ('Going to 12', CommandFate.OBEYED), ('Arrived at 12', CommandFate.COMPLETED),
+        ('Stopped', CommandFate.NOT_OBEYED), ('Going to 9', CommandFate.NOT_OBEYED)])
+    @pytest.mark.parametrize('outage', ['link', 'restart'])
+    def test_after_an_outage_the_first_status_decides(self, bench, shown, fate, outage):
+        bench.drive(ROUTE, number=7)
+        if outage == 'link':
+            bench.lose()
+            bench.connect()
+        else:
+            bench = Bench(bench.kept[-1])
+        assert self.told(bench) == (7, CommandFate.UNKNOWN)
+        bench.status(shown)
+        assert self.told(bench) == (7, fate)
+
+    def test_a_drive_that_did_not_reach_the_robot_is_not_obeyed_in_the_same_epoch(self, bench):
+        bench.drive(ROUTE, 'goto 9', number=6)
+        bench.robot('Going to 9', 'Arrived at 9')
+        bench.drive(ROUTE, number=7)
+        known = bench.epoch
+        bench.lose()
+        bench.connect()
+        bench.status('Arrived at 9')
+        assert (self.told(bench), bench.epoch) == ((7, CommandFate.NOT_OBEYED), known)
+
+    def test_the_end_of_a_lost_drive_is_told_when_the_status_shows_it(self, bench):
+        bench.drive(ROUTE, number=7)
+        bench.lose()
+        bench.connect()
+        bench.status('Going to 12')
+        bench.status('Arrived at 12')
+        assert self.told(bench) == (7, CommandFate.COMPLETED)
+
+    def test_a_stop_is_told_until_the_robot_stands(self, bench):
+        bench.stop(ROUTE, number=7)
+        assert self.told(bench) == (7, CommandFate.GIVEN)
+        bench.robot('Stopping', 'Stopped')
+        assert self.told(bench) == (7, CommandFate.COMPLETED)
+
+    def test_a_stop_without_a_link_is_with_the_controller(self):
+        bench = Bench(is_linked=False)
+        bench.dispatcher.start_without_link(parse_command('stop'), ROUTE, 0, 7)
+        assert self.told(bench) == (7, CommandFate.GIVEN)
+
+    @pytest.mark.parametrize('last', ['goto 9', 'stop'])
+    def test_a_drive_that_comes_after_a_newer_command_of_its_giver_is_refused(self, bench, last):
+        bench.give(last, giver=ROUTE, number=8)
+        for number in (7, 8):
+            with pytest.raises(Overruled):
+                bench.drive(ROUTE, number=number, known_epoch=bench.epoch)
+        bench.drive(PERSON, 'goto 12', number=1)
+
+    def test_a_stop_is_never_late(self, bench):
+        bench.drive(ROUTE, number=8)
+        bench.stop(ROUTE, number=7)
+        assert bench.sent == ['goto 12', 'stop']
+
+    def test_commands_without_a_number_are_not_told(self, bench):
+        bench.drive(ROUTE)
+        assert bench.memory.last_commands == ()
+
+    def test_a_bounded_number_of_givers_is_told(self, bench):
+        for process in range(50):
+            bench.drive(Giver(f'/program_{process}'), number=1)
+        assert len(bench.memory.last_commands) == 20
+        assert self.told(bench, Giver('/program_49'))[0] == 1
 
 
 class TestState:

@@ -105,7 +105,7 @@ class Client(Transport):
                 on_end: Optional[Callable[[Result], None]] = None,
                 check: Optional[Callable[[Command], None]] = None,
                 stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
-                known_epoch: int = 0) -> Execution:
+                known_epoch: int = 0, number: int = 0) -> Execution:
         """Gives a command, e.g. `goto 12`. Raises InvalidCommand, NotConnected, Busy, Overruled or
         Unclear. A stop that is given without a link becomes an owed stop: it is sent as soon as
         there is a link.
@@ -114,7 +114,8 @@ class Client(Transport):
         command's own timeout. on_line, on_end: called by the client's thread. check: called with
         the command before it is sent; raises ArclError if it must not be sent. stop_on_timeout:
         stops a drive that has timed out. known_epoch: the epoch that `giver` knows; 0 is for
-        people, whose commands are valid in each epoch.
+        people, whose commands are valid in each epoch. number: of the command at its giver; it
+        grows, and `motion` says what became of the last one.
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)
@@ -124,11 +125,11 @@ class Client(Transport):
             with self._lock:
                 link = self.link
                 if not link.connected:
-                    self._dispatcher.start_without_link(command, giver, known_epoch)
+                    self._dispatcher.start_without_link(command, giver, known_epoch, number)
                     error = StopOwed if command.spec.stops else NotConnected
                     raise error(link.reason or link.phase.value)
                 execution = self._dispatcher.start(command, timeout, on_line, on_end,
-                                                   stop_on_timeout, giver, known_epoch)
+                                                   stop_on_timeout, giver, known_epoch, number)
         finally:
             self._tell_motion()
         self._waker.wake()

@@ -55,28 +55,29 @@ class Dispatcher:
               on_line: Optional[Callable[[str], None]] = None,
               on_end: Optional[Callable[[Result], None]] = None,
               stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
-              known_epoch: int = 0) -> Execution:
+              known_epoch: int = 0, number: int = 0) -> Execution:
         """Takes a command of `giver`, which knows `known_epoch`.
 
         Raises Busy, Overruled or Unclear. timeout: seconds without a line about the command;
         default: the command's own. stop_on_timeout: stops a drive that has timed out, unless a
-        newer one is under way.
+        newer one is under way. number: of the command at its giver; it grows.
         """
-        self.records.check(giver, command, known_epoch)
+        self.records.check(giver, command, known_epoch, number)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
-                              known_epoch)
+                              known_epoch, number)
         self._commands.add(execution)
         self.records.given(execution)
         return execution
 
-    def start_without_link(self, command: Command, giver: Giver, known_epoch: int) -> None:
+    def start_without_link(self, command: Command, giver: Giver, known_epoch: int,
+                           number: int = 0) -> None:
         """Takes a command while there is no link; a stop is sent as soon as there is a link.
 
         Raises Overruled.
         """
         if command.spec.stops:
-            self.records.check(giver, command, known_epoch)
-            self.records.stopped_without_link(giver)
+            self.records.check(giver, command, known_epoch, number)
+            self.records.stopped_without_link(giver, number)
 
     def on_connected(self, now: float) -> None:
         """The link is up: commands can be sent from now on."""

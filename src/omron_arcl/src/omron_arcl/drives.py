@@ -24,6 +24,8 @@ Derived:
 - An *epoch*, a random number, lasts as long as one giver drives. A new one begins when the ruling
   record becomes a stop, or comes from another giver, another client or the robot itself.
 - A stop is owed while its record is not OVER.
+- The *last command* of each giver that numbers its commands, and what became of it. So a program
+  whose connection broke, or which was restarted, need not guess whether the robot obeys it.
 
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
@@ -52,6 +54,7 @@ LOOK = 2.0  # s of a new connection to wait for a status that may make an owed s
 RETRY = 1.0  # s between two attempts to send an owed stop
 _KEPT_EPOCHS = 100
 _KEPT_RECORDS = 20
+_KEPT_GIVERS = 20
 
 
 class Cause(IntEnum):
@@ -97,6 +100,17 @@ class Fate(Enum):
     OVER = 'over'
 
 
+class CommandFate(IntEnum):
+    """What became of the last command of a giver; as in omron_ld90_msgs/LastCommand."""
+
+    GIVEN = 1
+    OBEYED = 2
+    UNKNOWN = 3
+    COMPLETED = 4
+    FAILED = 5
+    NOT_OBEYED = 6
+
+
 class Overruled(ArclError):
     """The giver of a command does not know of an earlier command or motion of the robot."""
 
@@ -123,6 +137,17 @@ class Record:
     goal: str = ''
     names: Tuple[str, ...] = ()
     words: str = ''
+    command: int = 0
+    """Number of the command at its giver; 0: the giver does not number its commands."""
+    ending: CommandFate = CommandFate.NOT_OBEYED
+    """How a drive that is OVER ended."""
+
+    @property
+    def command_fate(self) -> CommandFate:
+        """What became of its command."""
+        if self.fate is not Fate.OVER:
+            return CommandFate[self.fate.name]
+        return self.ending if self.kind is Kind.DRIVE else CommandFate.COMPLETED
 
     @property
     def pending(self) -> bool:
@@ -141,14 +166,25 @@ class Record:
 
 
 @dataclass(frozen=True)
+class LastCommand:
+    """The newest command of a giver that numbers its commands."""
+
+    giver: str
+    number: int
+    fate: CommandFate
+
+
+@dataclass(frozen=True)
 class Memory:
-    """The state that survives a restart: the epoch, why it began, and the records."""
+    """The state that survives a restart: the epoch, why it began, the records, and what became of
+    the last command of each giver."""
 
     epoch: int
     previous_epoch: int = 0
     cause: Cause = Cause.RESTART
     reason: str = ''
     records: Tuple[Record, ...] = ()
+    last_commands: Tuple[LastCommand, ...] = ()
 
     @property
     def ruling(self) -> Optional[Record]:
@@ -214,6 +250,9 @@ _TELLING = (
     safety.EStop)
 _REFUSED = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.NEVER_SENT,
             Outcome.OVERRULED)
+
+
+_ENDINGS = {Outcome.SUCCEEDED: CommandFate.COMPLETED, Outcome.FAILED: CommandFate.FAILED}
 
 
 def _names_of(command: Command) -> Tuple[str, ...]:
@@ -282,8 +321,15 @@ class Drives:
                 return False
         return False
 
-    def check(self, giver: Giver, command: Command, known_epoch: int) -> None:
-        """Raises Overruled or Unclear if a command must not be sent."""
+    def check(self, giver: Giver, command: Command, known_epoch: int, number: int = 0) -> None:
+        """Raises Overruled or Unclear if a command must not be sent.
+
+        number -- of the command at its giver; a drive that a newer command has overtaken is late
+        """
+        if number and not command.spec.stops and any(
+                last.giver == giver.name and number <= last.number
+                for last in self._memory.last_commands):
+            raise Overruled(f'it is not newer than the last one of {giver.name}')
         if not known_epoch:
             return
         if command.spec.stops:
@@ -316,10 +362,11 @@ class Drives:
             self._begin_epoch(None, Cause.OTHER_CLIENT, _UNSEEN, False)
         if command.spec.drives:
             self._add(Kind.DRIVE, giver, f'"{command.text}" of {giver.name}', execution,
-                      goal=command.goals[0] if command.goals else '', names=_names_of(command))
-            self._keep()
+                      goal=command.goals[0] if command.goals else '', names=_names_of(command),
+                      command=execution.number)
+            self._keep(self._records[-1])
         elif command.spec.stops:
-            self._owe(giver, Cause.STOP, f'"stop" of {giver.name}', execution)
+            self._owe(giver, Cause.STOP, f'"stop" of {giver.name}', execution, execution.number)
         execution.epoch = self._memory.epoch
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
@@ -345,9 +392,9 @@ class Drives:
         else:
             self._executions[owed.number] = stop
 
-    def stopped_without_link(self, giver: Giver) -> None:
+    def stopped_without_link(self, giver: Giver, number: int = 0) -> None:
         """A stop is given while the robot cannot be reached: it is sent when it can be."""
-        self._owe(giver, Cause.STOP, f'"stop" of {giver.name}')
+        self._owe(giver, Cause.STOP, f'"stop" of {giver.name}', None, number)
 
     def sent(self, execution: Execution) -> None:
         """A command is sent to the robot."""
@@ -396,7 +443,7 @@ class Drives:
             else:
                 self._drop(record)
         else:
-            self._change(record, Fate.OVER)
+            self._change(record, Fate.OVER, _ENDINGS.get(outcome, CommandFate.NOT_OBEYED))
 
     # --- lines of the robot -----------------------------------------------------------------------
 
@@ -481,8 +528,9 @@ class Drives:
             owed = self._memory.stop_owed and record.number < max(
                 r.number for r in self._records if r.owed)
             if not owed:
-                self._records = (replace(record, fate=(
-                    Fate.OBEYED if activity.kind in MOVING else Fate.OVER)),)
+                moves = activity.kind in MOVING
+                self._records = (replace(record, fate=Fate.OBEYED if moves else Fate.OVER,
+                                         ending=CommandFate.COMPLETED),)
                 self._keep()
         elif not self._emergency:
             words = f'after an outage the robot shows "{text}"'
@@ -511,7 +559,7 @@ class Drives:
         if ruling is not None and ruling.kind is Kind.DRIVE and ruling.fate is Fate.OBEYED:
             # its command ended as lost with the link before, so that only statuses show its end
             if activity.kind not in MOVING and self._shown_drive(activity) is ruling:
-                self._change(ruling, Fate.OVER)
+                self._change(ruling, Fate.OVER, CommandFate.COMPLETED)
             elsewhere = elsewhere or activity.kind in STANDING and not self._shown_drive(activity)
         if elsewhere and self._strange:  # one status may have crossed a line
             self._foreign(Cause.OTHER_CLIENT, activity.kind in MOVING, text)
@@ -558,13 +606,14 @@ class Drives:
     # --- records and epochs -----------------------------------------------------------------------
 
     def _record(self, kind: Kind, giver: Giver, words: str, fate: Fate = Fate.GIVEN,
-                goal: str = '', names: Tuple[str, ...] = ()) -> Record:
+                goal: str = '', names: Tuple[str, ...] = (), command: int = 0) -> Record:
         self._number += 1
-        return Record(self._number, kind, fate, giver, goal, names, words)
+        return Record(self._number, kind, fate, giver, goal, names, words, command)
 
     def _add(self, kind: Kind, giver: Giver, words: str, execution: Optional[Execution] = None,
-             fate: Fate = Fate.GIVEN, goal: str = '', names: Tuple[str, ...] = ()) -> None:
-        record = self._record(kind, giver, words, fate, goal, names)
+             fate: Fate = Fate.GIVEN, goal: str = '', names: Tuple[str, ...] = (),
+             command: int = 0) -> None:
+        record = self._record(kind, giver, words, fate, goal, names, command)
         self._records = (*self._records, record)[-_KEPT_RECORDS:]
         if execution:
             self._executions[record.number] = execution
@@ -573,8 +622,10 @@ class Drives:
         return next((r for r in self._records
                      if self._executions.get(r.number) is execution), None)
 
-    def _change(self, record: Record, fate: Fate) -> None:
-        self._records = tuple(replace(r, fate=fate) if r is record else r for r in self._records)
+    def _change(self, record: Record, fate: Fate,
+                ending: CommandFate = CommandFate.NOT_OBEYED) -> None:
+        self._records = tuple(replace(r, fate=fate, ending=ending) if r is record else r
+                              for r in self._records)
         self._keep()
 
     def _drop(self, record: Record) -> None:
@@ -620,7 +671,7 @@ class Drives:
             self._obeyed(record)
 
     def _owe(self, giver: Giver, cause: Cause, words: str,
-             execution: Optional[Execution] = None) -> None:
+             execution: Optional[Execution] = None, command: int = 0) -> None:
         """A stop is owed from now on. A stop that is owed already ends the same drives, unless a
         drive came after it."""
         last = next((r for r in reversed(self._records)
@@ -628,12 +679,12 @@ class Drives:
         self._retry_at = -math.inf  # the stop is new, so it need not wait for a retry
         if last and last.owed and not (execution and last.number in self._executions):
             self._records = (*(r for r in self._records if r is not last),
-                             replace(last, giver=giver, words=words))
+                             replace(last, giver=giver, words=words, command=command))
             if execution:
                 self._executions[last.number] = execution
         else:
-            self._add(Kind.STOP, giver, words, execution)
-        self._begin_epoch(giver, cause, words, False)
+            self._add(Kind.STOP, giver, words, execution, command=command)
+        self._begin_epoch(giver, cause, words, False, self._records[-1])
 
     def _foreign(self, cause: Cause, drives: bool, words: str) -> None:
         """Others drive or stop the robot. Drives that the robot has not answered may still reach it
@@ -650,17 +701,32 @@ class Drives:
             self._emergency = True
             self._foreign(Cause.EMERGENCY_STOP, False, words)
 
-    def _begin_epoch(self, giver: Optional[Giver], cause: Cause, reason: str,
-                     drives: bool) -> None:
+    def _begin_epoch(self, giver: Optional[Giver], cause: Cause, reason: str, drives: bool,
+                     given: Optional[Record] = None) -> None:
         before = self._memory.epoch
         self._changes.append(_Change(before, giver, drives))
         self._memory = replace(self._memory, epoch=self._draw(), previous_epoch=before, cause=cause,
                                reason=reason)
-        self._keep()
+        self._keep(given)
 
-    def _keep(self) -> None:
-        self._memory = replace(self._memory, records=self._records)
+    def _keep(self, given: Optional[Record] = None) -> None:
+        """Stores the memory. `given`: a command that was given just now."""
+        last = self._memory.last_commands
+        if given and given.command:
+            last = (*(one for one in last if one.giver != given.giver.name),
+                    LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
+        self._memory = replace(
+            self._memory, records=self._records,
+            last_commands=tuple(replace(one, fate=self._fate_of(one)) for one in last)[
+                -_KEPT_GIVERS:])
         self._store(self._memory)
+
+    def _fate_of(self, last: LastCommand) -> CommandFate:
+        record = next((r for r in reversed(self._records)
+                       if (r.giver.name, r.command) == (last.giver, last.number)), None)
+        if record is not None:
+            return record.command_fate
+        return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
         """What other givers did since `epoch`; None if that epoch is not remembered any more."""

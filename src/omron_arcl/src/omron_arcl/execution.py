@@ -75,8 +75,9 @@ class Execution:
                  on_line: Optional[Callable[[str], None]] = None,
                  on_end: Optional[Callable[[Result], None]] = None,
                  stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
-                 known_epoch: int = 0) -> None:
+                 known_epoch: int = 0, number: int = 0) -> None:
         self.command = command
+        self.number = number
         self.giver = giver
         self.known_epoch = known_epoch
         self.result: Optional[Result] = None

@@ -78,6 +78,8 @@ class GraphRobot:
         self.motion = p.Motion.DOCKED if self.docked else p.Motion.STANDING
         self.emergency = False
         self.number: Optional[int] = None  # number of the present drive
+        self.last = 0, p.Fate.NOT_OBEYED  # of our commands, as the controller tells
+        self.foreign = False  # whether another client drove or stopped it
         self._shown = ''
         self._way: List[Tuple[float, float]] = []
         self._since_status = period
@@ -90,12 +92,16 @@ class GraphRobot:
     def obey(self, number: Optional[int], command: str) -> List[p.Event]:
         """Takes a command; returns the reports about it and about the previous command."""
         self.commands.append(command)
+        self.foreign = number is None
+        stops = command == 'stop'
+        self.last = ((self.last[0], p.Fate.NOT_OBEYED) if number is None else
+                     (number, p.Fate.COMPLETED if stops else p.Fate.OBEYED))
         events: List[p.Event] = []
         if self.number is not None:
             events.append(p.CommandEnded(self.number, p.Ending.INTERRUPTED,
                                          f'replaced by "{command}"'))
             self.number = None
-        if command == 'stop':
+        if stops:
             self.halt(p.Motion.STANDING)
             return [*events, p.CommandEnded(number, p.Ending.SUCCEEDED, 'Stopped')]
         self.docked = False
@@ -115,6 +121,7 @@ class GraphRobot:
         self.emergency = True
         self.halt(p.Motion.STANDING)
         number, self.number = self.number, None
+        self.last = self.last[0], p.Fate.NOT_OBEYED
         return [] if number is None else [
             p.CommandEnded(number, p.Ending.EMERGENCY_STOPPED, 'EStop pressed')]
 
@@ -129,6 +136,8 @@ class GraphRobot:
             if not self._way:
                 self.halts += 1
                 self.docked = self.goal == 'dock'
+                if self.last[1] is p.Fate.OBEYED:
+                    self.last = self.last[0], p.Fate.COMPLETED
                 self.halt(p.Motion.DOCKED if self.docked else p.Motion.ARRIVED)
                 if self.number is not None:
                     events.append(p.CommandEnded(self.number, p.Ending.SUCCEEDED))
@@ -201,6 +210,7 @@ class Bench:
         self.refusals: List[RouteRefusal] = []
         self.notes: List[str] = []
         self.epoch = 1
+        self._heard: object = None  # what the present bridge has heard of its last command
         self.hear_links()
         self.hear_motion('')
         self.look()
@@ -211,13 +221,27 @@ class Bench:
 
     def hear_motion(self, reason: str) -> None:
         """The controller reports the present epoch."""
-        self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason))
+        self._heard = self.follower, self.robot.last
+        self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason,
+                               number=self.robot.last[0], fate=self.robot.last[1]))
+
+    def hear_news(self) -> None:
+        """The controller reports what has changed: another client's act, or our last command."""
+        if self.robot.foreign:
+            self.robot.foreign = False
+            self.epoch += 1
+            self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason='another client',
+                                   by_robot=True, number=self.robot.last[0],
+                                   fate=p.Fate.NOT_OBEYED))
+        if self._heard != (self.follower, self.robot.last):
+            self.hear_motion('')
 
     def overrule(self, reason: str = '"stop" of /rviz', command: str = '') -> None:
         """Another giver stops or drives the robot, and the controller reports it."""
         self.epoch += 1
         if command:
             self.robot.obey(None, command)
+            self.robot.foreign = False
         self.hear_motion(reason)
 
     def tell(self, *events: p.Event) -> None:
@@ -261,6 +285,8 @@ class Bench:
         if round(self.now * 10) % 10 == 0:
             self.hear_links()
         self.tell(*self.robot.step(self.now))
+        if any(self.link_is_up.values()) or not self.link_is_up:
+            self.hear_news()
         self._act(self.follower.tick(self.now))
 
     def wait(self, seconds: float) -> None:
@@ -284,6 +310,8 @@ class Bench:
         if record:
             self.follower.restore(record, away < 20.0, self.now)
         self.hear_links()
+        self.epoch += self.robot.foreign
+        self.robot.foreign = False
         self.hear_motion('"stop" of /rviz')
         self.look()
 

@@ -255,7 +255,7 @@ class DelayedDrive:
         try:
             execution = self._controller.give(
                 command, giver, give.known_epoch,
-                lambda result: end(ENDINGS[result.outcome], result.words))
+                lambda result: end(ENDINGS[result.outcome], result.words), give.number)
         except Overruled as overruled:
             end(p.Ending.OVERRULED, str(overruled))
         except ArclError as error:
@@ -293,13 +293,17 @@ class DelayedDrive:
 
     def _hear_motion(self, motion: Motion, generation: int) -> None:
         memory = motion.memory
+        number, fate = next(((last.number, p.Fate[last.fate.name])
+                             for last in memory.last_commands if last.giver == BRIDGE),
+                            (0, p.Fate.NOT_OBEYED))
         if generation == self._generation:
             self._tell(p.MotionTold(
                 memory.epoch, memory.previous_epoch,
                 memory.giver.name == BRIDGE or memory.cause is Cause.EMERGENCY_STOP,
                 memory.cause is Cause.RESTART, memory.stop_owed, memory.reason,
                 memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT),
-                memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER))
+                memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER,
+                number=number, fate=fate))
 
     # --- the receiver -----------------------------------------------------------------------------
 

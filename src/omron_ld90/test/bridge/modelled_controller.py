@@ -63,17 +63,17 @@ class ModelledController:
         return self._dispatcher.records.motion
 
     def give(self, command: str, giver: Giver, known_epoch: int,
-             on_end: Callable[[Result], None]) -> Execution:
+             on_end: Callable[[Result], None], number: int = 0) -> Execution:
         """Gives a command of `giver`; raises ArclError."""
         parsed = parse_command(command)
         try:
             if not self.connected:
-                self._dispatcher.start_without_link(parsed, giver, known_epoch)
+                self._dispatcher.start_without_link(parsed, giver, known_epoch, number)
                 if parsed.spec.stops:
                     self.on_taken(giver, False)
                 raise NotConnected('connection refused')
             execution = self._dispatcher.start(parsed, on_end=on_end, giver=giver,
-                                               known_epoch=known_epoch)
+                                               known_epoch=known_epoch, number=number)
             self.on_taken(giver, parsed.spec.drives)
         finally:
             self._tell()

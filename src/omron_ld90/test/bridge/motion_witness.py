@@ -10,7 +10,15 @@ from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Outcome, Result
-from omron_arcl.drives import LOOK, RETRY, Cause, Motion, MotionState
+from omron_arcl.drives import (
+    LOOK,
+    RETRY,
+    Cause,
+    CommandFate,
+    LastCommand,
+    Motion,
+    MotionState,
+)
 from omron_ld90.bridge import events as p
 
 YARD = yard()
@@ -39,7 +47,7 @@ class WitnessedController(ModelledController):
     on_given: Callable[[str, Giver, int, int], None]
 
     def give(self, command: str, giver: Giver, known_epoch: int,
-             on_end: Callable[[Result], None]) -> Execution:
+             on_end: Callable[[Result], None], number: int = 0) -> Execution:
         """Gives the command as the base class does, and reports it."""
         words = self.count_words()
         self.drove = self.motion.memory.drives
@@ -49,7 +57,7 @@ class WitnessedController(ModelledController):
                 self.on_refused(words)
             on_end(result)
         taken = words
-        execution = super().give(command, giver, known_epoch, end)
+        execution = super().give(command, giver, known_epoch, end, number)
         taken = self.count_words()
         self.on_given(command, giver, known_epoch, words)
         return execution
@@ -101,6 +109,9 @@ class Witness(DelayedDrive):
         # number of commands before the bridge's stop, until the bridge drives
         self._demanded: Optional[int] = None
         self._ignored_since: Optional[float] = None  # time since when that stop is ignored
+        # goal of each drive of the bridge that the controller took, and the time
+        self._sent_to: Dict[int, Tuple[str, float]] = {}
+        self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
         self._time.every(TICK, self._watch_robot)
@@ -205,6 +216,7 @@ class Witness(DelayedDrive):
                           end: Callable[[p.Ending, str], None]) -> None:
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
+            self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, end)
         else:
             end(p.Ending.NEVER_SENT, 'there is no controller')
@@ -235,13 +247,25 @@ class Witness(DelayedDrive):
         self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
         if self.is_alone and motion.memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT):
             self.broken.append(f'there is no other client: {motion.memory.reason}')
+        for last in motion.memory.last_commands:
+            self._judge_last_command(last)
         super()._on_motion(motion)
+
+    def _judge_last_command(self, last: LastCommand) -> None:
+        """Only a drive whose goal the robot has reached is told as completed."""
+        goal, given_at = self._sent_to.get(last.number, ('stop', 0.0))
+        if (last.fate is CommandFate.COMPLETED and goal != 'stop'
+                and self._arrived_at.get(goal, -1.0) < given_at
+                and self.robot.status != f'Arrived at {goal}'):
+            self.broken.append(f'{self.now:.1f} {last} is told, but the robot is not at {goal}')
 
     def _say(self, line: str) -> None:
         """A command of another client counts from the time at which the controller learns of it.
 
         The same applies to an emergency stop.
         """
+        if line.startswith('Arrived at '):
+            self._arrived_at[line.split()[-1]] = self.now
         if line == 'Motors enabled':
             self.later(self.delays.from_robot, self._hear_motors)
         if line == 'EStop pressed' or self.foreign and (

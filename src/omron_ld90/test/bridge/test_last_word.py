@@ -1,141 +1,112 @@
-"""A person may stop the robot, or send it elsewhere, at any time.
-
-No drive of the route may pass this command, and the route must end.
-"""
+"""The last command of the bridge: each row of its table, and how often it is given."""
 from __future__ import annotations
 
-from dataclasses import fields
-from functools import lru_cache
-from typing import Callable, Sequence, Tuple
+from random import Random
+from typing import List, Optional
 
 import pytest
-from bridge_builders import DOCK_VERTEX, yard
-from delayed_drive import DelayedDrive
-from hypothesis import given, note, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from modelled_controller import Delays
-from speaking_robot import UNDOCKING_TIME
 
-from omron_ld90.bridge import events as p
-
-YARD = yard()  # one object, because it caches what is computed about its corners
-ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5), (-9, 1))
-LONGEST_DRIVE = 60.0  # s, longest time of these routes
-LONGEST_END = 45.0  # s until the end of a drive is known: docking may be tried several times
-LONGEST_STOP = 8.0  # s until the bridge gives a failed stop again, in every case
-SECONDS = st.sampled_from([0.0, 0.01, 0.05, 0.2])
-MOMENTS = st.one_of(
-    st.tuples(st.just('order'), st.just(1), st.floats(0.0, 25.0)),
-    st.tuples(st.sampled_from(['give', 'let through', 'arrival', 'up', 'bridge is back']),
-              st.integers(1, 4), st.one_of(SECONDS, st.floats(0.0, 1.2))))
-# near the n-th drive or arrival of the route, at the times of `planned_moments`
-NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 0.3))
-STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot', 'send_elsewhere'])
-TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
-    st.tuples(st.just('cut'), st.sampled_from(list(p.Link)), st.floats(0.1, 5.0)),
-    st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)),
-    st.tuples(st.just('restart_controller')))), max_size=2)
+from omron_ld90.bridge.events import CommandEnded, Ending, Fate
+from omron_ld90.bridge.last_word import RETRY, STOP, LastWord
 
 
-def start_of(edges: Tuple[int, ...]) -> int:
-    """The vertex at which a route begins."""
-    return YARD.start_vertex(edges[0]).id
+def given_once(command: str = 'goto 12', epoch: Optional[int] = None) -> LastWord:
+    """A command that was given as number 5 at time 0."""
+    word = LastWord(command, epoch)
+    assert word.due(False, 0.0), 'the first attempt needs no link'
+    word.give(5, 77)
+    assert not word.due(True, 60.0)
+    return word
 
 
-@lru_cache(maxsize=None)
-def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
-    """Seconds from the order to each drive and each arrival of a route without delays."""
-    drive = DelayedDrive(YARD, start_of(edges), strategy, Delays(), 'name', 0.0)
-    moments = []
-    drive.watchers.append(lambda what: moments.append(drive.now) if what != 'order' else None)
-    start = drive.now
-    drive.order(7, *edges)
-    drive.run(LONGEST_DRIVE, lambda: drive.has_ended)
-    return [moment - start for moment in moments]
+def lost(command: str = 'goto 12') -> LastWord:
+    word = given_once(command)
+    word.ended(CommandEnded(5, Ending.LOST, 'the link broke'), 1.0)
+    return word
 
 
-def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], None]) -> None:
-    """Calls a function some time after an event of the drive has happened for the n-th time."""
-    what, count, seconds = moment
-    happened = []
-
-    def watch(now: str) -> None:
-        if what in now:
-            happened.append(now)
-            if len(happened) == count:
-                drive.later(seconds, call)
-    drive.watchers.append(watch)
+@pytest.mark.parametrize('command', ['goto 12', STOP])
+def test_what_was_never_sent_is_given_again_once_the_link_stands(command):
+    word = given_once(command)
+    word.ended(CommandEnded(5, Ending.NEVER_SENT, 'no link'), 1.0)
+    assert not word.due(True, 1.0 + RETRY / 2)
+    assert not word.due(False, 60.0)
+    assert word.due(True, 1.0 + RETRY)
+    assert (word.problem, word.is_taken) == ('no link', False)
 
 
-@settings(max_examples=settings.default.max_examples * 5 // 3)
-@given(st.sampled_from(['rolling', 'vertex_by_vertex', 'direct']), st.sampled_from(ROUTES),
-       st.builds(Delays, **{way.name: SECONDS for way in fields(Delays)}),
-       st.sampled_from(['name', 'coordinates', 'nothing']), st.sampled_from([0.0, 0.3, 1.5]),
-       TROUBLES, st.one_of(NEAR_ONE, NEAR_ONE, MOMENTS), STOPS)
-def test_nothing_of_a_route_passes_a_persons_stop(
-        strategy, edges, delays, interruption, braking, troubles, moment, stop):
-    drive = DelayedDrive(YARD, start_of(edges), strategy, delays, interruption, braking)
-    for when, (trouble, *how) in troubles:
-        at(drive, when, lambda trouble=trouble, how=how: getattr(drive, trouble)(*how))
-    if moment[0] == 'as planned':
-        _, count, seconds = moment
-        planned = planned_moments(strategy, edges)
-        moment = ('order', 1, max(planned[count % len(planned)] + seconds, 0.0))
-    at(drive, moment, getattr(drive, stop))
-    drive.order(7, *edges)
-    drive.run(LONGEST_DRIVE, lambda: drive.stopped_at is not None or drive.has_ended)
-    if drive.stopped_at is None:
-        return
-    drive.run(LONGEST_END, lambda: drive.crossed or drive.has_ended)
-    drive.run(LONGEST_STOP, lambda: drive.crossed)
-    drive.run(LONGEST_STOP, lambda: drive.crossed or drive.has_ended)
-    note('\n'.join(drive.trace))
-    assert not drive.passed
-    if not drive.crossed:
-        assert drive.has_ended
-    if not drive.crossed and stop != 'send_elsewhere':
-        assert drive.robot.goal is None, 'the robot drives on'
-        assert is_driven_again(drive)
+@pytest.mark.parametrize('told', [(0, Fate.NOT_OBEYED), (4, Fate.OBEYED), (5, Fate.NOT_OBEYED)])
+def test_a_lost_drive_is_given_again_if_the_robot_does_not_obey_it(told):
+    word = lost()
+    assert word.told(told, 2.0) is None
+    assert word.due(True, 2.0)
+    assert word.give(6, 77).number == 6
 
 
-DIALECTS = ['name', 'status', 'coordinates']
-OUT_OF_DOCK, INTO_DOCK = (DOCK_VERTEX, (-9, 1)), (1, (9,))
+@pytest.mark.parametrize('fate', [Fate.NONE, Fate.GIVEN, Fate.OBEYED, Fate.UNKNOWN])
+def test_it_waits_as_long_as_the_robot_may_obey_it(fate):
+    word = lost()
+    assert word.told((5 if fate is not Fate.NONE else 0, fate), 2.0) is None
+    assert (word.due(True, 60.0), word.is_lost) == (False, True)
 
 
-@pytest.mark.parametrize('interruption', DIALECTS)
-@pytest.mark.parametrize('braking', [0.0, 0.3])
-@pytest.mark.parametrize('stop', ['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot'])
-@pytest.mark.parametrize(('vertex', 'edges'), [OUT_OF_DOCK, INTO_DOCK])
-def test_a_stop_ends_a_route_as_soon_while_the_robot_leaves_its_dock_or_docks(
-        vertex, edges, stop, braking, interruption):
-    drive = DelayedDrive(YARD, vertex, 'rolling', Delays(), interruption, braking)
-    drive.order(7, *edges)
-    drive.run(UNDOCKING_TIME / 2.0)
-    getattr(drive, stop)()
-    drive.run(braking + 1.0)
-    assert drive.has_ended
-    assert len(drive.robot.commands) == 1, 'no other command may be given'
+@pytest.mark.parametrize('fate', [Fate.COMPLETED, Fate.FAILED])
+def test_it_ends_as_the_controller_tells(fate):
+    word = lost()
+    assert word.told((5, fate), 2.0) is fate
+    assert (word.due(True, 60.0), word.is_lost) == (False, False)
 
 
-@pytest.mark.parametrize('interruption', [*DIALECTS, 'nothing'])
-@pytest.mark.parametrize(('vertex', 'edges', 'end'), [
-    (*OUT_OF_DOCK, 2), (*INTO_DOCK, DOCK_VERTEX)])
-def test_a_robot_that_leaves_its_dock_or_docks_completes_its_route(
-        vertex, edges, end, interruption):
-    drive = DelayedDrive(YARD, vertex, 'rolling', Delays(), interruption, 0.3)
-    drive.order(7, *edges)
-    drive.run(LONGEST_DRIVE, lambda: drive.has_ended)
-    assert [line for line in drive.trace if 'failed' in line] == []
-    assert drive.robot.position == YARD.vertex(end).position
+@pytest.mark.parametrize('fate', Fate)
+def test_a_drive_whose_result_came_is_not_judged_by_motion(fate):
+    word = given_once()
+    assert word.told((5, fate), 2.0) is None
+    assert not word.due(True, 60.0)
 
 
-def is_driven_again(drive: DelayedDrive) -> bool:
-    """True if a new order drives the robot from its place, once there is no fault any more."""
-    drive.watchers.clear()
-    drive.spared = True
-    drive.run(LONGEST_STOP, lambda: drive.is_well)
-    edge, on_it = YARD.nearest_edge(*drive.robot.position)
-    sent = []
-    at(drive, ('let through', 1, 0.0), lambda: sent.append(drive.now))
-    drive.order(8, edge if on_it.fraction < 0.5 else -edge)
-    return drive.run(LONGEST_STOP, lambda: bool(sent))
+@pytest.mark.parametrize('ending', [Ending.LOST, Ending.NEVER_SENT])
+def test_a_stop_is_given_until_the_controller_has_it(ending):
+    word = given_once(STOP, 3)
+    word.ended(CommandEnded(5, ending, 'gone'), 1.0)
+    assert word.due(True, 1.0 + RETRY)
+    assert word.give(6, 77).known_epoch == 3, 'it ends no newer drive of another giver'
+    word.ended(CommandEnded(6, ending, 'gone'), 3.0)
+    word.told((6, Fate.GIVEN), 3.1)
+    assert (word.due(True, 60.0), word.is_taken, word.problem) == (False, True, 'gone')
+
+
+def test_a_stop_that_the_robot_does_not_obey_is_with_the_controller():
+    word = given_once(STOP, 3)
+    word.ended(CommandEnded(5, Ending.FAILED, 'the robot said nothing about it'), 1.0)
+    assert (word.due(True, 60.0), word.is_taken) == (False, True)
+    assert word.problem == 'the robot said nothing about it'
+
+
+def test_a_drive_carries_the_present_epoch():
+    assert LastWord('goto 12').give(5, 77).known_epoch == 77
+
+
+@given(st.integers(0, 2 ** 32), st.sampled_from(['goto 12', STOP]))
+def test_it_reaches_the_controller_once_and_never_twice(seed, command):
+    """Answers and `motion` are lost or late; the controller takes each number at most once."""
+    random, word = Random(seed), LastWord(command)
+    taken: List[int] = []
+    number, now = 0, 0.0
+    for step in range(40):
+        now += random.choice((0.1, 0.7, 1.5))
+        faulty = step < 30 and random.random() < 0.5
+        if word.due(not faulty, now):
+            number += 1
+            word.give(number, 77)
+            if faulty:
+                word.ended(CommandEnded(number, random.choice((Ending.LOST, Ending.NEVER_SENT))),
+                           now)
+            else:
+                taken.append(number)
+                if random.random() < 0.7:
+                    word.ended(CommandEnded(number, Ending.LOST), now)
+        elif not faulty:
+            word.told((taken[-1], Fate.OBEYED) if taken else (0, Fate.NOT_OBEYED), now)
+    assert len(taken) == 1 or command == STOP and taken

@@ -1,6 +1,6 @@
 """The search of test_motion_property.py finds each of these planted faults.
 
-test_stop_duty.py finds a bridge that gives its stop only once.
+test_last_word.py finds a bridge that gives its stop only once.
 """
 from __future__ import annotations
 
@@ -32,12 +32,13 @@ _ENDED, _CHECK, _STOP = (
 
 
 def _no_epoch_for(cause: Cause) -> Callable[..., None]:
-    def begin(self: Any, giver: Any, why: Cause, reason: str, drives: bool) -> None:
+    def begin(self: Any, giver: Any, why: Cause, reason: str, drives: bool,
+              given: Any = None) -> None:
         if why is cause:
             self._memory = replace(self._memory, cause=why)
-            self._keep()
+            self._keep(given)
         else:
-            _BEGIN(self, giver, why, reason, drives)
+            _BEGIN(self, giver, why, reason, drives, given)
     return begin
 
 
@@ -63,9 +64,10 @@ def _lost_is_obeyed(self: Any, execution: Any, outcome: Outcome, words: str, now
     _ENDED(self, execution, Outcome.SUCCEEDED if is_stop else outcome, words, now)
 
 
-def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int) -> None:
+def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int,
+                  number: int = 0) -> None:
     if command.spec.drives:
-        _CHECK(self, giver, command, known_epoch)
+        _CHECK(self, giver, command, known_epoch, number)
 
 
 FAULTS = {

@@ -7,6 +7,7 @@ from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,
+    Fate,
     Link,
     LinkReported,
     Motion,
@@ -45,13 +46,6 @@ def test_a_command_is_due_once():
     give, = robot.due_commands(0.0)
     assert give.command == 'goto 12'
     assert robot.due_commands(0.1) == []
-
-
-def test_a_stop_goes_before_everything_else():
-    robot = monitor()
-    robot.tracker.send('12', 'goto 12')
-    robot.stop_duty.require(0)
-    assert [give.command for give in robot.due_commands(0.0)] == ['stop', 'goto 12']
 
 
 def test_a_stop_takes_back_what_was_not_given_yet():
@@ -176,19 +170,25 @@ def test_of_several_reasons_the_emergency_stop_is_told_and_then_a_take_over():
     assert why_failed(robot, 0.1) == 'emergency stop'
 
 
-def test_a_lost_command_is_given_again_only_when_the_link_has_stood_for_a_while():
+def test_a_lost_command_is_given_again_only_when_the_link_stands():
     robot = monitor()
     robot.tracker.send('12', 'goto 12')
     give, = robot.due_commands(0.0)
     robot.update(LinkReported(Link.COMMANDS, False), 1.0)
     robot.update(CommandEnded(give.number, Ending.LOST), 1.0)
-
-    def look(time: float) -> list:
-        robot.update(RobotSeen(int(10 * time), Motion.STANDING, place=(0.0, 0.0)), time)
-        return [give.command for give in robot.due_commands(time)]
-    for time in (2.0, 3.0, 4.0):
-        robot.update(LinkReported(Link.COMMANDS, False), time)
-        assert look(time) == []
+    robot.update(MotionTold(7, number=give.number, fate=Fate.UNKNOWN), 2.0)
+    robot.update(LinkReported(Link.COMMANDS, True), 3.0)
+    assert robot.due_commands(3.5) == [], 'the robot may obey it'
+    robot.update(LinkReported(Link.COMMANDS, False), 4.0)
+    robot.update(MotionTold(7, number=give.number, fate=Fate.NOT_OBEYED), 4.0)
+    assert robot.due_commands(4.5) == []
     robot.update(LinkReported(Link.COMMANDS, True), 5.0)
-    assert look(5.5) == []
-    assert look(6.5) == ['goto 12']
+    again, = robot.due_commands(5.5)
+    assert (again.command, again.number) == ('goto 12', give.number + 1)
+
+
+def test_numbers_of_commands_grow_also_above_one_that_only_the_controller_knows():
+    robot = monitor()
+    robot.update(MotionTold(7, number=50, fate=Fate.OBEYED), 0.0)
+    robot.tracker.send('12', 'goto 12')
+    assert robot.due_commands(0.0)[0].number > 50

@@ -203,7 +203,10 @@ def test_a_robot_off_the_route_is_left_to_who_drives_it_and_else_stopped(motion,
     bench = under_way()
     bench.robot.position = (4.0, 4.0)
     bench.robot.halt(motion)
-    returned(bench).drive(1.0)
+    bench.robot.foreign = motion is Motion.BY_HAND
+    bench = returned(bench)
+    bench.hear_news()
+    bench.drive(1.0)
     assert bench.follower.report().reason.text == reason
     assert ('stop' in bench.commands) is (motion is Motion.STANDING)
 
@@ -231,11 +234,12 @@ def test_a_robot_that_still_goes_to_the_vertex_that_it_passes_is_not_sent_on_bef
     assert bench.commands == ['goto 2', 'goto 7']
 
 
-def test_a_robot_that_has_arrived_where_the_last_bridge_could_not_note_that_it_sent_it_goes_on():
+def test_a_robot_goes_on_from_where_the_last_bridge_could_not_note_that_it_sent_it():
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1, 4, 5)
     bench.run(lambda bench: bench.commands[-1] == 'goto 7')
-    record = replace(bench.follower.record, target=0, goal='2')
+    record = replace(bench.follower.record, target=0,
+                     number=bench.follower.record.number - 1)
     bench.robot.number = None
     while bench.robot.motion is not Motion.ARRIVED:
         bench.now += 0.1
@@ -244,7 +248,7 @@ def test_a_robot_that_has_arrived_where_the_last_bridge_could_not_note_that_it_s
     bench.follower.restore(record, True, bench.now)
     bench.run()
     assert bench.states() == [2, 2, 2], bench.follower.report().reason.text
-    assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
+    assert bench.commands == ['goto 2', 'goto 7', 'goto 7', 'goto 6'], 'never back to 2'
 
 
 def test_about_the_dock_the_route_goes_on_off_its_corridors():

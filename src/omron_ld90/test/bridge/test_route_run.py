@@ -7,9 +7,8 @@ import pytest
 from bridge_builders import DOCK_VERTEX, graph_of, yard
 
 from omron_ld90.bridge.events import CommandEnded, Docking, Ending
-from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
+from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
-from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.robot_state import Located, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
@@ -73,14 +72,14 @@ class Drive:
         return told
 
     def arrive(self) -> None:
-        self.tracker.given(1)
+        self.tracker.word.give(1, 0)
         self.tracker.ended(CommandEnded(1, Ending.SUCCEEDED), self.now)
         self.run.go_on(self.now, NEVER)
 
 
 def test_it_sends_the_robot_to_the_end_of_its_first_edge():
     drive = Drive(1, 5)
-    assert drive.tracker.command == 'goto 2'
+    assert drive.tracker.word.command == 'goto 2'
     assert drive.states == (EdgeState.PROCESSING, EdgeState.PROCESSING)
 
 
@@ -89,7 +88,7 @@ def test_an_edge_is_complete_and_the_next_goal_sent_when_the_robot_is_there():
     drive.go((2.0, 0.0), (4.0, 0.0))
     drive.arrive()
     assert drive.states == (EdgeState.COMPLETE, EdgeState.PROCESSING)
-    assert drive.tracker.command == 'goto 5'
+    assert drive.tracker.word.command == 'goto 5'
 
 
 def test_the_route_is_complete_with_its_last_edge():
@@ -102,7 +101,7 @@ def test_the_route_is_complete_with_its_last_edge():
 
 
 def test_the_dock_is_gone_to_by_its_own_command():
-    assert Drive(9).tracker.command == DOCK
+    assert Drive(9).tracker.word.command == DOCK
 
 
 def test_twice_off_the_corridor_ends_it_and_once_does_not():
@@ -137,7 +136,7 @@ def test_a_longer_route_goes_on_from_what_is_done():
     drive.replace(1, 5)
     assert drive.run.running
     assert drive.states == (EdgeState.COMPLETE, EdgeState.PROCESSING)
-    assert drive.tracker.command == 'goto 5'
+    assert drive.tracker.word.command == 'goto 5'
 
 
 @pytest.mark.parametrize('edges, first', [((1, 5, 6), 0), ((5, 6), 1), ((9, 1, 5, 6), -1)])
@@ -148,14 +147,14 @@ def test_an_order_may_leave_out_or_add_edges_that_are_driven(edges, first):
     drive.arrive()
     drive.go((6.0, 0.0))
     before = drive.run.progress.pose
-    drive.tracker.given(2)
+    drive.tracker.word.give(2, 0)
     drive.replace(*edges, first=8 + first)
     assert drive.run.progress.pose == before
     assert drive.vehicle.state.done == 9
-    assert not drive.tracker.give_again
+    assert not drive.tracker.word.must_be_given
     drive.go((8.0, 0.0))
     drive.arrive()
-    assert drive.tracker.command == 'goto 6'
+    assert drive.tracker.word.command == 'goto 6'
     assert drive.vehicle.state.done == 10
 
 
@@ -253,7 +252,7 @@ def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
     here = GraphLocation(graph, place, docking, DOCK_VERTEX, SETTINGS.vertex_tolerance,
                          SETTINGS.corridor_width)
     assert run.locate(here, 0.5) == told
-    assert tracker.give_again is bool(told)
+    assert tracker.word.must_be_given is bool(told)
 
 
 class TestAVertexThatWasMissed:
@@ -262,7 +261,7 @@ class TestAVertexThatWasMissed:
     @pytest.fixture
     def drive(self) -> Drive:
         drive = Drive(1, 5, settings=Settings(dock_vertex=DOCK_VERTEX, strategy=direct))
-        assert drive.tracker.command == 'goto 5'
+        assert drive.tracker.word.command == 'goto 5'
         drive.go((2.0, 0.0))
         drive.arrive()
         return drive
@@ -271,7 +270,7 @@ class TestAVertexThatWasMissed:
         drive.now += 25.0
         assert drive.go((2.0, 0.0), (2.0, 0.0)) == (
             'The robot missed vertex 2 and is sent back to it.')
-        assert drive.tracker.command == 'goto 2'
+        assert drive.tracker.word.command == 'goto 2'
         drive.now += 25.0  # the robot may take this time
         drive.go((2.0, 0.0))
 

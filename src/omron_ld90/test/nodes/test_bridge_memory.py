@@ -29,7 +29,7 @@ RECORD = RouteRecord(
     VehicleState(LARGEST_NUMBER, EpochCause.OTHER_MASTER, '/fleet', LARGEST_NUMBER - 1,
                  LARGEST_NUMBER - 2, OVERRULED, LARGEST_RECORD_NUMBER - 1, 7,
                  LARGEST_RECORD_NUMBER - 2, (1, -4, 5), Phase.RUNNING, report=LARGEST_NUMBER - 3),
-    target=2, goal='12', owes_stop=False, epoch=LARGEST_NUMBER,
+    target=2, number=LARGEST_NUMBER - 1, owes_stop=False, epoch=LARGEST_NUMBER,
     last=RouteOrder(7, (1, -4, 5), 1_700_000_000_123_456_789))
 ENDED = RouteRecord(VehicleState(5, route_id=8, edges=(3,), phase=Phase.FAILED,
                                  reason=EMERGENCY_STOP), owes_stop=True)

@@ -10,6 +10,7 @@ from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,
+    Fate,
     Link,
     LinkReported,
     Motion,
@@ -22,7 +23,7 @@ from omron_ld90.nodes.bridge_messages import (
     motion_told,
     robot_seen,
 )
-from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+from omron_ld90_msgs.msg import ExecuteCommandResult, LastCommand, LinkState, RobotStatus
 from omron_ld90_msgs.msg import Motion as MotionMessage
 from route_protocol.values import EpochCause
 
@@ -85,7 +86,15 @@ def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_our
     assert motion_told(told, '/r/bridge') == MotionTold(
         9, 8, is_ours, goes_on, True, 'why', cause is EpochCause.OTHER_CLIENT,
         EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause,
-        obeys_us=giver == '/r/bridge')
+        obeys_us=giver == '/r/bridge', fate=Fate.NOT_OBEYED)
+
+
+@pytest.mark.parametrize('fate', [fate for fate in Fate if fate is not Fate.NONE])
+def test_a_motion_tells_what_became_of_the_last_command_of_the_bridge(fate):
+    told = motion_told(MotionMessage(last_commands=[
+        LastCommand('/rviz', 3, LastCommand.FAILED),
+        LastCommand('/r/bridge', 2 ** 40, getattr(LastCommand, fate.name))]), '/r/bridge')
+    assert (told.number, told.fate) == (2 ** 40, fate)
 
 
 @pytest.mark.parametrize('state, drives', [

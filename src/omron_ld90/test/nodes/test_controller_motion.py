@@ -6,16 +6,28 @@ from dataclasses import replace
 import pytest
 import rospy
 
-from omron_arcl.drives import Cause, Fate, Kind, Memory, Motion, MotionState, Record
+from omron_arcl.drives import (
+    Cause,
+    CommandFate,
+    Fate,
+    Kind,
+    LastCommand,
+    Memory,
+    Motion,
+    MotionState,
+    Record,
+)
 from omron_arcl.execution import Giver
 from omron_ld90.nodes import controller_motion
 from omron_ld90.nodes.controller_motion import MotionFile, message_of
 from omron_ld90_msgs import msg
 
 GIVER = Giver('/bridge', 'http://host:1/')
-DRIVE = Record(3, Kind.DRIVE, Fate.OBEYED, GIVER, '12', ('12', '13'), '"goto 12" of /bridge')
+DRIVE = Record(3, Kind.DRIVE, Fate.OVER, GIVER, '12', ('12', '13'), '"goto 12" of /bridge',
+               2 ** 41, CommandFate.FAILED)
+LAST = LastCommand('/bridge', 2 ** 41, CommandFate.FAILED)
 STOP = Record(4, Kind.STOP, Fate.GIVEN, GIVER, words='"stop" of /rviz')
-MEMORY = Memory(2 ** 64 - 1, 7, Cause.STOP, '"stop" of /rviz', (DRIVE, STOP))
+MEMORY = Memory(2 ** 64 - 1, 7, Cause.STOP, '"stop" of /rviz', (DRIVE, STOP), (LAST,))
 
 
 def test_what_was_kept_is_read(tmp_path):
@@ -125,3 +137,10 @@ def test_everybody_is_told_in_the_words_of_the_message():
 def test_the_constants_are_those_of_the_message(kind):
     for one in kind:
         assert getattr(msg.Motion, one.name) == one
+
+
+def test_the_last_commands_are_told_with_the_constants_of_their_message():
+    last, = message_of(Motion(MEMORY, MotionState.STOPPING)).last_commands
+    assert (last.giver, last.number, last.fate) == ('/bridge', 2 ** 41, msg.LastCommand.FAILED)
+    for fate in CommandFate:
+        assert getattr(msg.LastCommand, fate.name) == fate

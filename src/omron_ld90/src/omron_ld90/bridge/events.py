@@ -20,7 +20,7 @@ class RouteRecord:
 
     vehicle: VehicleState
     target: Optional[int] = None  # index of the edge to whose end the robot was sent
-    goal: str = ''           # name of the goal that the robot was sent to last; empty: none
+    number: int = 0          # of the command that sent it there; 0: it was not given yet
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
     epoch: int = 0           # the controller's last epoch that the bridge knew
     last: Optional[RouteOrder] = None  # the last order that was taken; see `OldMasters`
@@ -80,6 +80,18 @@ class Ending(Enum):
     NEVER_SENT = 'never sent'                # it did not reach the robot, for certain
 
 
+class Fate(Enum):
+    """What became of our last command, as the controller tells (omron_ld90_msgs/LastCommand)."""
+
+    NONE = 0
+    GIVEN = 1
+    OBEYED = 2
+    UNKNOWN = 3
+    COMPLETED = 4
+    FAILED = 5
+    NOT_OBEYED = 6
+
+
 @dataclass(frozen=True)
 class CommandEnded:
     """A command given as `Give` has ended; `text` are the robot's words or the controller's."""
@@ -102,6 +114,7 @@ class MotionTold:
     reason -- why the epoch is a new one, for a person
     cause -- the same for programs
     drives -- the robot drives now
+    number, fate -- the last command of the bridge that the controller has, and what became of it
     """
 
     epoch: int
@@ -114,6 +127,8 @@ class MotionTold:
     cause: EpochCause = EpochCause.OTHER_GIVER
     drives: bool = False
     obeys_us: bool = False
+    number: int = 0
+    fate: Fate = Fate.NONE
 
 
 class Link(Enum):

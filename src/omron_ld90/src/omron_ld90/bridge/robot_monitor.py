@@ -5,22 +5,23 @@ import math
 from typing import Callable, Dict, Iterable, List, Optional, Type
 
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, TakenOver
+from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed, TakenOver
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import Settings
-from omron_ld90.bridge.stop_duty import StopDuty
 from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
 
 class RobotMonitor:
     """Takes every event except orders; `check` raises when the running route must end."""
 
-    def __init__(self, settings: Settings, links: Iterable[p.Link] = ()) -> None:
-        """`links`: the links that must be up before the robot can be driven."""
+    def __init__(self, settings: Settings, links: Iterable[p.Link] = (), number: int = 0) -> None:
+        """`links`: the links that must be up before the robot can be driven. `number`: larger than
+        that of each command given before."""
         self.location = RobotLocation()
         self.links = RobotLinks(links, settings.link_timeout, settings.restart_timeout)
         self.tracker = GoalTracker()
-        self.stop_duty = StopDuty()
+        self.stop_owed_by_controller = False
+        """Whether the controller reports that the robot has not obeyed a stop yet."""
         self.docking: Optional[p.Docking] = None
         self.docking_changed = -math.inf
         self.emergency = False
@@ -34,7 +35,7 @@ class RobotMonitor:
         self.overruled: Optional[EpochCause] = None
         """Why orders that were on their way must not be obeyed any more; None: they may be."""
         self._taken_over: Optional[TakenOver] = None
-        self._count = 0  # number of commands given
+        self._number = number  # of the last command
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
             p.MotionTold: self._on_motion, p.LinkReported: self._on_link,
@@ -44,8 +45,7 @@ class RobotMonitor:
 
     def stop(self, epoch: int) -> None:
         """Stops the motion of this epoch as soon as the robot can be reached; 0: any epoch."""
-        self.tracker.end()
-        self.stop_duty.require(epoch)
+        self.tracker.stop(epoch)
 
     def leave(self) -> None:
         """Another giver drives the robot: this route does not control it any more."""
@@ -53,7 +53,6 @@ class RobotMonitor:
 
     def begin(self) -> None:
         """A new route begins: earlier failures and stops do not count any more."""
-        self.stop_duty.forgive()
         self._taken_over = None
         self.tracker.forget()
 
@@ -65,23 +64,15 @@ class RobotMonitor:
 
     def due_commands(self, now: float) -> List[p.Give]:
         """The commands to give now; they count as given."""
-        given: List[p.Give] = []
-        stands = self.links.stands(p.Link.COMMANDS, now)
-        if self.stop_duty.is_due(stands, now):
-            given.append(self._give(STOP, self.stop_duty.epoch))
-            self.stop_duty.given(given[-1].number, now)
-        if self.tracker.give_again:
-            given.append(self._give(self.tracker.command, self.epoch))
-            self.tracker.given(given[-1].number)
-        return given
+        word = self.tracker.word
+        if not word.due(self.links.stands(p.Link.COMMANDS, now), now):
+            return []
+        self._number += 1
+        return [word.give(self._number, self.epoch)]
 
-    def _give(self, command: str, epoch: int) -> p.Give:
-        self._count += 1
-        return p.Give(self._count, command, epoch)
-
-    def resume(self, epoch: int) -> None:
-        """Takes the epoch that was known before a restart of this program."""
-        self.epoch = epoch
+    def resume(self, epoch: int, number: int) -> None:
+        """Takes the epoch and the last number from before a restart of this program."""
+        self.epoch, self._number = epoch, max(number, self._number)
 
     # --- judging the robot's state ----------------------------------------------------------------
 
@@ -105,7 +96,18 @@ class RobotMonitor:
     @property
     def owes_stop(self) -> bool:
         """Whether the robot may not have obeyed a stop yet, ours or another giver's."""
-        return self.stop_duty.to_give or self.stop_duty.owed_by_controller
+        return self.must_stop or self.stop_owed_by_controller
+
+    @property
+    def must_stop(self) -> bool:
+        """Whether the controller has not taken our stop yet."""
+        return self.tracker.word.is_stop and not self.tracker.word.is_taken
+
+    @property
+    def stop_problem(self) -> str:
+        """Why our stop is not obeyed yet; empty: it is, or nothing has gone wrong."""
+        word = self.tracker.word
+        return word.problem if word.is_stop and self.owes_stop else ''
 
     def is_location_overdue(self, now: float) -> bool:
         """Whether the last location is too old, provided that its link was up for that long."""
@@ -142,18 +144,20 @@ class RobotMonitor:
         if status.place is not None and self.location.update(
                 Located(status.stamp, *status.place, status.heading), now):
             self.tracker.located(status.place, status.motion)
-        since = (self.links.up_since(p.Link.COMMANDS)
-                 if self.links.stands(p.Link.COMMANDS, now) else math.inf)
-        self.tracker.seen(status, now, since)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
-        self.stop_duty.ended(event)
         self.tracker.ended(event, now)
-        if self.tracker.has_docked:
+        self._note_docked(now)
+
+    def _note_docked(self, now: float) -> None:
+        if self.tracker.has_docked and self.docking is not p.Docking.DOCKED:
             self.docking, self.docking_changed = p.Docking.DOCKED, now
 
     def _on_motion(self, event: p.MotionTold, now: float) -> None:
-        self.stop_duty.owed_by_controller = event.stop_owed
+        self.stop_owed_by_controller = event.stop_owed
+        self._number = max(self._number, event.number)
+        self.tracker.told(event.number, event.fate, now)
+        self._note_docked(now)
         if event.epoch == self.epoch:
             return
         self.drives_for_us = event.obeys_us

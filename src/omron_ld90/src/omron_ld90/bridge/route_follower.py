@@ -76,7 +76,7 @@ class RouteFollower:
         self.settings = settings
         self.graph = graph
         self._next_graph: Optional[Graph] = None  # it waits until the running route has ended
-        self.robot = RobotMonitor(settings, links)
+        self.robot = RobotMonitor(settings, links, clock())
         self.vehicle = Vehicle(draw, clock)
         """The vehicle's end of the route protocol."""
         self.route: Optional[RouteRun] = None
@@ -114,8 +114,7 @@ class RouteFollower:
         is_sure -- no later record can have been lost
         """
         self.orders.old_masters.last = record.last
-        self.robot.tracker.goals.remember(record.goal)
-        self.robot.resume(record.epoch)
+        self.robot.resume(record.epoch, record.number)
         owes_stop = record.owes_stop
         if not is_sure:
             owes_stop = owes_stop or record.vehicle.is_running
@@ -126,7 +125,7 @@ class RouteFollower:
                 owes_stop = True
                 self.vehicle.fail(_WAS_AWAY)
         if owes_stop:
-            self.robot.stop_duty.require(record.epoch)
+            self.robot.stop(record.epoch)
         if self.vehicle.state.phase in (Phase.RUNNING, Phase.COMPLETE):
             self._restored = (record, now + self.settings.restart_timeout)
         elif is_sure:
@@ -142,11 +141,11 @@ class RouteFollower:
     def record(self) -> p.RouteRecord:
         """The record for `restore` after a restart."""
         if self._restored:  # nothing newer is known yet
-            target, goal = self._restored[0].target, self._restored[0].goal
+            target, number = self._restored[0].target, self._restored[0].number
         else:
             target = self.route.target if self.route else None
-            goal = self.robot.tracker.goals.last
-        return p.RouteRecord(self.vehicle.state, target, goal, self.robot.stop_duty.to_give,
+            number = self.robot.tracker.word.number
+        return p.RouteRecord(self.vehicle.state, target, number, self.robot.must_stop,
                              self.robot.epoch, self.orders.old_masters.last)
 
     def report(self) -> RouteReport:
@@ -211,11 +210,9 @@ class RouteFollower:
 
     @property
     def _stop_problem(self) -> Reason:
-        duty = self.robot.stop_duty
-        if duty.owed and duty.problem:
-            return Reason(ReasonCode.STOP_OWED,
-                          f'the robot has not obeyed the stop yet: {duty.problem}')
-        return NO_REASON
+        problem = self.robot.stop_problem
+        return Reason(ReasonCode.STOP_OWED,
+                      f'the robot has not obeyed the stop yet: {problem}') if problem else NO_REASON
 
     @property
     def _here(self) -> GraphLocation:
@@ -325,7 +322,7 @@ class RouteFollower:
     def _drives_without_route(self) -> bool:
         """Whether the robot has just begun to obey a drive of ours, but no route needs it."""
         return (self.robot.drives_for_us and not self.running and self._restored is None
-                and not self.robot.stop_duty.owed)
+                and not self.robot.must_stop and not self.robot.stop_problem)
 
     def _go_on(self, now: float) -> None:
         """Judges the known state, and drives on."""
@@ -351,14 +348,16 @@ class RouteFollower:
         seen = self.robot.seen
         if self._restored is None:
             return
+        self.robot.tracker.check_clock(now)
         record, give_up = self._restored
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)
-        if unknown and now <= give_up:
+        if (unknown or self.robot.tracker.is_interrupted) and now <= give_up:
             return
         self._restored = None
         if seen and not unknown:
-            self.route = go_on(record, self._here, lambda current: self._run(current, now), seen,
-                               now)
+            if self.running:
+                self.robot.check(now)
+            self.route = go_on(record, self._here, lambda current: self._run(current, now), now)
             if self.running:
                 self._note(f'Route {self.vehicle.state.route_id} goes on after a restart of the '
                            'bridge.')

@@ -4,9 +4,8 @@ from __future__ import annotations
 import math
 from typing import List, Optional, Tuple
 
-from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
+from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
-from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
@@ -115,10 +114,12 @@ class RouteRun:
             self._best_at = now
             self.drive()
 
-    def resume(self, target: int, now: float) -> None:
-        """Continues after a restart; the robot had been sent to the end of edge `target`."""
+    def resume(self, target: int, number: int, now: float) -> None:
+        """Continues after a restart; the robot had been sent to the end of edge `target`, by the
+        command with this number.
+        """
         self.target = target
-        self._tracker.resume(self._goal_of(target), now)
+        self._tracker.resume(self._goal_of(target), self._command_to(target), number, now)
 
     def drive(self) -> None:
         """Sends the robot where the strategy wants it, unless it is on its way there.
@@ -128,6 +129,8 @@ class RouteRun:
         """
         if self.progress.done or self._tracker.is_doubtful:
             return
+        if self._tracker.goal is None:
+            self.target = None
         target = self.progress.current
         if target not in self._sent_back:
             target = self._settings.strategy(StrategyContext(
@@ -189,16 +192,16 @@ class RouteRun:
         goal = self._goal_of(index)
         if goal == self._tracker.goal and not self._tracker.reached:
             return  # the robot is on its way there: no motion command is repeated
-        via: List[str] = []
+        self._tracker.send(goal, self._command_to(index))
+
+    def _command_to(self, index: int) -> str:
+        goal = self._goal_of(index)
         if goal == DOCK:
-            command = DOCK
-        elif self._settings.native_command:
-            via = [self._goal_of(i) for i in range(self.progress.current, index)]
-            command = self._settings.native_command.format(
-                goals=' '.join([*via, goal]), last=goal)
-        else:
-            command = f'goto {goal}'
-        self._tracker.send(goal, command, via)
+            return DOCK
+        if self._settings.native_command:
+            goals = [self._goal_of(i) for i in range(self.progress.current, index + 1)]
+            return self._settings.native_command.format(goals=' '.join(goals), last=goal)
+        return f'goto {goal}'
 
     def _send_back(self, now: float) -> str:
         """The robot missed a vertex by cutting a corner: sends it back there, once."""

@@ -156,7 +156,8 @@ def _content_of(record: RouteRecord) -> Dict[str, Any]:
     them.
     """
     return {**Moment.now().content(), 'vehicle': _content_of_state(record.vehicle),
-            'target': -1 if record.target is None else record.target, 'goal': record.goal,
+            'target': -1 if record.target is None else record.target,
+            'number': str(record.number),
             'owes_stop': record.owes_stop, 'epoch': str(record.epoch),
             'last': [] if record.last is None else [
                 record.last.route_id, list(record.last.edges), str(record.last.stamp)]}
@@ -176,7 +177,7 @@ def _record_of(content: Dict[str, Any]) -> RouteRecord:
     """The record in a parameter; raises KeyError, TypeError or ValueError if it contains none."""
     target, last = int(content['target']), content['last']
     return RouteRecord(
-        _state_of(content['vehicle']), None if target < 0 else target, str(content['goal']),
+        _state_of(content['vehicle']), None if target < 0 else target, int(content['number']),
         bool(content['owes_stop']), int(content['epoch']),
         RouteOrder(int(last[0]), _edges_of(last[1]), int(last[2])) if last else None)
 

@@ -10,6 +10,7 @@ from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,
+    Fate,
     Link,
     LinkReported,
     MotionTold,
@@ -17,7 +18,13 @@ from omron_ld90.bridge.events import (
 )
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.nodes.support.link_reports import words_of
-from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotStatus
+from omron_ld90_msgs.msg import (
+    ExecuteCommandResult,
+    LastCommand,
+    LinkState,
+    Motion,
+    RobotStatus,
+)
 from route_protocol.values import EpochCause
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
@@ -34,6 +41,8 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.NEVER_SENT: Ending.NEVER_SENT,
     ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
+_FATES: Dict[int, Fate] = {getattr(LastCommand, fate.name): fate for fate in Fate
+                           if hasattr(LastCommand, fate.name)}
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
 _CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
                                   if hasattr(Motion, cause.name)}
@@ -62,11 +71,14 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
     """The event for a Motion message; `own_name` is the name of this node."""
     drives = message.state in (Motion.DRIVING, Motion.DOCKING, Motion.UNDOCKING, Motion.MANUAL)
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
+    number, fate = next(((last.number, last.fate) for last in message.last_commands
+                         if last.giver == own_name), (0, LastCommand.NOT_OBEYED))
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
                       message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
                       _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives,
-                      message.giver == own_name and message.cause == Motion.OTHER_GIVER)
+                      message.giver == own_name and message.cause == Motion.OTHER_GIVER,
+                      number, _FATES.get(fate, Fate.UNKNOWN))
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

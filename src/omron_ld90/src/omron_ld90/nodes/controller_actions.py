@@ -33,7 +33,7 @@ from omron_ld90.nodes.support.old_messages import OldMessages
 _QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # read by actionlib, for all servers here
 _RESULTS_QUEUED = 1000
 
-# Gives a command; raises ArclError. (text, giver, known_epoch, timeout, on_line, on_end)
+# Gives a command; raises ArclError. (text, giver, known_epoch, number, ...)
 Execute = Callable[..., Execution]
 # The drive that a command of a giver would only repeat. (text, giver, known_epoch)
 Obeyed = Callable[..., Optional[Execution]]
@@ -106,6 +106,7 @@ class CommandActions:
         try:
             goal.execution = self._execute(
                 text, giver, known_epoch=known_epoch, timeout=timeout or None,
+                number=self._number(handle.get_goal()),
                 stop_on_timeout=True,
                 on_line=lambda line: self._calls.add(lambda: self._on_line(goal.handle, line),
                                                      optional=True),
@@ -167,6 +168,10 @@ class CommandActions:
 
     def _known_epoch(self, goal: Any) -> int:
         """The epoch in which a goal is valid; 0: any."""
+        return 0
+
+    def _number(self, goal: Any) -> int:
+        """The number of the command at its giver; 0: none."""
         return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:

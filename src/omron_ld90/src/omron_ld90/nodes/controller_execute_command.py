@@ -52,6 +52,9 @@ class ExecuteCommandServer(CommandActions):
     def _known_epoch(self, goal: ExecuteCommandGoal) -> int:
         return int(goal.known_epoch)
 
+    def _number(self, goal: ExecuteCommandGoal) -> int:
+        return int(goal.number)
+
     def _is_stop(self, goal: ExecuteCommandGoal) -> bool:
         return is_stop(goal.command)
 

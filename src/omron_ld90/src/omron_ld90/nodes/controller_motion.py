@@ -10,7 +10,16 @@ from typing import Any, Dict, Optional
 import rospy
 
 from node_lifecycle import warn
-from omron_arcl.drives import Cause, Fate, Kind, Memory, Motion, Record
+from omron_arcl.drives import (
+    Cause,
+    CommandFate,
+    Fate,
+    Kind,
+    LastCommand,
+    Memory,
+    Motion,
+    Record,
+)
 from omron_arcl.execution import Giver
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
@@ -39,7 +48,10 @@ class MotionFile:
                 content = json.load(stream)
             memory = Memory(**{
                 **content, 'cause': Cause(content['cause']),
-                'records': tuple(_record(record) for record in content['records'])})
+                'records': tuple(_record(record) for record in content['records']),
+                'last_commands': tuple(
+                    LastCommand(last['giver'], last['number'], CommandFate(last['fate']))
+                    for last in content.get('last_commands', ()))})
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as error:
@@ -83,6 +95,7 @@ class MotionFile:
 def _record(content: Dict[str, Any]) -> Record:
     """The record that was stored as `content`; raises ValueError, KeyError or TypeError."""
     return Record(**{**content, 'kind': Kind(content['kind']), 'fate': Fate(content['fate']),
+                     'ending': CommandFate(content.get('ending', CommandFate.NOT_OBEYED)),
                      'giver': Giver(*content['giver']), 'names': tuple(content['names'])})
 
 
@@ -106,4 +119,6 @@ def message_of(motion: Motion) -> msg.Motion:
     return msg.Motion(
         epoch=memory.epoch, previous_epoch=memory.previous_epoch, giver=memory.giver.name,
         state=int(motion.state), goal=memory.goal, stop_owed=memory.stop_owed,
-        cause=int(memory.cause), reason=memory.reason)
+        cause=int(memory.cause), reason=memory.reason,
+        last_commands=[msg.LastCommand(last.giver, last.number, int(last.fate))
+                       for last in memory.last_commands])

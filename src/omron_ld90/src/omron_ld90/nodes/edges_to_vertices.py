@@ -107,7 +107,7 @@ class EdgesToVertices:
                                        queue_size=10, latch=True, tcp_nodelay=True)
         self._refusals = rospy.Publisher('route_refused', msg.RouteRefused, queue_size=10,
                                          tcp_nodelay=True)
-        self._commands = CommandClient(self._on_end)
+        self._commands = CommandClient(self._on_end, numbers_grow=True)
         self._old = OldMessages(publishers_by_master)
         self._old.watch('target_route')
         for topic, kind, callback in (
@@ -202,12 +202,12 @@ class EdgesToVertices:
 
 def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
     """The content of the diagnostic `route`."""
-    state, reason, duty = follower.vehicle.state, follower.reason, follower.robot.stop_duty
-    pose = follower.pose
-    unknown = follower.robot.why_unknown(now)
-    if duty.owed and duty.problem:
+    state, reason, pose = follower.vehicle.state, follower.reason, follower.pose
+    robot = follower.robot
+    unknown = robot.why_unknown(now)
+    if robot.stop_problem:
         level, summary = DiagnosticStatus.ERROR, (
-            f'The robot has not obeyed a stop yet: {duty.problem}')
+            f'The robot has not obeyed a stop yet: {robot.stop_problem}')
     elif follower.graph is None:
         level, summary = DiagnosticStatus.WARN, 'Idle: there is no graph.'
     elif reason:
@@ -222,8 +222,7 @@ def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
         'edges done': f'{state.completed} of {len(state.edges)}',
         'edge': str(pose.edge), 'percentage': f'{pose.percentage:.1f}',
         'motion': follower.motion.name, 'order': str(state.order),
-        'going to': str(follower.robot.tracker.goal),
-        'command': follower.robot.tracker.knowledge.value}
+        'going to': str(robot.tracker.goal), 'command': robot.tracker.word.command}
 
 
 def main() -> None:

@@ -32,8 +32,13 @@ OnLine = Callable[[int, str], None]
 class CommandClient:
     """Gives commands, and reports each end exactly once: LOST if the controller is gone."""
 
-    def __init__(self, on_end: OnEnd, on_line: Optional[OnLine] = None) -> None:
-        """`on_end` and `on_line` (for a line of the robot) get the number of the command."""
+    def __init__(self, on_end: OnEnd, on_line: Optional[OnLine] = None,
+                 numbers_grow: bool = False) -> None:
+        """`on_end` and `on_line` (for a line of the robot) get the number of the command.
+
+        numbers_grow -- over restarts too, so that the controller may tell commands by them
+        """
+        self._numbers_grow = numbers_grow
         self._on_end = on_end
         self._on_line = on_line
         self._lock = threading.Lock()  # guards _open; not held during callbacks
@@ -62,7 +67,8 @@ class CommandClient:
                 message='omron_controller is not running'))
             return
         handle = self._client.send_goal(
-            ExecuteCommandGoal(command=command, known_epoch=known_epoch),
+            ExecuteCommandGoal(command=command, number=number if self._numbers_grow else 0,
+                               known_epoch=known_epoch),
             transition_cb=lambda handle: self._on_transition(number, handle),
             feedback_cb=lambda handle, feedback: self._on_feedback(number, feedback))
         with self._lock:

@@ -1,0 +1,97 @@
+"""The last command for the robot, a drive or a stop, until its fate is known.
+
+A command is given to the controller, which says how it ends. If that answer is lost, with a link,
+the controller or a restart of this program, `motion` says what became of it: the controller tells
+the number and the fate of our last command.
+
+    | the answer                        | what follows                                             |
+    |-----------------------------------|----------------------------------------------------------|
+    | it was never sent                 | it is given again                                        |
+    | lost; `motion` tells an older one | it is given again: the controller never had it           |
+    | lost; `motion` tells a newer one  | this program forgot it, and decides anew where to drive  |
+    | lost; NOT_OBEYED                  | a drive is given again: the robot does not carry it out  |
+    | lost; COMPLETED, FAILED           | a drive has ended so                                     |
+    | lost; any other                   | `motion` will say it                                     |
+    | a stop that `motion` tells        | the controller has it, and sees to it                    |
+
+A command that is given again gets a new number, so that the controller refuses the one before if it
+still comes. Each command carries the epoch in which it is valid, so that a stop ends no newer drive
+of another giver.
+"""
+from __future__ import annotations
+
+import math
+from typing import Optional, Tuple
+
+from omron_ld90.bridge.events import CommandEnded, Ending, Fate, Give
+
+STOP = 'stop'
+RETRY = 1.0  # s between two attempts
+
+
+class LastWord:
+    """A command, until its fate is known. `epoch` is None for the present one."""
+
+    def __init__(self, command: str = '', epoch: Optional[int] = None, number: int = 0) -> None:
+        self.command, self.epoch = command, epoch
+        self.number = number
+        """Number under which it was given; 0: it was not given yet."""
+        self.is_lost = bool(number)
+        """Whether the controller's answer was lost, so that `motion` says what became of it."""
+        self.must_be_given = bool(command) and not number
+        self.is_taken = False
+        """Whether the controller has it, for certain."""
+        self.problem = ''
+        """Why the last attempt failed."""
+        self._was_tried = False
+        self._not_before = -math.inf
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether it stops the robot."""
+        return self.command == STOP
+
+    def due(self, link_stands: bool, now: float) -> bool:
+        """Whether to give it now; the first attempt is made regardless of the link."""
+        return self.must_be_given and (
+            not self._was_tried or link_stands and now >= self._not_before)
+
+    def give(self, number: int, epoch: int) -> Give:
+        """Gives it under this number; `epoch`: the present one."""
+        self.number, self.must_be_given, self.is_lost = number, False, False
+        self._was_tried = True
+        return Give(number, self.command, epoch if self.epoch is None else self.epoch)
+
+    def ended(self, event: CommandEnded, now: float) -> None:
+        """The controller's answer came, or was lost."""
+        if event.ending is Ending.NEVER_SENT or self.is_stop and event.ending is Ending.LOST:
+            self.give_again(now + RETRY)
+            self.problem = event.text or event.ending.value
+        elif event.ending is Ending.LOST:
+            self.is_lost = True
+        else:
+            self.is_taken = True
+            failed = event.ending is Ending.FAILED
+            self.problem = (event.text or event.ending.value) if failed else ''
+
+    def give_again(self, not_before: float) -> None:
+        """It must be given once more."""
+        self.must_be_given, self.is_lost, self._was_tried = True, False, True
+        self._not_before = not_before
+
+    def told(self, last: Tuple[int, Fate], now: float) -> Optional[Fate]:
+        """Returns how a lost drive has ended, as `motion` tells; None: it has not, or is not lost.
+
+        last -- number and fate of our last command; Fate.NONE: nothing was told yet
+        """
+        number, fate = last
+        if self.is_stop:
+            self.is_taken = self.is_taken or 0 < self.number <= number
+            self.must_be_given = self.must_be_given and not self.is_taken
+        elif self.is_lost and fate is not Fate.NONE:
+            if number < self.number or fate is Fate.NOT_OBEYED:
+                self.give_again(now)
+            elif fate in (Fate.COMPLETED, Fate.FAILED):
+                self.is_lost = False
+                return fate
+        return None
