@@ -6,18 +6,16 @@ import subprocess
 import sys
 from pathlib import Path
 
-import omron_arcl as arcl
 from omron_ld90_sim import Simulator
 
 ROOT = Path(__file__).parents[3]
 
 
 def run(*arguments: str, password: str = 'adept') -> subprocess.CompletedProcess:
-    library = str(Path(arcl.__file__).parents[1])
     return subprocess.run(
         [sys.executable, str(ROOT / 'examples/drive_without_ros.py'), *arguments],
-        input=password + '\n', env={**os.environ, 'PYTHONPATH': library}, text=True,
-        capture_output=True, timeout=60, check=False)
+        input=password + '\n', env={**os.environ, 'PYTHONPATH': 'src/omron_arcl/src:src/browser_guard/src'}, text=True,
+        capture_output=True, timeout=60, check=False, cwd=ROOT)
 
 
 def test_it_lists_goals_and_drives_to_one():
