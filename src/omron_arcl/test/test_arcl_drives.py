@@ -915,6 +915,38 @@ class TestOtherMotions:
         assert bench.memory.giver == ROUTE
 
 
+class TestDrivesOnTheirWay:
+    """What a drive that the robot has not answered may still do."""
+
+    def test_a_stop_that_ends_one_of_another_giver_does_not_know_of_it(self, bench):
+        """Otherwise the giver of the stop would drive, although it never heard of that drive."""
+        bench.status('Stopped')
+        known = bench.epoch
+        bench.drive(ROUTE)
+        bench.stop(OTHER, known_epoch=known)
+        bench.robot('Going to 12', 'Interrupted: Going to 12', 'Stopping', 'Stopped')
+        with pytest.raises(Overruled):
+            bench.drive(OTHER, 'goto 9', known_epoch=known)
+        bench.stop(OTHER, known_epoch=known)
+        bench.drive(OTHER, 'goto 9', known_epoch=bench.epoch)
+
+    def test_one_that_crosses_an_emergency_stop_is_stopped(self, bench):
+        """It may reach the robot when its motors are on again, and nobody would own it."""
+        bench.status('Stopped')
+        drive = bench.drive(ROUTE)
+        bench.robot('EStop pressed')
+        assert outcome(drive) is Outcome.EMERGENCY_STOPPED
+        assert (bench.memory.stop_owed, bench.sent) == (True, ['goto 12', 'stop'])
+
+    def test_one_that_the_robot_refuses_in_an_emergency_stop_needs_no_stop(self, bench):
+        bench.robot('EStop pressed')
+        drive = bench.drive(ROUTE)
+        bench.robot('CommandError: goto 12',
+                    'CommandErrorDescription: Cannot drive, EStop pressed')
+        assert outcome(drive) is Outcome.EMERGENCY_STOPPED
+        assert not bench.memory.stop_owed
+
+
 class TestLastCommands:
     """A giver that lost an answer reads what became of its last command."""
 

@@ -15,6 +15,7 @@ Fates of a record (`Fate`), and the events that lead from one to the next:
     the robot completes it       OVER         OVER         OVER         a stop drops older records
     the robot gives up           dropped      OVER         OVER
     link lost, timeout, restart  UNKNOWN      UNKNOWN      UNKNOWN
+    emergency stop               UNKNOWN      UNKNOWN      UNKNOWN      a stop is owed for GIVEN
     another client stops         GIVEN        dropped      dropped      a stop is owed for GIVEN
     another client drives        GIVEN        dropped      dropped      also stops, if none is GIVEN
 
@@ -428,9 +429,13 @@ class Drives:
         elif outcome in _REFUSED or outcome is Outcome.FAILED and record.pending:
             self._drop(record)
         elif outcome is Outcome.EMERGENCY_STOPPED:
+            on_its_way = record.pending and execution.sent and execution.rejected_at is None
             self._note_emergency(words)
             if record in self._records:
                 self._change(record, Fate.UNKNOWN)
+            if on_its_way:  # it may reach the robot when its motors are on again
+                self._add(Kind.STOP, NO_GIVER, words)
+                self._keep()
         elif outcome in (Outcome.LOST, Outcome.TIMED_OUT):
             self._fate_unknown(record)
             if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
@@ -684,7 +689,9 @@ class Drives:
                 self._executions[last.number] = execution
         else:
             self._add(Kind.STOP, giver, words, execution, command=command)
-        self._begin_epoch(giver, cause, words, False, self._records[-1])
+        # it ends a drive that is on its way, of which its giver need not know
+        ends_unknown = any(r.pending and r.giver != giver for r in self._records)
+        self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 
     def _foreign(self, cause: Cause, drives: bool, words: str) -> None:
         """Others drive or stop the robot. Drives that the robot has not answered may still reach it

@@ -21,7 +21,7 @@ from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
-from route_protocol.values import RouteOrder, RouteReport
+from route_protocol.values import EpochCause, RouteOrder, RouteReport
 from trajectory_graph import Graph
 
 BRIDGE, PERSON = '/bridge', Giver('/rviz', 'process 1')
@@ -302,7 +302,8 @@ class DelayedDrive:
                 memory.giver.name == BRIDGE or memory.cause is Cause.EMERGENCY_STOP,
                 memory.cause is Cause.RESTART, memory.stop_owed, memory.reason,
                 memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT),
-                memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER,
+                EpochCause.OTHER_GIVER if memory.cause is Cause.STOP else EpochCause(memory.cause),
+                obeys_us=memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER,
                 number=number, fate=fate))
 
     # --- the receiver -----------------------------------------------------------------------------

@@ -256,7 +256,8 @@ class Witness(DelayedDrive):
         goal, given_at = self._sent_to.get(last.number, ('stop', 0.0))
         if (last.fate is CommandFate.COMPLETED and goal != 'stop'
                 and self._arrived_at.get(goal, -1.0) < given_at
-                and self.robot.status != f'Arrived at {goal}'):
+                and not self.robot.status.startswith((f'Arrived at {goal}',
+                                                      'DockingState: Docked'))):
             self.broken.append(f'{self.now:.1f} {last} is told, but the robot is not at {goal}')
 
     def _say(self, line: str) -> None:
@@ -266,6 +267,8 @@ class Witness(DelayedDrive):
         """
         if line.startswith('Arrived at '):
             self._arrived_at[line.split()[-1]] = self.now
+        elif line.startswith('DockingState: Docked'):
+            self._arrived_at['dock'] = self.now
         if line == 'Motors enabled':
             self.later(self.delays.from_robot, self._hear_motors)
         if line == 'EStop pressed' or self.foreign and (
@@ -287,7 +290,11 @@ class Witness(DelayedDrive):
         else:
             is_clear = line.split()[-1] not in memory.names
         if self._controller.connected and is_clear:
-            self.words.append(Word(None, line.startswith('Going to')))
+            drives = line.startswith('Going to')
+            self.words.append(Word(None, drives))
+            # a drive that is on its way reaches the robot after that
+            self.words += [Word(record.giver, True) for record in memory.records[-1:]
+                           if record.pending and drives]
 
     def _reach_robot(self, line: str) -> None:
         if line == 'oneLineStatus':
@@ -303,7 +310,11 @@ class Witness(DelayedDrive):
                 line == self.persons and self._arrived[line] >= self._is_number)
         else:
             self._stop_came_at = self.now
-            if (self._controller.motion.memory.drives and self.words[-1:] == [Word(PERSON, True)]
+            # a stop of another client that crosses a drive is given again, after the drive
+            crosses = self._another_gave[0] == 'stop' and self.now <= (
+                self._another_gave[1] + AT_ONCE)
+            if (not crosses and self._controller.motion.memory.drives
+                    and self.words[-1:] == [Word(PERSON, True)]
                     and self.came and self.persons == f'goto {self.robot.goal}'):
                 self.broken.append(f'an older stop ended {self.persons} of a person')
         super()._reach_robot(line)

@@ -176,7 +176,7 @@ class Robots(RuleBasedStateMachine):
     @invariant()
     def nobody_is_passed(self) -> None:
         if hasattr(self, 'world'):
-            assert not self.world.broken
+            assert not self.world.broken, self.world.broken
 
     @invariant()
     def no_drive_is_sent_twice(self) -> None:
@@ -194,7 +194,7 @@ class Robots(RuleBasedStateMachine):
         world.run(SETTLED)
         note('\n'.join(world.trace))
         note(str(world.words))
-        assert not world.broken
+        assert not world.broken, world.broken
         memory = world._controller.motion.memory
         assert not memory.stop_owed
         assert not (world.bridge.running and world.bridge.robot.tracker.is_doubtful), (
