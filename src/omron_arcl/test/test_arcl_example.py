@@ -9,12 +9,13 @@ from pathlib import Path
 from omron_ld90_sim import Simulator
 
 ROOT = Path(__file__).parents[3]
+LIBRARIES = 'src/omron_arcl/src:src/browser_guard/src'
 
 
 def run(*arguments: str, password: str = 'adept') -> subprocess.CompletedProcess:
     return subprocess.run(
         [sys.executable, str(ROOT / 'examples/drive_without_ros.py'), *arguments],
-        input=password + '\n', env={**os.environ, 'PYTHONPATH': 'src/omron_arcl/src:src/browser_guard/src'}, text=True,
+        input=password + '\n', env={**os.environ, 'PYTHONPATH': LIBRARIES}, text=True,
         capture_output=True, timeout=60, check=False, cwd=ROOT)
 
 
