@@ -308,7 +308,7 @@ class Lab:
         """A started action ends."""
         self.do(self.vehicle.action_ended(action_id, succeeded, text, self.now))
 
-    def restarted(self) -> Lab:
+    def restarted(self, is_newest: bool = True) -> Lab:
         """The adapter is killed, and a new one restarts from its journal."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
@@ -317,7 +317,7 @@ class Lab:
         other.started, other.cancelled, other.effects = [], [], []
         other.checker.restarted()
         state = journal.read(self.journal, type(self.vehicle.state.drive))
-        other.vehicle.restore(state, self.now)
+        other.vehicle.restore(state, is_newest, self.now)
         other.see()
         return other
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 import json
 
 import pytest
-from vda_builders import STANDING, Lab, RobotSide, say, way
+from vda_builders import IDENTITY, STANDING, Lab, RobotSide, abilities, say, table, way
+from vda_builders import lab as laboratory
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.journal import WrongRecord
+from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDrive
-from vda5050_vehicle.drivers.route_driver import PATIENCE, RouteDrive
+from vda5050_vehicle.drivers.route_driver import PATIENCE, RouteDrive, RouteDriver
+from vda5050_vehicle.nodes import files
 from vda5050_vehicle.nodes.files import JournalFile
 
 HALL = way(8, 10, 12, 14, 32)
@@ -111,6 +114,62 @@ def test_a_robot_that_stays_silent_is_given_up():
     lab = lab.restarted()
     lab.wait(PATIENCE + 1.0)
     assert lab.errors == ['driveError']
+
+
+@pytest.mark.parametrize('begins', [False, True])
+def test_an_order_of_a_journal_that_may_be_an_older_one_is_held(begins):
+    """It may have been cancelled in the seconds of which the disk knows nothing."""
+    lab = Lab()
+    if not begins:
+        lab.robot.answers = False
+    lab.order(HALL.order('o'))
+    lab = lab.restarted(is_newest=False)
+    lab.robot.answers = True
+    lab.wait(0.3)
+    assert lab.errors == ['driveError']
+    assert not lab.robot.drives
+    lab.act('stopPause')
+    lab.wait(1.5)
+    assert lab.robot.route == (1, 2, 3, 4)
+
+
+def test_a_journal_of_an_earlier_boot_is_known_as_such(tmp_path, monkeypatch):
+    path, lab = tmp_path / 'journal', Lab()
+    lab.order(HALL.order('o'))
+    monkeypatch.setattr(files, 'boot_id', lambda: 'earlier')
+    JournalFile(path).write(None, lab.vehicle.state)
+    assert JournalFile(path).read(RouteDrive) == (lab.vehicle.state, True)
+    monkeypatch.undo()
+    assert JournalFile(path).read(RouteDrive) == (lab.vehicle.state, False)
+
+
+def test_an_order_that_no_journal_has_is_stopped():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    assert lab.robot.drives
+    new = Lab()
+    new.robot = lab.robot
+    new.vehicle = type(new.vehicle)(IDENTITY, new.codec, table(), new.make_driver, abilities())
+    new.driver = new.vehicle.driver
+    new.wait(0.2)
+    assert not new.robot.drives
+    new.order(way(8, 10).order('p'))
+    new.wait(0.2)
+    assert (new.errors, new.robot.route) == ([], (1,))
+
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_a_stop_wins_though_the_clock_was_set_back_and_the_journal_was_lost(kind):
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    new = Lab()
+    new.robot = lab.robot
+    new.vehicle = type(new.vehicle)(IDENTITY, new.codec, table(), lambda memory: RouteDriver(
+        memory, laboratory(), abilities(), Matching(), lambda: 5), abilities())
+    new.driver = new.vehicle.driver
+    new.act(kind)
+    new.wait(0.3)
+    assert not new.robot.drives
 
 
 def test_another_order_right_after_a_restart_is_driven():
@@ -216,7 +275,7 @@ def test_a_journal_file_is_a_log_and_an_unfinished_line_is_of_nothing_that_was_d
     assert len(path.read_text().splitlines()) > 1
     with open(path, 'a') as log:
         log.write('{"~": {"pau')
-    assert JournalFile(path).read(RouteDrive) == known
+    assert JournalFile(path).read(RouteDrive) == (known, True)
     file = JournalFile(path)
     file.write(known, known)
     assert len(path.read_text().splitlines()) == 1, 'each run must begin it anew'

@@ -38,10 +38,18 @@ class WrongRecord(Exception):
     """A journal that cannot be used; the text gives the reason."""
 
 
-def line(before: Optional[VehicleState], now: VehicleState) -> str:
-    """Returns the line with the changes; with the whole state if `before` is None."""
-    change = {'=': _json(now)} if before is None else _change(before, now)
-    return json.dumps({'version': VERSION, **change} if before is None else change)
+def line(before: Optional[VehicleState], now: VehicleState, boot: str = '') -> str:
+    """Returns the line with the changes; with the whole state if `before` is None.
+
+    boot -- id of the computer's boot
+    """
+    return json.dumps({'version': VERSION, 'boot': boot, '=': _json(now)} if before is None
+                      else _change(before, now))
+
+
+def boot_of(first: str) -> str:
+    """Returns the id of the boot in which the first line of a valid journal was written."""
+    return str(json.loads(first).get('boot'))
 
 
 def read(lines: Iterable[str], drive: Type[Drive]) -> VehicleState:

@@ -101,12 +101,20 @@ class Vehicle:
         self.driver.tick(now)
         return self._go_on(now)
 
-    def restore(self, state: VehicleState, now: float) -> None:
-        """Continues the order after a restart; actions that were started count as failed."""
+    def restore(self, state: VehicleState, is_newest: bool, now: float) -> None:
+        """Continues the order after a restart; actions that were started count as failed.
+
+        is_newest -- no later state can have been lost. Otherwise the order may be cancelled by now:
+                     the robot is stopped, and only a master may continue it
+        """
         self.state.become(state)
         self.driver.restart(now)
         self._instant.restart()
         self.state.away = True
+        if not is_newest and not state.order.is_driven:
+            self.driver.stop(now)
+            self._fail_to_drive('the computer of the adapter was restarted, and its journal may '
+                                'be an older one')
 
     # --- the steps after each event ---------------------------------------------------------------
 

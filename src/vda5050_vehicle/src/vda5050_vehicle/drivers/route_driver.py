@@ -99,12 +99,6 @@ class RouteDriver(Driver[RouteDrive]):
         self._pose: Optional[Pose] = None
         self._is_heard = False  # the robot has reported since the start
         self._given_at = self._sent_at = -math.inf
-        self._begin_run()
-
-    def _begin_run(self) -> None:
-        """Marks the numbers that other journals may have: what shows one is of a lost journal."""
-        known = self.drive_state.protocol
-        self._set(protocol=replace(known, gap=(known.number, next_number(known, self._clock()))))
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -198,12 +192,10 @@ class RouteDriver(Driver[RouteDrive]):
 
     def stop(self, now: float) -> None:
         """See Driver."""
-        known = self.drive_state.protocol
-        if known.is_stopping:
-            self._send(now)
-        else:
-            number = self._next_number()
-            self._give(give_stop(known, number, number % _LARGEST_LABEL + 1), now)
+        known, number = self.drive_state.protocol, self._next_number()
+        if known.is_stopping:  # the newer stop does all that this one does
+            known = replace(known, open=known.open[:-1])
+        self._give(give_stop(known, number, number % _LARGEST_LABEL + 1), now)
 
     def _next_number(self) -> int:
         known = self.drive_state.protocol
@@ -244,9 +236,9 @@ class RouteDriver(Driver[RouteDrive]):
         self._look_at_orders(before, said, news, now)
 
     def _look_for_lost_journal(self, said: RouteReport) -> None:
-        """Learns numbers above all that this run could draw: the clock was set back since then."""
+        """Marks numbers that are above all in the journal: it is an older one, or was lost."""
         known, newest = self.drive_state.protocol, max(said.order, said.refused)
-        if said.master == ME and newest > known.number and newest >= known.gap[1]:
+        if said.master == ME and newest > known.number:
             self._set(protocol=replace(known, gap=(known.number, newest + 1)))
 
     def _look_at_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float,
@@ -313,7 +305,6 @@ class RouteDriver(Driver[RouteDrive]):
 
     def restart(self, now: float) -> None:
         """See Driver; until the robot's side reports, only an owed stop is sent."""
-        self._begin_run()
         self._set(rest_since=now)
         self._given_at = now
         if self.drive_state.protocol.is_stopping:

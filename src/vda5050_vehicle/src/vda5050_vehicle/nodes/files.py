@@ -3,10 +3,11 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Optional, Sequence, Type
+from typing import Optional, Sequence, Tuple, Type
 
 from file_replacement import replace_file
 from node_lifecycle import ConfigurationError
+from node_lifecycle.boot import boot_id
 from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.state import VehicleState
 from vda5050_vehicle.drivers.driver import Drive
@@ -19,8 +20,8 @@ MAX_JOURNAL = 1_000_000  # bytes of changes; after that the journal is written a
 class JournalFile:
     """The file that keeps the vehicle's state during a restart, as a log of changes.
 
-    Writing does not force the data to the disk. The file must survive a restart of this process,
-    but not of the computer: after a restart of the computer no robot drives the order's route.
+    Writing does not force the data to the disk. So the file survives a restart of this process, but
+    after a restart of the computer it may be an older one.
     """
 
     def __init__(self, path: Path) -> None:
@@ -32,10 +33,11 @@ class JournalFile:
             raise ConfigurationError(f'the folder of the journal {path} cannot be created: '
                                      f'{error.strerror}') from None
 
-    def read(self, drive: Type[Drive]) -> Optional[VehicleState]:
+    def read(self, drive: Type[Drive]) -> Optional[Tuple[VehicleState, bool]]:
         """Returns the stored state, or None if there is no file; raises WrongRecord.
 
-        An unfinished last line is ignored: the vehicle had not yet acted upon its change.
+        The second value is true if the state is of this boot of the computer. An unfinished last
+        line is ignored: the vehicle had not yet acted upon its change.
         """
         try:
             *lines, _unfinished = self._path.read_text(encoding='utf-8').split('\n')
@@ -43,12 +45,14 @@ class JournalFile:
             return None
         except (OSError, ValueError) as error:
             raise journal.WrongRecord(str(error)) from None
-        return journal.read(lines, drive) if lines else None
+        if not lines:
+            return None
+        return journal.read(lines, drive), journal.boot_of(lines[0]) == boot_id()
 
     def write(self, before: Optional[VehicleState], now: VehicleState) -> None:
         """Appends the changes; writes a new file if it would grow too large. Raises OSError."""
         is_new = before is None or self._changes >= MAX_JOURNAL
-        text = journal.line(None if is_new else before, now) + '\n'
+        text = journal.line(None if is_new else before, now, boot_id() if is_new else '') + '\n'
         changes, self._changes = self._changes, MAX_JOURNAL  # write anew after a failure
         if is_new:
             replace_file(self._path, text, mode=_PRIVATE, on_disk=False)

@@ -122,13 +122,13 @@ class VehicleNode:
     def _restore(self) -> None:
         vehicle = self._vehicle
         try:
-            state = self._settings.journal.read(type(vehicle.state.drive))
+            stored = self._settings.journal.read(type(vehicle.state.drive))
         except journal.WrongRecord as problem:
             rospy.logwarn('The journal cannot be used, so the vehicle starts without an order: %s',
                           problem)
             return
-        if state is not None:
-            vehicle.restore(state, time.monotonic())
+        if stored is not None:
+            vehicle.restore(*stored, time.monotonic())
             rospy.loginfo('Order "%s" is restored.', vehicle.state.order.order_id)
 
     def _make_link(self, driver: Driver[Any]) -> Union[RouteLink, MoveBaseLink]:

@@ -5,6 +5,8 @@ import math
 import time
 from typing import Any, Dict, NamedTuple
 
+from node_lifecycle.boot import boot_id
+
 
 class Moment(NamedTuple):
     """A moment: boot -- id of the computer's boot; since_boot -- s; wall -- s of the wall clock."""
@@ -16,7 +18,7 @@ class Moment(NamedTuple):
     @classmethod
     def now(cls) -> Moment:
         """The present moment."""
-        return cls(_boot_id(), time.clock_gettime(time.CLOCK_BOOTTIME), time.time())
+        return cls(boot_id(), time.clock_gettime(time.CLOCK_BOOTTIME), time.time())
 
     @classmethod
     def read(cls, content: Dict[str, Any]) -> Moment:
@@ -32,8 +34,3 @@ class Moment(NamedTuple):
         if self.boot == now.boot:
             return now.since_boot - self.since_boot
         return max(now.wall - self.wall, now.since_boot) if now.wall >= self.wall else math.inf
-
-
-def _boot_id() -> str:
-    with open('/proc/sys/kernel/random/boot_id', encoding='ascii') as stream:
-        return stream.read().strip()

@@ -1,0 +1,152 @@
+"""The route driver and the real vehicle's end of the route protocol, in all states they reach.
+
+Orders and reports are lost, come late, again, and in another sequence; both ends restart, with
+their memory, without it, and with an older one; others drive, stop and command the robot; it
+refuses, fails and rolls on. In each state within the bounds:
+
+* the robot enters no edge that is not released, none for an order whose cancellation is FINISHED,
+  and none after another one has stopped or driven it, before the VDA master decides;
+* no number is drawn twice;
+* a held or cancelled robot gets the stop, and can then be brought to a new node.
+
+Then faults are planted in the driver, and each is found.
+"""
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import pytest
+from route_world import RouteWorld
+
+from route_protocol.master import next_number
+from vda5050_vehicle.drivers.route_driver import RouteDriver
+
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+
+BOUNDS = {
+    'a cancellation': {'order': 2, 'cancel': 1, 'report': 2},
+    'another giver or master': {'order': 1, 'other': 1, 'report': 1},
+    'a restart of the adapter': {'order': 1, 'restart': 1, 'report': 2, 'cancel': 1},
+    'an older journal': {'order': 1, 'restart': 1, 'journal': 1, 'report': 1, 'cancel': 1},
+    'a restart of the bridge': {'order': 1, 'reboot': 1, 'report': 1},
+    'a refusal': {'order': 1, 'update': 1, 'refusal': 1, 'report': 1, 'stopPause': 1},
+    'a failure': {'order': 1, 'update': 1, 'failure': 1, 'report': 1},
+    'silence': {'order': 1, 'update': 1, 'silence': 1, 'report': 1},
+}
+NEW = {
+    'both are new': {'order': 1, 'report': 3, 'cancel': 1},
+    'both are new, and the journal is an older one': {
+        'order': 1, 'report': 2, 'restart': 1, 'journal': 1, 'cancel': 1},
+}
+if LONG:
+    BOUNDS['a refusal and a failure'] = {'order': 1, 'update': 1, 'failure': 1, 'refusal': 1,
+                                         'report': 2, 'stopPause': 1}
+
+
+@pytest.mark.parametrize('name', [*BOUNDS, *NEW])
+def test_nothing_is_driven_that_is_not_ordered_and_every_robot_can_be_used_again(name, capsys):
+    found = RouteWorld().search({**BOUNDS, **NEW}[name], live=True, is_new=name in NEW)
+    with capsys.disabled():
+        print(f'\n{name}: all {found.states} states')
+    assert not found.flaw, str(found)
+
+
+# --- planted faults -------------------------------------------------------------------------------
+
+class DrawsAgain(RouteDriver):
+    """It draws a number again after it has lost its journal."""
+
+    def _next_number(self):
+        return next_number(self.drive_state.protocol, 0)
+
+
+class IgnoresEpoch(RouteDriver):
+    """It does not notice that a new epoch has begun."""
+
+    def on_report(self, said, now):
+        super().on_report(replace(said, epoch=self.drive_state.protocol.epoch or said.epoch), now)
+
+
+class KeepsOpenOrders(RouteDriver):
+    """It drops no open order."""
+
+    def on_report(self, said, now):
+        before = self.drive_state.protocol.open
+        super().on_report(said, now)
+        known = self.drive_state.protocol
+        self._set(protocol=replace(known, open=tuple(dict.fromkeys((*before, *known.open)))))
+
+
+class IgnoresCause(RouteDriver):
+    """It drives on in a new epoch, whoever began it."""
+
+    def _look_at_orders(self, before, said, news, now):
+        super()._look_at_orders(before, said, replace(news, cause=None), now)
+
+
+class NeverFails(RouteDriver):
+    """It drives on after each failure."""
+
+    def _fail(self, reason):
+        pass
+
+
+class IgnoresUnknownOrders(RouteDriver):
+    """It does not stop a robot that follows an order of a lost journal."""
+
+    def _look_at_orders(self, before, said, news, now):
+        super()._look_at_orders(before, said, replace(news, is_older=False), now)
+
+
+class DoesNotLookForLostJournals(RouteDriver):
+    """It takes each order that its journal lacks for a wrong report."""
+
+    def _look_for_lost_journal(self, said):
+        pass
+
+
+class DoesNotHalt(RouteDriver):
+    """It lets the robot drive on while the vehicle is held."""
+
+    def halt(self, now):
+        pass
+
+
+class SendsOldStop(RouteDriver):
+    """It sends a stop that is on its way again, instead of a newer one."""
+
+    def stop(self, now):
+        if self.drive_state.protocol.is_stopping:
+            self._send(now)
+        else:
+            super().stop(now)
+
+
+class NeverRepeats(RouteDriver):
+    """It sends each order once."""
+
+    def tick(self, now):
+        pass
+
+
+FAULTS = {
+    DrawsAgain: 'a restart of the adapter',
+    IgnoresEpoch: 'another giver or master',
+    KeepsOpenOrders: 'a cancellation',
+    IgnoresCause: 'another giver or master',
+    NeverFails: 'another giver or master',
+    IgnoresUnknownOrders: 'a restart of the adapter',
+    DoesNotLookForLostJournals: 'a restart of the adapter',
+    DoesNotHalt: 'a refusal',
+    SendsOldStop: 'both are new, and the journal is an older one',
+    NeverRepeats: 'a cancellation',
+}
+
+
+@pytest.mark.parametrize('fault', FAULTS, ids=lambda fault: fault.__name__)
+def test_a_fault_of_the_driver_is_found(fault):
+    name = FAULTS[fault]
+    found = RouteWorld(fault).search({**BOUNDS, **NEW}[name], live=True, is_new=name in NEW,
+                                     most=20_000)
+    assert found.flaw, fault.__doc__
