@@ -51,3 +51,19 @@ def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_ob
     assert robot.order is not None
     robot.hear(told(3, 1, 0.0, order=robot.order.number))
     assert robot.allocation.knowledge is Knowledge.KNOWN
+
+
+@pytest.mark.parametrize('take_back', [RouteClient.halt, RouteClient.shorten])
+def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_sent_is_taken_back(
+        take_back):
+    """The journal could not be written, so the longer route waited (lives 61151)."""
+    robot = client()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1, 2))
+    robot.due(0.0)
+    robot.hear(told(2, 1, 50.0, Motion.ON_ROUTE, (P, P), (1, 2), 1))
+    robot.extend((3,))
+    lost = (EdgeState.FAILED,) * 2
+    robot.hear(told(3, 1, 60.0, Motion.COMING_TO_REST, lost, (1, 2), 1))
+    take_back(robot)
+    assert {hold.edge for hold in robot.allocation.holds} == {1, 2}

@@ -227,10 +227,8 @@ def hear(state: MasterState, said: RouteReport, me: str, next_number: int,
         done = said.done
     held: Tuple[Step, ...] = ()
     if not knows_where:
-        kept = {step for one in still for step in one.steps(done)}
         gone = state.may_be_on if is_new else tuple(
-            step for one in state.open if one not in still for step in one.steps(state.done)
-            if step not in kept)
+            step for one in state.open if one not in still for step in one.steps(state.done))
         held = tuple(dict.fromkeys((*state.held, *gone)))
     is_anywhere = state.is_anywhere and not knows_where
     if not stands and (said.motion is Motion.MOVED or not is_mine and said.motion in (

@@ -349,16 +349,18 @@ class RouteClient:
         return True
 
     def _take_back_unsent(self) -> None:
-        """Takes back a route that never left this program: no robot can know of it."""
-        order = self.order
-        if order is None or not order.edges or order.number <= self.last_sent:
+        """Takes back the routes that never left this program: no robot can know of them."""
+        kept = tuple(order for order in self.protocol.open
+                     if not order.edges or order.number <= self.last_sent)
+        if len(kept) == len(self.protocol.open):
             return
-        self._set(replace(self.protocol, open=self.protocol.open[:-1]))
+        self._set(replace(self.protocol, open=kept))
         if not self.record.ahead:
             self.record.stand(self.record.position)
 
     def halt(self) -> None:
         """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
+        self._take_back_unsent()
         number = self._next_number()
         self._set(give_stop(self.protocol, number, number % _LARGEST_LABEL + 1))
 
