@@ -192,3 +192,24 @@ def test_numbers_of_commands_grow_also_above_one_that_only_the_controller_knows(
     robot.update(MotionTold(7, number=50, fate=Fate.OBEYED), 0.0)
     robot.tracker.send('12', 'goto 12')
     assert robot.due_commands(0.0)[0].number > 50
+
+
+@pytest.mark.parametrize('cause, again', [(EpochCause.RESTART, True), (EpochCause.STOP, False)])
+@pytest.mark.parametrize('by_robot', [False, True])
+def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(
+        cause, again, by_robot):
+    """Its refusal may come after the news of the new epoch."""
+    robot = monitor()
+    robot.update(MotionTold(5), 0.0)
+    robot.tracker.send('12', 'goto 12')
+    give, = robot.due_commands(0.0)
+    goes_on = cause is EpochCause.RESTART
+    robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on, cause=cause,
+                            by_robot=by_robot and not goes_on), 1.0)
+    robot.update(CommandEnded(give.number, Ending.OVERRULED, 'the controller was started'), 1.1)
+    commands = [(one.command, one.known_epoch) for one in robot.due_commands(1.2)]
+    assert commands == ([('goto 12', give.known_epoch + 1)] if again else [])
+    if again:
+        robot.check(3.0)
+    else:
+        assert why_failed(robot, 3.0) == 'taken over'

@@ -43,6 +43,8 @@ class LastWord:
         """Whether the controller has it, for certain."""
         self.problem = ''
         """Why the last attempt failed."""
+        self.given_epoch = 0
+        """The epoch with which it was given."""
         self._was_tried = False
         self._not_before = -math.inf
 
@@ -60,7 +62,8 @@ class LastWord:
         """Gives it under this number; `epoch`: the present one."""
         self.number, self.must_be_given, self.is_lost = number, False, False
         self._was_tried = True
-        return Give(number, self.command, epoch if self.epoch is None else self.epoch)
+        self.given_epoch = epoch if self.epoch is None else self.epoch
+        return Give(number, self.command, self.given_epoch)
 
     def ended(self, event: CommandEnded, now: float) -> None:
         """The controller's answer came, or was lost."""

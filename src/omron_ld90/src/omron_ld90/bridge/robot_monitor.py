@@ -146,7 +146,12 @@ class RobotMonitor:
             self.tracker.located(status.place, status.motion)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
+        # each other giver's epoch would have been noticed
+        epoch_went_on = (self.tracker.word.given_epoch not in (0, self.epoch)
+                         and self._taken_over is None and not self.tracker.is_interrupted)
         self.tracker.ended(event, now)
+        if epoch_went_on:
+            self.tracker.goes_on(now)
         self._note_docked(now)
 
     def _note_docked(self, now: float) -> None:
