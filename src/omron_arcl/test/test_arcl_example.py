@@ -2,22 +2,22 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
-import omron_arcl as arcl
 from omron_ld90_sim import Simulator
 
 ROOT = Path(__file__).parents[3]
+EXAMPLE = ROOT / 'examples/drive_without_ros.py'
+PATHS = re.search(r'PYTHONPATH=(\S+)', EXAMPLE.read_text()).group(1)
 
 
 def run(*arguments: str, password: str = 'adept') -> subprocess.CompletedProcess:
-    library = str(Path(arcl.__file__).parents[1])
     return subprocess.run(
-        [sys.executable, str(ROOT / 'examples/drive_without_ros.py'), *arguments],
-        input=password + '\n', env={**os.environ, 'PYTHONPATH': library}, text=True,
-        capture_output=True, timeout=60, check=False)
+        [sys.executable, str(EXAMPLE), *arguments], input=password + '\n', cwd=ROOT, text=True,
+        env={**os.environ, 'PYTHONPATH': PATHS}, capture_output=True, timeout=60, check=False)
 
 
 def test_it_lists_goals_and_drives_to_one():
