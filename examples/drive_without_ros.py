@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Logs in to a robot and drives it to a goal, or lists its goals. Needs no ROS.
+r"""Logs in to a robot and drives it to a goal, or lists its goals. Needs no ROS.
 
-    PYTHONPATH=src/omron_arcl/src:src/browser_guard/src examples/drive_without_ros.py 127.0.0.1 12 \
-        < password_file
+    PYTHONPATH=src/omron_arcl/src:src/browser_guard/src \
+        examples/drive_without_ros.py 127.0.0.1 12 < password_file
 
 Start a simulated robot for it: rosrun omron_ld90_sim ld90_sim --map maps/lab.map --password adept
 Ctrl-C stops the robot. Exit status 0: the robot has arrived, or the goals are listed; 1: no

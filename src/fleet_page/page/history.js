@@ -2,7 +2,7 @@
 import { $, showTable } from './dom.js';
 import { get } from './server.js';
 import { t, dateOf, duration } from './texts.js';
-import { showHeat } from './map.js';
+import { drawnEdge, showHeat } from './map.js';
 
 let charts = [], library = null;
 
@@ -40,7 +40,10 @@ function showTables(values) {
     busy.map(hour => [dateOf(hour.begin), ...states.map(state => hour[state])]));
   showTable($('robots_table'), [t('robot'), t('missions'), t('utilisation'), t('waiting'), t('distance')],
     values.robots.map(one => [one.robot, one.missions, `${Math.round(100 * one.utilisation)} %`, duration(one.waiting), `${one.distance} m`]));
-  showTable($('heat_table'), [t('edge'), t('waiting')], values.edges.slice(0, 20).map(([edge, seconds]) => [edge, duration(seconds)]));
+  const waited = new Map(); // by edge of the user's graph
+  for (const [edge, seconds] of values.edges) waited.set(drawnEdge(edge), (waited.get(drawnEdge(edge)) || 0) + seconds);
+  const most = [...waited].sort((a, b) => b[1] - a[1]).slice(0, 20);
+  showTable($('heat_table'), [t('edge'), t('waiting')], most.map(([edge, seconds]) => [edge, duration(seconds)]));
 }
 
 function drawCharts(Chart, values) {

@@ -2,7 +2,7 @@
 import { $, make, showRows } from './dom.js';
 import { all, entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
 import { dateOf, duration, language, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
-import { chooseRobot, drawMoving, framesDrawn, knowsEdge, outageWords, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
+import { chooseRobot, drawMoving, drawnEdge, framesDrawn, knowsEdge, outageWords, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
 import { enterReplay, leaveReplay, startReplay } from './replay.js';
@@ -77,7 +77,7 @@ function drawChanges() {
   pending = new Set();
   if (entries.get('site') !== shownSite) {
     shownSite = entries.get('site');
-    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); }, () => { shownSite = null; });
+    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); showEdges(); }, () => { shownSite = null; });
   }
   if (!keys || keys.has('closed')) redraw();
   drawMoving(keys);
@@ -131,7 +131,7 @@ function choose(name) {
 }
 
 function showEdges() {
-  showRows($('closed'), entries.get('closed') || [], edge => edge, edge => make('li', { class: 'row' }, `${t('edge')} ${edge}`,
+  showRows($('closed'), [...new Set((entries.get('closed') || []).map(drawnEdge))], edge => edge, edge => make('li', { class: 'row' }, `${t('edge')} ${edge}`,
     me.role === 'see' ? '' : make('button', { 'data-act': 'open', 'aria-label': `${t('open')} ${edge}`, onclick: () => act({ act: 'open', edges: [edge] }) }, t('open'))), language + me.role);
 }
 

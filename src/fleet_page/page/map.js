@@ -9,6 +9,7 @@ const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
 const canvas = $('site'), svg = $('moving');
 const view = { x: 0, y: 0, scale: 20 }; // centre of the view in m, pixels per m
 const edgesById = new Map(), verticesById = new Map(), robots = new Map();
+let drawnEdges = new Set(); // ids of the edges of the user's graph; an edge may be a section of one
 let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0;
 let isFree = false; // the user has moved the view: it stays when the window changes
 
@@ -61,7 +62,8 @@ function click(event) {
   const box = svg.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top];
   let best = null, least = REACH;
   for (const [id, x, y, kind] of site.vertices) {
-    const [px, py] = pixel(x, y), away = Math.hypot(px - at[0], py - at[1]) + (kind === 'cut' ? 6 : 0);
+    if (kind === 'cut') continue; // it divides an edge, and is no place of the user's graph
+    const [px, py] = pixel(x, y), away = Math.hypot(px - at[0], py - at[1]);
     if (away < least) { least = away; best = id; }
   }
   if (best !== null) { handlers.vertex(best); return; }
@@ -72,7 +74,7 @@ function click(event) {
       if (away < least) { least = away; best = id; }
     }
   }
-  if (best !== null) handlers.edge(best);
+  if (best !== null) handlers.edge(drawnEdge(best));
 }
 
 function distance(p, a, b) {
@@ -84,6 +86,7 @@ function distance(p, a, b) {
 export function siteChanged() {
   edgesById.clear(); verticesById.clear();
   for (const edge of site.edges) edgesById.set(edge[0], edge);
+  drawnEdges = new Set(site.edges.map(edge => edge[4]));
   for (const vertex of site.vertices) verticesById.set(vertex[0], vertex);
   walls = null;
   if (site.map) {
@@ -101,7 +104,8 @@ export function vertexName(id) {
 }
 
 export const knowsVertex = id => verticesById.has(id);
-export const knowsEdge = id => edgesById.has(id);
+export const knowsEdge = id => edgesById.has(id) || drawnEdges.has(id);
+export const drawnEdge = id => edgesById.has(id) ? edgesById.get(id)[4] : id;
 
 function fit() {
   const box = $('map').getBoundingClientRect();

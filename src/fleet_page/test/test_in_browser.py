@@ -12,6 +12,7 @@ from page_builders import TOKENS, robot, status  # noqa: E402
 
 from fleet_page.core.acts import ActKind  # noqa: E402
 from fleet_page.core.fleet import Place  # noqa: E402
+from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
 
@@ -177,6 +178,23 @@ def test_edges_are_closed_and_opened(window, served):
     served.do(lambda: served.page.model.close_edges([3]))
     window.click('#closed [data-act=open]')
     asked(window, served, ActKind.OPEN, edges=(3,))
+
+
+def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sections(window, served):
+    cut = split_edges(served.page.model.graph, 1.6)
+    sections = sorted(cut.whole_edges([3]))
+    between = cut.end_vertex(sections[0]).id
+    served.do(lambda: (setattr(served.page.model, 'graph', cut), served.page.model.site_changed(),
+                       served.page.model.close_edges(sections)))
+    window.click('#tab_button_edges')
+    window.wait(lambda: len(window.driver.find_elements('css selector', '#closed li')) == 1)
+    assert window.text('#closed li').startswith('Edge 3')
+    window.click('#closed [data-act=open]')
+    asked(window, served, ActKind.OPEN, edges=(3,))
+    window.click('#tab_button_missions')
+    window.click_vertex(between)  # nothing but the edge is there
+    window.wait(lambda: window.one('#edge').get_attribute('value') == '3')
+    assert window.driver.find_elements('css selector', '#chosen li') == []
 
 
 @pytest.mark.parametrize('kind', [ActKind.OUT, ActKind.IN, ActKind.ABSENT])

@@ -1,5 +1,6 @@
 """The site as pages receive it, and the metrics of the fleet for Prometheus."""
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,14 +10,25 @@ from fleet_page.core.fleet import Plan
 from fleet_page.core.latencies import Histogram, ReleaseWatch
 from fleet_page.core.metrics import escaped
 from fleet_page.core.site import WrongMap, site_values, wall_map
+from trajectory_graph import Graph, split_edges
 
 
 def test_the_site_has_every_vertex_with_its_kind_and_every_edge_with_its_points():
     values = site_values(graph(), {2}, {1}, None, {'agv': 0.4})
     assert values['vertices'][0] == [1, 0.0, 0.0, 'dock', 'dock']
     assert values['vertices'][1][3] == 'parking' and values['vertices'][2][3] == 'vertex'
-    assert values['edges'][0] == [1, 1, 2, [0.0, 0.0, 3.0, 0.0]]
+    assert values['edges'][0] == [1, 1, 2, [0.0, 0.0, 3.0, 0.0], 1]
     assert values['map'] is None and values['radii'] == {'agv': 0.4}
+
+
+def test_a_vertex_that_divides_an_edge_is_no_place_and_a_section_has_the_name_of_its_edge():
+    drawn = graph()
+    no_parking = replace(drawn.vertices[6], parking=False)
+    cut = split_edges(Graph([no_parking if vertex.id == 6 else vertex
+                             for vertex in drawn.vertices.values()], drawn.edges.values()), 1.6)
+    values = site_values(cut, (), (), None, {})
+    assert {id for id, _, _, kind, _ in values['vertices'] if kind != 'cut'} == set(drawn.vertices)
+    assert {edge[4] for edge in values['edges']} == set(drawn.edges)
 
 
 def test_walls_become_a_picture_whose_top_is_the_last_row():

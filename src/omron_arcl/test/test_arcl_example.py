@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,14 +10,14 @@ from pathlib import Path
 from omron_ld90_sim import Simulator
 
 ROOT = Path(__file__).parents[3]
-LIBRARIES = 'src/omron_arcl/src:src/browser_guard/src'
+EXAMPLE = ROOT / 'examples/drive_without_ros.py'
+PATHS = re.search(r'PYTHONPATH=(\S+)', EXAMPLE.read_text()).group(1)
 
 
 def run(*arguments: str, password: str = 'adept') -> subprocess.CompletedProcess:
     return subprocess.run(
-        [sys.executable, str(ROOT / 'examples/drive_without_ros.py'), *arguments],
-        input=password + '\n', env={**os.environ, 'PYTHONPATH': LIBRARIES}, text=True,
-        capture_output=True, timeout=60, check=False, cwd=ROOT)
+        [sys.executable, str(EXAMPLE), *arguments], input=password + '\n', cwd=ROOT, text=True,
+        env={**os.environ, 'PYTHONPATH': PATHS}, capture_output=True, timeout=60, check=False)
 
 
 def test_it_lists_goals_and_drives_to_one():

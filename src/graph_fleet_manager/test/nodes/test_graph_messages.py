@@ -18,7 +18,7 @@ from graph_fleet_manager.site.changes import ReportedRoute
 from graph_fleet_manager.site.closures import Closures, EdgeAction, EdgeOperation
 from graph_fleet_manager.site.survey import Capacity, Survey
 from itrci_nav_msgs.msg import EdgeCommand, EdgeState, ExecutionRouteStates, SymbolicPose, Vertex
-from trajectory_graph import Edge, Graph, GraphError
+from trajectory_graph import Edge, Graph, GraphError, split_edges
 from trajectory_graph import Vertex as GraphVertex
 from trajectory_graph.messages import graph_from_message
 
@@ -34,6 +34,13 @@ def test_a_graph_arrives_as_it_was_with_what_it_says_of_parking():
     assert message.header.stamp == STAMP
     again = graph_from_message(message)
     assert (again.vertices, again.edges) == (GRAPH.vertices, GRAPH.edges)
+
+
+def test_a_section_arrives_with_the_name_of_its_edge():
+    cut = split_edges(GRAPH, 1.0)
+    again = graph_from_message(graph_message(cut, STAMP))
+    assert [edge.drawn_id for edge in again.edges.values()] == [1, 1, 2, 2, 3, 3]
+    assert [id for id in again.vertices if again.divides_an_edge(id)] == [5, 6, 7]
 
 
 def test_a_vertex_that_is_parking_and_none_is_refused():

@@ -68,7 +68,7 @@ class Edge:
     """A curve from vertex `origin` to vertex `destination`; lengths in m, speeds in m/s.
 
     section_of -- id of the drawn edge of which this edge is a section (`split_edges`); 0: this edge
-        was drawn itself. It is not in messages, so it does not count in comparisons
+        was drawn itself. It is a name for people, so it does not count in comparisons
     """
 
     id: int
@@ -183,6 +183,11 @@ class Graph:
         wanted = {abs(id) for id in ids}
         drawn = {self.edges[id].drawn_id if id in self.edges else id for id in wanted}
         return frozenset().union(*(sections.get(id, {id}) for id in drawn))
+
+    def divides_an_edge(self, vertex: int) -> bool:
+        """Returns whether the vertex is only there because a drawn edge was cut into sections."""
+        drawn = [self.edges[abs(id)].section_of for id in self._edges_from[vertex]]
+        return len(drawn) == 2 and drawn[0] == drawn[1] != 0
 
     def control_points(self, id: int) -> np.ndarray:
         """Returns the control points (4,2), m, of the edge's curve as a cubic Bezier curve."""

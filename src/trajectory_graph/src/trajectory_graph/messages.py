@@ -16,7 +16,7 @@ def graph_from_message(message: Any) -> Graph:
         [Vertex(v.id, v.x, v.y, v.theta, v.theta_holonomic, v.label, v.frame_id, v.dock,
                 _parking(v)) for v in message.vertices],
         [Edge(e.id, e.origin_id, e.destination_id, _curve_type(e), e.param_f, e.param_b,
-              e.velocity_forward, e.velocity_backwards) for e in message.edges])
+              e.velocity_forward, e.velocity_backwards, e.section_of) for e in message.edges])
 
 
 def fill_message(message: Any, graph: Graph, vertex_type: Any, edge_type: Any) -> Any:
@@ -42,7 +42,8 @@ def edge_message(edge: Edge, edge_type: Any) -> Any:
     return edge_type(
         id=edge.id, origin_id=edge.origin, destination_id=edge.destination,
         curve_type=edge.curve_type.value, param_f=edge.param_f, param_b=edge.param_b,
-        velocity_forward=edge.velocity_forward, velocity_backwards=edge.velocity_backwards)
+        velocity_forward=edge.velocity_forward, velocity_backwards=edge.velocity_backwards,
+        section_of=edge.section_of)
 
 
 def _parking(vertex: Any) -> Optional[bool]:

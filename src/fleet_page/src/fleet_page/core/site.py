@@ -67,7 +67,7 @@ def site_values(graph: Optional[Graph], parking: Collection[int], docks: Collect
         for vertex in graph.vertices.values():
             kind = ('dock' if vertex.id in docks or vertex.dock else
                     'parking' if vertex.id in parking else
-                    'cut' if vertex.parking is False else 'vertex')
+                    'cut' if graph.divides_an_edge(vertex.id) else 'vertex')
             vertices.append([vertex.id, round(vertex.x, 2), round(vertex.y, 2), kind,
                              vertex.label])
         for id, edge in graph.edges.items():
@@ -75,6 +75,7 @@ def site_values(graph: Optional[Graph], parking: Collection[int], docks: Collect
             is_line = edge.curve_type is CurveType.LINE
             step = curve.length if is_line else max(STEP, curve.length / MOST_STEPS)
             points = np.round(curve.sample(step), 2)
-            edges.append([id, edge.origin, edge.destination, points.ravel().tolist()])
+            edges.append([id, edge.origin, edge.destination, points.ravel().tolist(),
+                          edge.drawn_id])
     return {'vertices': vertices, 'edges': edges, 'radii': radii,
             'map': None if walls is None else [walls.x, walls.y, walls.width, walls.height]}

@@ -20,8 +20,7 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
                   docks: Collection[int]) -> List[Marker]:
     """All markers of the graph. `closed` has ids of edges, `parking` and `docks` of vertices.
 
-    A vertex that the graph forbids as parking is drawn without its id. Such vertices are, for
-    example, those where a long edge was divided.
+    A vertex that only divides a drawn edge is drawn without its id.
     """
     shut = [id for id in graph.edges if id in closed]
     markers: List[Marker] = [
@@ -52,4 +51,4 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
 
 def is_place(graph: Graph, vertex: int) -> bool:
     """Returns whether the vertex is a destination, not only a point that divides a long edge."""
-    return graph.vertices[vertex].parking is not False
+    return not graph.divides_an_edge(vertex)
