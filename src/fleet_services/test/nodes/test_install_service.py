@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[4] / 'test'))
 
 from file_modes import differences, walk  # noqa: E402
 
-from fleet_services import installation  # noqa: E402
+from fleet_services import command, installation  # noqa: E402
 from fleet_services.command import main  # noqa: E402
 
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
@@ -43,6 +43,15 @@ def site() -> Iterator[Path]:
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder below which a site is installed."""
     return install(make_site(tmp_path_factory.mktemp('site')))
+
+
+@pytest.fixture(autouse=True, scope='module')
+def systemd() -> Iterator[None]:
+    """The version of systemd of Debian 12, whatever this machine has."""
+    before = command.systemd_version
+    command.systemd_version = lambda: 252
+    yield
+    command.systemd_version = before
 
 
 def install(site: Path) -> Path:
@@ -153,6 +162,16 @@ def test_the_files_of_a_site_are_those_of_the_table(site, image):
     finally:
         os.umask(before)
     assert different(image) == []
+
+
+def test_an_older_systemd_lets_the_services_read_their_secrets_themselves(
+        site, image, monkeypatch):
+    monkeypatch.setattr(command, 'systemd_version', lambda: 245)
+    install(site)
+    assert different(image) == [
+        '/etc/fleet/hall/secrets is 0750 of root:services, but must be 0700 of root:root',
+        '/etc/fleet/hall/secrets/token_file is 0600 of services:services, but must be 0600 of '
+        'root:root']
 
 
 STATE = {'graph_fleet_manager/fleet.sqlite': 'manager', 'graph_fleet_manager/fleet.sqlite-wal':
