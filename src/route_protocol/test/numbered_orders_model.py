@@ -229,9 +229,9 @@ class Model:
             return vehicle
         takes_over = vehicle.master not in (NOBODY, order.master)
         if not order.edges:
-            lost = _without_route(vehicle)
+            lost = without_route(vehicle)
             if takes_over and rules['takeover']:
-                lost = _new_epoch(lost, now)
+                lost = new_epoch(lost, now)
             return lost._replace(master=order.master, order=order.number, failed=True,
                                  done=lost.done if lost.order else order.first)
         rest = order.edges
@@ -249,7 +249,7 @@ class Model:
             return vehicle._replace(master=order.master,
                                     refused=max(vehicle.refused, order.number))
         if takes_over and rules['takeover']:
-            vehicle = _new_epoch(vehicle, now)
+            vehicle = new_epoch(vehicle, now)
         return vehicle._replace(
             master=order.master, order=order.number, done=done, route=rest, failed=False,
             giver=order.master if rest else NOBODY,
@@ -371,13 +371,13 @@ class Model:
     def _steps_of_vehicle(self, state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
         vehicle = state.vehicle
         if vehicle.route or vehicle.rolling:
-            yield 'drive', state._replace(vehicle=_drive(vehicle))
+            yield 'drive', state._replace(vehicle=drive(vehicle))
         if vehicle.rolling:
             yield 'it comes to rest', state._replace(
                 vehicle=vehicle._replace(rolling=(), giver=NOBODY))
         if vehicle.route:
             yield 'its route fails', state._replace(
-                vehicle=_without_route(vehicle)._replace(failed=True))
+                vehicle=without_route(vehicle)._replace(failed=True))
         said = _report(vehicle)
         if len(state.reports) < bounds.reports and not any(
                 r[1:] == said[1:] for r in state.reports):
@@ -385,7 +385,7 @@ class Model:
                 vehicle=vehicle._replace(sequence=said.sequence), reports=state.reports | {said})
         if vehicle.epoch < bounds.epochs:
             now = len(state.old_orders)
-            past_master = _new_epoch(_without_route(vehicle), now)
+            past_master = new_epoch(without_route(vehicle), now)
             yield 'a stop past the master', state._replace(vehicle=past_master)
             yield 'restart without memory', state._replace(
                 vehicle=past_master._replace(master=NOBODY))
@@ -496,7 +496,7 @@ class Model:
         vehicle, master, drawn = state.vehicle, state.master, state.drawn
         for _ in range(12):
             while vehicle.route or vehicle.rolling:
-                vehicle = _drive(vehicle)
+                vehicle = drive(vehicle)
             said = _report(vehicle)
             vehicle = vehicle._replace(sequence=said.sequence)
             master = self.hear(master, said, drawn)
@@ -570,14 +570,14 @@ def _text(edges: Iterable[Edge]) -> str:
     return ', '.join(f'{e.label} ({e.origin} to {e.destination})' for e in edges)
 
 
-def _without_route(vehicle: Vehicle) -> Vehicle:
+def without_route(vehicle: Vehicle) -> Vehicle:
     """Without its route the vehicle brakes: where it stands, or on this edge or the next one."""
     if vehicle.edge is None:
         return vehicle._replace(route=(), rolling=(), giver=NOBODY)
     return vehicle._replace(route=(), rolling=(vehicle.route or vehicle.rolling)[:2])
 
 
-def _new_epoch(vehicle: Vehicle, now: int) -> Vehicle:
+def new_epoch(vehicle: Vehicle, now: int) -> Vehicle:
     return vehicle._replace(epoch=vehicle.epoch + 1, order=0, refused=0, done=0, failed=False,
                             stamp=now)
 
@@ -589,7 +589,7 @@ def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
     return edges[0].origin == vehicle.place
 
 
-def _drive(vehicle: Vehicle) -> Vehicle:
+def drive(vehicle: Vehicle) -> Vehicle:
     """Half an edge farther. An edge on which it only rolls on is not counted in the record."""
     edges = vehicle.route or vehicle.rolling
     if vehicle.edge is None:
@@ -603,11 +603,11 @@ def _drive(vehicle: Vehicle) -> Vehicle:
 
 def _report(vehicle: Vehicle) -> Report:
     return Report(vehicle.sequence + 1, vehicle.epoch, vehicle.master, vehicle.order,
-                  vehicle.refused, vehicle.done, _motion(vehicle), vehicle.failed, vehicle.place,
+                  vehicle.refused, vehicle.done, motion_of(vehicle), vehicle.failed, vehicle.place,
                   vehicle.edge)
 
 
-def _motion(vehicle: Vehicle) -> Motion:
+def motion_of(vehicle: Vehicle) -> Motion:
     if not vehicle.route and not vehicle.rolling:
         return Motion.STANDING
     if vehicle.master == NOBODY:

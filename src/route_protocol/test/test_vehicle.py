@@ -362,7 +362,7 @@ class Pair:
 
     def drive(self) -> None:
         if self.model.route or self.model.rolling:
-            before, self.model = self.model, model._drive(self.model)
+            before, self.model = self.model, model.drive(self.model)
             if before.route:
                 self.real.complete(self.model.done - self.real.state.first)
 
@@ -370,10 +370,10 @@ class Pair:
         """The route fails; or a new epoch begins."""
         if cause is None:
             if self.model.route:
-                self.model = model._without_route(self.model)._replace(failed=True)
+                self.model = model.without_route(self.model)._replace(failed=True)
                 self.real.fail(WHY)
             return
-        self.model = model._new_epoch(model._without_route(self.model), 0)
+        self.model = model.new_epoch(model.without_route(self.model), 0)
         if cause is EpochCause.RESTART:
             self.model = self.model._replace(master=model.NOBODY)
             self.real.forget(self.real.state, WHY)
