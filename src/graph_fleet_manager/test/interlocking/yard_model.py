@@ -252,17 +252,10 @@ class Clock:
 
 def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting: bool) -> bool:
     """Stops the robots that exclude each other, as the supervisor does. Returns whether it did."""
-    stops = False
-    for pair in site.newly_excluding():
-        both = [robots[name] for name in pair]
-        if is_starting and not all(robot.client.is_heard for robot in both):
-            continue
-        by_evidence = any(robot.client.is_by_evidence for robot in both)
-        for robot in both:
-            if (by_evidence or robot.record.ahead) and robot.notice(Sign.EXCLUDED, 'too near'):
-                robot.client.halt()
-                stops = True
-    return stops
+    stopped = site.separate(is_starting)
+    for name in stopped:
+        robots[name].notice(Sign.EXCLUDED, 'too near')
+    return bool(stopped)
 
 
 def _values(thing: object, without: Sequence[str]) -> Tuple[Hashable, ...]:
@@ -680,9 +673,10 @@ class Yard:
         old = tuple(self._sides[id].belief for id in before)
         key = ('separate', is_starting, old, tuple((one.belief, one.drawn) for one in sides))
         if key not in self._known:
-            robots = dict(zip(self.names, (self._beliefs[belief] for belief in old)))
+            robots = {name: self._robot(self._sides[id])
+                      for name, id in zip(self.names, before)}
             interlocking = Interlocking(self._geometry, CLEARANCE, robots)
-            interlocking.newly_excluding()
+            interlocking.separate(is_starting)  # what the event before has left
             copies = {name: self._robot(side) for name, side in zip(self.names, sides)}
             robots.update(copies)
             self.clock.drawn = max(one.drawn for one in sides)
