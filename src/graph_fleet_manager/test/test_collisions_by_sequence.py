@@ -31,7 +31,7 @@ def outages(fleet):
 
 def beyond(fleet, name):
     """m by which the middle of a robot is outside its allocation; 0: it is inside."""
-    allocation, here = fleet.supervisor.robots[name].client.allocation, fleet.agvs[name].position
+    allocation, here = fleet.supervisor.robots[name].master.allocation, fleet.agvs[name].position
     ways = [max(min(math.dist(here, point) for point in area.line) - area.radius, 0.0)
             for area in allocation.areas]
     if allocation.vertex is not None:
@@ -196,7 +196,7 @@ def test_the_places_of_a_robot_driven_by_hand_shrink_when_it_stands():
         a.arc += 0.1
         fleet.step()
     fleet.run(3.0)
-    areas = fleet.supervisor.robots['a'].client.allocation.areas
+    areas = fleet.supervisor.robots['a'].master.allocation.areas
     assert max(area.radius for area in areas) <= 0.1
 
 

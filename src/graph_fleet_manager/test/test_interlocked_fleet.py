@@ -104,10 +104,10 @@ def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_e
     held = set(blocked(fleet, 'a')[1])
     assert {1, 2, 3, 4} & held
     restart(fleet, without(graph, 2))
-    lost = fleet.supervisor.robots['a'].client.memory.lost.areas
+    lost = fleet.supervisor.robots['a'].master.memory.lost.areas
     assert any(area.line[0] == (2.0, 0.0) and area.line[-1] == (4.0, 0.0) for area in lost)
     fleet.restart()
-    assert fleet.supervisor.robots['a'].client.memory.lost.areas == lost, (
+    assert fleet.supervisor.robots['a'].master.memory.lost.areas == lost, (
         'the restart must not forget it')
 
 
@@ -204,10 +204,10 @@ def test_a_robot_that_a_person_drives_and_that_falls_silent_may_be_anywhere_near
         fleet.step()
     fleet.silent['a'] = 1e9
     fleet.run(4.0)
-    areas = fleet.supervisor.robots['a'].client.allocation.areas
+    areas = fleet.supervisor.robots['a'].master.allocation.areas
     assert max(area.radius for area in areas) >= 4.0
     fleet.run(60.0)
-    areas = fleet.supervisor.robots['a'].client.allocation.areas
+    areas = fleet.supervisor.robots['a'].master.allocation.areas
     assert max(area.radius for area in areas) == 10.0
 
 
@@ -227,7 +227,7 @@ def test_a_restart_stops_no_robot_because_another_robot_that_a_person_drives_has
     robots = fleet.supervisor.robots
     assert fleet.supervisor.interlocking.excluding('b') == ('a',) and robots['b'].outage is None
     fleet.run(3.0)
-    assert robots['a'].client.is_heard and robots['b'].outage is None
+    assert robots['a'].master.is_heard and robots['b'].outage is None
 
 
 def test_a_robot_last_seen_standing_does_not_grow_while_it_is_silent():
@@ -236,7 +236,7 @@ def test_a_robot_last_seen_standing_does_not_grow_while_it_is_silent():
     fleet.silent['a'] = 1e9
     fleet.run(60.0)
     assert blocked(fleet, 'a') == ((3,), ()) and not fleet.supervisor.robots[
-        'a'].client.allocation.areas
+        'a'].master.allocation.areas
 
 
 def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_given():

@@ -18,7 +18,7 @@ from fleet_builders import AGV, corridor
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import Located, Lost, Memory
+from graph_fleet_manager.interlocking.route_master import Located, Lost, Memory
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
 from graph_fleet_manager.supervision.journal_database import (
     JournalError,
@@ -86,10 +86,10 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
         epoch=2 ** 60, report=12, number=9, order=7, refused=8, done=1,
         open=(Order(7, 2 ** 60, 0, (1, -2), 3), Order(9, 0, 1, ())), behind=(Step(0, 1),),
         held=(Step(1, 4),), is_anywhere=True, commands=True, unknown=9, gap=(5, 6))
-    client = Memory(protocol, (1, 0.5), GraphPosition(edge=1, fraction=0.25),
+    master = Memory(protocol, (1, 0.5), GraphPosition(edge=1, fraction=0.25),
                     (Located((1.0, 2.0), 0.5),), Lost((Area(((0.0, 0.0), (1.0, 0.0)), 0.3),), 9),
                     True)
-    memory = RobotMemory(client, Outage.TAKEN_OVER, 'why', True, True, 6, 0.5, AGV)
+    memory = RobotMemory(master, Outage.TAKEN_OVER, 'why', True, True, 6, 0.5, AGV)
     journal.store([mission], {'a': memory}, {'number': 7})
     journal.close()
 
@@ -183,7 +183,7 @@ def test_a_file_of_version_0_2_is_migrated_and_loses_nothing(path):
     mission, = journal.missions()
     assert (mission.serial, mission.request, mission.state) == (3, REQUEST, MissionState.ACTIVE)
     assert journal.find(REQUEST).serial == 3
-    assert journal.robots()['a'].client.held == (1, -2)
+    assert journal.robots()['a'].master.held == (1, -2)
     assert (journal.value('route_id'), journal.last_serial()) == (40, 3)
     line, = history(path)
     assert (line.request_id, line.accepted) == (7, 500.0)
@@ -203,12 +203,12 @@ def test_a_robot_of_version_1_0_keeps_all_that_it_may_be_on(path):
     Journal(path).close()
     write_1_0(path, MEMORY_1_0)
     robot = Journal(path).robots()['a']
-    client = robot.client
-    assert client.held == (2, 3, 4, 5) and client.cleared == (0, 0.5)
-    assert client.position == GraphPosition(vertex=2)
-    assert client.locations == (Located((1.0, 3.0), 0.5),)
-    assert client.lost.areas == (Area(((20.0, 3.0), (20.0, 4.0))),)
-    assert not (client.is_absent or client.protocol.open or client.protocol.is_ready)
+    master = robot.master
+    assert master.held == (2, 3, 4, 5) and master.cleared == (0, 0.5)
+    assert master.position == GraphPosition(vertex=2)
+    assert master.locations == (Located((1.0, 3.0), 0.5),)
+    assert master.lost.areas == (Area(((20.0, 3.0), (20.0, 4.0))),)
+    assert not (master.is_absent or master.protocol.open or master.protocol.is_ready)
     assert (robot.dock, robot.charge, robot.kind) == (6, 0.5, AGV)
 
 
@@ -216,9 +216,9 @@ def test_a_robot_of_version_1_0_that_another_one_moved_may_still_be_moved(path):
     Journal(path).close()
     evidence = [[], [], [4], 3.0, [1.0, 2.0], False, True]
     write_1_0(path, {**MEMORY_1_0, 'track': [], 'tail': [], 'evidence': evidence})
-    client = Journal(path).robots()['a'].client
-    assert client.protocol.is_anywhere and client.locations == (Located((1.0, 2.0)),)
-    assert client.held == (4,), 'a route of another giver is held as well'
+    master = Journal(path).robots()['a'].master
+    assert master.protocol.is_anywhere and master.locations == (Located((1.0, 2.0)),)
+    assert master.held == (4,), 'a route of another giver is held as well'
 
 
 def test_edges_of_version_1_0_are_held_until_the_robot_was_stopped_and_stands():
@@ -238,7 +238,7 @@ def test_edges_of_version_1_0_are_held_until_the_robot_was_stopped_and_stands():
     assert not [order for order in fleet.sent[before:] if order.edges]
     fleet.run(1.0)
     assert fleet.sent[before].edges == () and not {2, 5} & set(blocked(fleet, 'a')[1])
-    assert fleet.supervisor.robots['a'].client.is_ready
+    assert fleet.supervisor.robots['a'].master.is_ready
 
 
 def test_each_change_keeps_who_requested_it(path):

@@ -116,7 +116,7 @@ def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_ther
     assert 'a route that was not given to it here' in robot.why
     fleet.step()
     assert blocked(fleet, 'a')[1], 'where it is must be blocked'
-    assert not robot.client.is_ready
+    assert not robot.master.is_ready
 
 
 def test_a_refusal_of_what_was_never_ordered_ends_nothing(fleet):

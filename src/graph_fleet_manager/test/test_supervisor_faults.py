@@ -245,13 +245,13 @@ def test_an_emergency_stop_makes_orders_void_and_what_they_gave_is_held_until_th
         fleet.run(2.0)
     else:
         fleet.run_until(lambda: bool(fleet._to_robots))
-    held = robot.client.protocol.may_be_on
+    held = robot.master.protocol.may_be_on
     agv.emergency = True
     fleet.step()
     if how == 'it reports':
-        assert agv.is_driving and held and set(held) <= set(robot.client.protocol.may_be_on)
+        assert agv.is_driving and held and set(held) <= set(robot.master.protocol.may_be_on)
     fleet.run(2.0)
-    assert robot.outage is Outage.STOPPED and robot.client.protocol.may_be_on == ()
+    assert robot.outage is Outage.STOPPED and robot.master.protocol.may_be_on == ()
     assert fleet.supervisor.interlocking.is_free(robot, robot.position), 'it keeps its place'
     sent = len(fleet.sent)
     fleet.run(10.0)
@@ -284,7 +284,7 @@ def test_a_lost_link_is_not_back_before_the_robot_is_known_to_stand(commands_onl
     fleet.run(20.0)
     robot = fleet.supervisor.robots['a']
     assert robot.outage is Outage.LOST_LINK
-    assert ahead and set(ahead) <= {step.edge for step in robot.client.protocol.may_be_on}
+    assert ahead and set(ahead) <= {step.edge for step in robot.master.protocol.may_be_on}
 
 
 @pytest.mark.parametrize('deafness', [0.0, 2.0])

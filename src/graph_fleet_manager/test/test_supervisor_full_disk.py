@@ -249,7 +249,7 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
     fleet.disk_fails()
     fleet.run(10.0)
     robot = fleet.supervisor.robots['a']
-    assert robot.client.is_new_motion, 'an edge was granted although the grant is not stored'
+    assert robot.master.is_new_motion, 'an edge was granted although the grant is not stored'
     view, = robot_views(fleet.supervisor, fleet.now)
     assert robot.outage is None and view.waits_for.startswith('the disk: the journal')
     fleet.disk_fails(False)

@@ -53,7 +53,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     else:
         fleet.do(fleet.supervisor.stop_fleet(fleet.now) if how == 'stop all' else
                  fleet.supervisor.take_out('a', fleet.now))
-        owed = robot(fleet).client.order
+        owed = robot(fleet).master.order
         told = replace(last, order=owed.number, edges=(), states=(),
                        first=last.done,
                        reason=Reason(ReasonCode.STOP_OWED, 'the link is down'))
@@ -258,7 +258,7 @@ def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(to
     fleet.run(4.5)
     if told == 'not of the last edges':
         fleet.deaf['a'] = fleet.now + 2.0
-        fleet.run_until(lambda: robot(fleet).client.order is not None)
+        fleet.run_until(lambda: robot(fleet).master.order is not None)
     assert len(fleet.agvs['a'].visited) > 2 and fleet.agvs['a'].is_driving
     graph = fleet.graph
     fleet.graph = Graph([v for v in graph.vertices.values() if v.id > 1],

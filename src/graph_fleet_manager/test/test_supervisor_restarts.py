@@ -10,7 +10,7 @@ from fleet_builders import AGV, corridor, ladder
 from fleet_simulation.supervised_fleet import SupervisedFleet, blocked, route_order
 from graph_fleet_manager.interlocking.interlocking import Interlocking
 from graph_fleet_manager.interlocking.reports import Report
-from graph_fleet_manager.interlocking.route_client import MANUAL_REACH
+from graph_fleet_manager.interlocking.route_master import MANUAL_REACH
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage, Sign
 from graph_fleet_manager.supervision.restoring import robots_of
@@ -134,7 +134,7 @@ def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
     fleet.run(1.0)
     fleet.silent.clear()
     fleet.run(3.0)
-    assert fleet.agvs['a'].edges == () and not fleet.supervisor.robots['a'].client.is_stopping
+    assert fleet.agvs['a'].edges == () and not fleet.supervisor.robots['a'].master.is_stopping
 
 
 @pytest.mark.parametrize('edges', [(1, 99), (2, 1), (0,)])
@@ -148,7 +148,7 @@ def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, s
     fleet.do(fleet.supervisor.report('a', Report(foreign), fleet.now))
     fleet.request(1, 11, robot='b')  # far from the robot that may be driving unseen
     fleet.run_until_done(1)
-    protocol = fleet.supervisor.robots['a'].client.protocol
+    protocol = fleet.supervisor.robots['a'].master.protocol
     assert protocol.is_anywhere == (motion is Motion.ON_ROUTE) and not protocol.may_be_on
 
 
@@ -162,10 +162,10 @@ def test_who_drives_a_route_of_another_master_may_be_far_from_its_last_place_aft
     x, y = fleet.agvs['a'].position
     fleet.silent['a'] = 1e9
     restart_on(fleet, whole)
-    allocation = fleet.supervisor.robots['a'].client.allocation
+    allocation = fleet.supervisor.robots['a'].master.allocation
     assert any(area.radius >= MANUAL_REACH and math.dist(area.line[0], (x, y)) <= 1.0
                for area in allocation.areas), allocation
-    assert not fleet.supervisor.robots['a'].client.is_ready
+    assert not fleet.supervisor.robots['a'].master.is_ready
 
 
 @pytest.mark.parametrize('crash', [True, False])

@@ -398,7 +398,7 @@ class Chaos:
             until > fleet.now for until in (*fleet.deaf.values(), *fleet.silent.values())
         ) and not fleet.lost and all(
             # Without an epoch in the journal, an old stop and a new one cannot be told apart.
-            robot.client.protocol.epoch for robot in fleet.supervisor.robots.values())
+            robot.master.protocol.epoch for robot in fleet.supervisor.robots.values())
         fleet.hangs = True
         if is_stopped:
             fleet._to_robots += EarlyStop(ROBOTS).stop(fleet.now)

@@ -198,13 +198,13 @@ class Promises:
         """
         supervisor = self.fleet.supervisor
         for name, robot in supervisor.robots.items():
-            if not robot.client.is_heard or robot.needs_person:
+            if not robot.master.is_heard or robot.needs_person:
                 continue
             for other in supervisor.interlocking.excluding(name):
                 near = supervisor.robots.get(other)
-                assert near is not None and not near.client.is_heard or not (
-                    robot.record.ahead or robot.client.is_by_evidence
-                    or near is not None and near.client.is_by_evidence), (
+                assert near is not None and not near.master.is_heard or not (
+                    robot.record.ahead or robot.master.is_by_evidence
+                    or near is not None and near.master.is_by_evidence), (
                     f'{name} and {other} exclude each other, but {name} is not stopped: '
                     f'{self.fleet.picture()}')
 
@@ -255,7 +255,7 @@ class Promises:
         """
         fleet, supervisor = self.fleet, self.fleet.supervisor
         assert supervisor.robots[name].outage is Outage.TOO_NEAR and any(
-            supervisor.robots[other].client.allocation.areas
+            supervisor.robots[other].master.allocation.areas
             and (other in self.blamed or fleet.now - self._well_since[other] <= _STANDS)
             for other in supervisor.interlocking.excluding(name)), (
             f'{name} needs a person: {fleet.picture()}')

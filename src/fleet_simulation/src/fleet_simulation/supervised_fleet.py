@@ -39,7 +39,7 @@ from graph_fleet_manager.interlocking.conformance import (
     Violation,
 )
 from graph_fleet_manager.interlocking.reports import Report
-from graph_fleet_manager.interlocking.route_client import ME
+from graph_fleet_manager.interlocking.route_master import ME
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.actions import (
@@ -298,7 +298,7 @@ class VirtualFleet(Generic[Body]):
         for _ in range(2):
             problem, actions = self.supervisor.bring_in(name, self.now)
             self.do(actions)
-            if not (problem and self.supervisor.robots[name].client.is_stopping):
+            if not (problem and self.supervisor.robots[name].master.is_stopping):
                 break
             self.run(3.0)
         return problem
@@ -518,10 +518,10 @@ class VirtualFleet(Generic[Body]):
         lines = [f'{self.now:.1f} s']
         for name, agv in self.agvs.items():
             robot = self.supervisor.robots[name]
-            client, record = robot.client, robot.record
+            master, record = robot.master, robot.record
             lines.append(f'{name}: {agv}; supervisor: outage {robot.outage} '
                          f'{robot.why} place {record.position} ahead {record.ahead} order '
-                         f'{client.order} waits for '
+                         f'{master.order} waits for '
                          f'{self.supervisor.plan_executor.waits_for.get(name)!r}')
         for mission in self.supervisor.book.open:
             lines.append(str(mission))
@@ -572,7 +572,7 @@ class SupervisedFleet(VirtualFleet[Agv]):
 
 def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
     """Returns the ids of the vertices and of the edges in a robot's allocation."""
-    allocation = fleet.supervisor.robots[name].client.allocation
+    allocation = fleet.supervisor.robots[name].master.allocation
     vertices = {vertex for vertex in (allocation.vertex,) if vertex is not None}
     edges = {abs(hold.edge) for hold in allocation.holds}
     for area in allocation.areas:

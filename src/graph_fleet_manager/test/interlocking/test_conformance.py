@@ -12,7 +12,7 @@ from fleet_builders import AGV, corridor, graph_of
 from fleet_simulation.supervised_fleet import Rhythm, SupervisedFleet
 from graph_fleet_manager.interlocking.conformance import Conformance, Invariant
 from graph_fleet_manager.interlocking.interlocking import Interlocking
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_master import RouteMaster
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.settings import RobotSettings
@@ -76,8 +76,8 @@ def test_a_site_that_checks_itself_stops_the_fleet(monkeypatch: pytest.MonkeyPat
     supervisor: Supervisor = fleet.supervisor
     supervisor.interlocking._conformance = Conformance()
     fleet.run(0.2)
-    client: RouteClient = supervisor.robots['a'].client
-    client.extend([7])
+    master: RouteMaster = supervisor.robots['a'].master
+    master.extend([7])
     fleet.run(0.5)
     assert supervisor.is_stopped
     assert any('An error of the fleet manager: a: ' in note for note in fleet.notes)

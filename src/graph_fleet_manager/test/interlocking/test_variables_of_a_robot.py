@@ -9,7 +9,7 @@ from typing import Dict, Set
 import pytest
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_master import RouteMaster
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.settings import RobotSettings
@@ -24,10 +24,10 @@ OTHERS: Dict[str, Set[str]] = {
     'RouteRecord': {'graph', 'kind', 'slack', 'protocol', 'pose', 'generation', 'driven'},
     # what never changes; the label of a route; which shorter route is tried; a gate; a sign of an
     # outage; the result of the allocation
-    'RouteClient': {'record', 'clock', 'label', 'cut_refused', 'clock_is_off', 'off_graph',
+    'RouteMaster': {'record', 'clock', 'label', 'cut_refused', 'clock_is_off', 'off_graph',
                     'allocation'},
     # missions, charging, outages, learned times, and when to try again
-    'ManagedRobot': {'name', 'type', 'settings', 'client', 'outage', 'why', 'battery', 'liveness',
+    'ManagedRobot': {'name', 'type', 'settings', 'master', 'outage', 'why', 'battery', 'liveness',
                      'is_halted', 'comes_to_rest', 'dock', 'passed', 'driven', 'timer', 'refusals',
                      'has_refused', 'unready', 'retried'}}
 
@@ -44,10 +44,10 @@ def listed() -> Dict[str, Set[str]]:
 
 def variables() -> Dict[str, Set[str]]:
     """All attributes of a robot, without leading underscores, by class."""
-    client = RouteClient(RouteRecord(corridor(3), AGV), lambda: 1)
-    robot = ManagedRobot('a', AGV, RobotSettings(), client)
+    master = RouteMaster(RouteRecord(corridor(3), AGV), lambda: 1)
+    robot = ManagedRobot('a', AGV, RobotSettings(), master)
     names = {'MasterState': [field.name for field in dataclasses.fields(MasterState)],
-             'RouteRecord': vars(client.record), 'RouteClient': vars(client),
+             'RouteRecord': vars(master.record), 'RouteMaster': vars(master),
              'ManagedRobot': vars(robot)}
     return {owner: {name.lstrip('_') for name in own} for owner, own in names.items()}
 

@@ -11,8 +11,8 @@ from fleet_builders import AGV, graph_of
 from numbered_orders_model import Model
 from yard_model import EVERY, Bounds, Fault, Side, Site, State, Yard
 
-from graph_fleet_manager.interlocking import interlocking, route_client
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking import interlocking, route_master
+from graph_fleet_manager.interlocking.route_master import RouteMaster
 from route_protocol import master
 from route_protocol.master import MasterState
 from trajectory_graph import Graph
@@ -195,10 +195,10 @@ def test_an_effect_of_reports_on_the_allocation_that_is_left_out_is_found(change
         after, news = master.hear(state, *said)
         return (apply(state, after) if news.is_new else after), news
 
-    monkeypatch.setattr(route_client, 'hear', hear)
+    monkeypatch.setattr(route_master, 'hear', hear)
     assert search.of().flaw
 
 
 def test_a_fleet_manager_that_draws_a_number_again_is_found(monkeypatch):
-    monkeypatch.setattr(RouteClient, '_next_number', lambda client: max(client.protocol.number, 1))
+    monkeypatch.setattr(RouteMaster, '_next_number', lambda master: max(master.protocol.number, 1))
     assert Search(LINE, at_once(2)).of().flaw

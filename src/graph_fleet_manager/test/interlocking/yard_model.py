@@ -1,6 +1,6 @@
 """A model of a small yard: several robots, searched in every order of events.
 
-The fleet manager's side is the real code: `ManagedRobot` with its `RouteClient`, `Interlocking`,
+The fleet manager's side is the real code: `ManagedRobot` with its `RouteMaster`, `Interlocking`,
 and `robots_of` after a restart. Each robot itself is the vehicle of the model of numbered orders,
 on the edges of a graph. What is true of two robots is computed here, from straight lines alone.
 
@@ -268,12 +268,12 @@ def key_of(robot: ManagedRobot) -> Hashable:
 
     Only plans read `_driven` and `generation`; two strays are as good as more.
     """
-    client = robot.client
+    master = robot.master
     return (_values(robot, ('name', 'type', 'settings', 'why', 'battery', 'passed', 'driven',
-                            '_timer', '_located', 'client', 'liveness')),
+                            '_timer', '_located', 'master', 'liveness')),
             _values(robot.liveness, ()),
-            _values(client, ('record', '_clock', '_allocation', '_strays')), min(client._strays, 2),
-            _values(client.record, ('graph', 'kind', '_slack', '_driven', 'generation')))
+            _values(master, ('record', '_clock', '_allocation', '_strays')), min(master._strays, 2),
+            _values(master.record, ('graph', 'kind', '_slack', '_driven', 'generation')))
 
 
 class Yard:
@@ -323,8 +323,8 @@ class Yard:
     def _robot(self, side: Side) -> ManagedRobot:
         """A copy of what the fleet manager knows of the robot; it may be changed."""
         robot = copy.copy(self._beliefs[side.belief])
-        robot.client = copy.copy(robot.client)
-        record = robot.client.record = copy.copy(robot.client.record)
+        robot.master = copy.copy(robot.master)
+        record = robot.master.record = copy.copy(robot.master.record)
         record._driven = copy.copy(record._driven)
         robot.liveness, robot._timer = copy.copy(robot.liveness), copy.copy(robot._timer)
         robot.passed, robot.driven = [], []
@@ -340,9 +340,9 @@ class Yard:
         if id is not None:
             return id
         given = side
-        protocol = self._beliefs[side.belief].client.protocol
+        protocol = self._beliefs[side.belief].master.protocol
         vehicle, kept = side.vehicle, side.kept
-        stored = self._memories[side.memory].client.protocol.report
+        stored = self._memories[side.memory].master.protocol.report
         if vehicle.moved_since < min(protocol.report, stored):
             vehicle = vehicle._replace(moved_since=-1)
         numbers = {-1, 0, protocol.report, stored, vehicle.sequence, vehicle.moved_since}
@@ -364,24 +364,24 @@ class Yard:
         return id
 
     def _ranked(self, side: Side, report: int) -> int:
-        if report == self._beliefs[side.belief].client.protocol.report:
+        if report == self._beliefs[side.belief].master.protocol.report:
             return side.belief
         key = 'rank', side.belief, report
         if key not in self._known:
             robot = self._robot(side)
-            record = robot.client.record
+            record = robot.master.record
             record.protocol = replace(record.protocol, report=report)
             self._known[key] = self._belief_id(robot)
         return self._known[key]
 
     def _memory_ranked(self, id: int, report: int) -> int:
         memory = self._memories[id]
-        if report == memory.client.protocol.report:
+        if report == memory.master.protocol.report:
             return id
         key = 'memory', id, report
         if key not in self._known:
-            self._known[key] = _number(memory._replace(client=memory.client._replace(
-                protocol=replace(memory.client.protocol, report=report))),
+            self._known[key] = _number(memory._replace(master=memory.master._replace(
+                protocol=replace(memory.master.protocol, report=report))),
                 self._memories, self._memory_ids)
         return self._known[key]
 
@@ -389,7 +389,7 @@ class Yard:
         """Number of the allocation of a robot."""
         key = 'allocation', belief
         if key not in self._known:
-            self._known[key] = _number(self._beliefs[belief].client.allocation,
+            self._known[key] = _number(self._beliefs[belief].master.allocation,
                                        self._allocations, self._allocation_ids)
         return self._known[key]
 
@@ -397,7 +397,7 @@ class Yard:
         """Number of the allocation that the robot would have after a restart."""
         key = 'restored', side.memory
         if key not in self._known:
-            self._known[key] = _number(self._restart(side).client.allocation, self._allocations,
+            self._known[key] = _number(self._restart(side).master.allocation, self._allocations,
                                        self._allocation_ids)
         return self._known[key]
 
@@ -406,8 +406,8 @@ class Yard:
         return _number(View(
             robot.name, self._allocated(side.belief), self._restored(side),
             self._point(pose.edge, pose.percentage / 100.0),
-            not robot.record.ahead or robot.needs_person and robot.client.is_stopping,
-            side.taken, robot.client.is_heard), self._views, self._view_ids)
+            not robot.record.ahead or robot.needs_person and robot.master.is_stopping,
+            side.taken, robot.master.is_heard), self._views, self._view_ids)
 
     # -- the beginning ----------------------------------------------------------------------------
 
@@ -438,7 +438,7 @@ class Yard:
         if key not in self._known:
             robot = self._beliefs[belief]
             self._known[key] = _number(RobotMemory(
-                robot.client.memory, robot.outage, '', robot.is_halted, robot.comes_to_rest,
+                robot.master.memory, robot.outage, '', robot.is_halted, robot.comes_to_rest,
                 robot.dock, None, robot.type), self._memories, self._memory_ids)
         return self._known[key]
 
@@ -511,9 +511,9 @@ class Yard:
         side = side._replace(vehicle=vehicle, short=short,
                              kept=kept and kept._replace(moved=kept.moved + 1),
                              since=side.since + (before.giver == OTHER))
-        if self._beliefs[side.belief].client.protocol.is_anywhere:
+        if self._beliefs[side.belief].master.protocol.is_anywhere:
             robot = self._robot(side)
-            robot.client.grow(side.since * self._half / self.kind.speed)
+            robot.master.grow(side.since * self._half / self.kind.speed)
             side = side._replace(belief=self._belief_id(robot))
         return self._put(side)
 
@@ -583,7 +583,7 @@ class Yard:
     def _heard(self, side: Side, said: Said) -> Tuple[int, bool, bool, int, str]:
         """What follows from a report, as in `Supervisor.report`."""
         robot = self._robot(side)
-        before = robot.client.progress, robot.outage
+        before = robot.master.progress, robot.outage
         report = Report(replace(self._contents[said.content], number=said.number),
                         said.moved * self._half / self.kind.speed - AHEAD * side.ahead)
         try:
@@ -596,10 +596,10 @@ class Yard:
             follows |= IS_OLDER
         elif heard.cause is values.EpochCause.STOP:
             follows |= STOPS
-        if robot.needs_person and robot.client.protocol.ahead and not robot.client.is_stopping:
-            robot.client.halt()
+        if robot.needs_person and robot.master.protocol.ahead and not robot.master.is_stopping:
+            robot.master.halt()
             follows |= SENDS
-        is_stale = before != (robot.client.progress, robot.outage) or bool(follows & SENDS)
+        is_stale = before != (robot.master.progress, robot.outage) or bool(follows & SENDS)
         return self._belief_id(robot), is_stale, heard.is_located, follows, ''
 
     def _decides(self, side: Side) -> Iterator[Step]:
@@ -612,14 +612,14 @@ class Yard:
 
     def _decisions_on(self, side: Side) -> Iterator[Tuple[str, int, int, int]]:
         robot = self._robot(side)
-        if robot.client.shorten() and robot.client.order is not None:
+        if robot.master.shorten() and robot.master.order is not None:
             yield 'is to stop at the end of its edge', self._belief_id(robot), 1, SENDS
         robot = self._robot(side)
-        if robot.client.needs_stop and robot.liveness.stands:
-            robot.client.halt()
+        if robot.master.needs_stop and robot.liveness.stands:
+            robot.master.halt()
             yield 'is told to stop first', self._belief_id(robot), 0, SENDS
         robot = self._robot(side)
-        robot.client.halt()
+        robot.master.halt()
         robot.notice(Sign.TAKEN_OUT)
         yield 'is taken out of service', self._belief_id(robot), 1, SENDS | HEARD
 
@@ -690,14 +690,14 @@ class Yard:
     def _halted(self, id: int) -> int:
         side = self._sides[id]
         robot = self._robot(side)
-        robot.client.halt()
+        robot.master.halt()
         robot.is_halted = True
         return self._put(side._replace(stale=True, belief=self._belief_id(robot)))
 
     def _doubted(self, id: int) -> int:
         side = self._sides[id]
         robot = self._robot(side)
-        robot.client.doubt()
+        robot.master.doubt()
         return self._put(side._replace(stale=True, belief=self._belief_id(robot)))
 
     # -- the journal ------------------------------------------------------------------------------
@@ -728,11 +728,11 @@ class Yard:
             interlocking = Interlocking(self._geometry, CLEARANCE, {robot.name: robot})
             interlocking.is_stopped, interlocking.trouble = is_stopped, 'a full disk' * trouble
             sent = [sending.order for _, sending in interlocking.orders(LATER)]
-            self._known[key] = self._belief_id(robot), sent, robot.client.takes_away
+            self._known[key] = self._belief_id(robot), sent, robot.master.takes_away
         belief, sent, takes_away = self._known[key]
         if not sent:
             return id
-        one, stored = sent[0], self._memories[side.memory].client.protocol.open
+        one, stored = sent[0], self._memories[side.memory].master.protocol.open
         order = Order(one.number, one.epoch, one.first,
                       tuple(self._edges[edge] for edge in one.edges))
         is_wrong = not takes_away and order not in side.orders and one not in stored
@@ -755,7 +755,7 @@ class Yard:
                     yield f'{name}: is granted {edge}', self._taken(
                         site._replace(grants=site.grants - 1, to_store=site.to_store | to_store),
                         (*ids[:k], after, *ids[k + 1:]))
-        if robot.client.order is not None:
+        if robot.master.order is not None:
             sent = self._sent(id, site.is_stopped, site.trouble)
             if sent != id:
                 yield f'{name}: its order is sent', (number, *ids[:k], sent, *ids[k + 1:])
@@ -799,8 +799,8 @@ class Yard:
 
     def _bring_in(self, robot: ManagedRobot, ids: Tuple[int, ...]) -> None:
         """As `Supervisor.bring_in`."""
-        if robot.client.protocol.unknown:
-            robot.client.halt()
+        if robot.master.protocol.unknown:
+            robot.master.halt()
             return
         robot.come_back()
         robots = {**self._robots(ids), robot.name: robot}
@@ -853,21 +853,21 @@ class Yard:
         robot, vehicle, its = self._beliefs[side.belief], side.vehicle, self._edges[edge]
         own, *others = (self._views[self._view[id]].allocated
                         for id in (ids[k], *ids[:k], *ids[k + 1:]))
-        ahead, is_inside = robot.client.protocol.ahead, vehicle.edge in (its, self._turned(its))
+        ahead, is_inside = robot.master.protocol.ahead, vehicle.edge in (its, self._turned(its))
         follows = (self._edges[ahead[-1]].destination == its.origin if ahead
                    else vehicle.place == its.origin or is_inside)
         for wrong, what in (
                 (site.is_stopped, 'the fleet is stopped'),
                 (site.trouble, 'the disk cannot be written'),
                 (robot.needs_person, 'a person must look after it'),
-                (not robot.client.is_heard, 'it has not reported'),
-                (robot.client.clock_is_off, 'its clock is wrong'),
-                (robot.client.is_stopping, 'it is told to stop'),
+                (not robot.master.is_heard, 'it has not reported'),
+                (robot.master.clock_is_off, 'its clock is wrong'),
+                (robot.master.is_stopping, 'it is told to stop'),
                 (any(self._allocations[one].knowledge is Knowledge.UNKNOWN for one in others),
                  'another robot may be anywhere'),
                 (any(self._exclude(own, one) for one in others), 'another robot is too near'),
                 (abs(edge) in self.closed and not is_inside, 'the edge is closed'),
-                (not follows and vehicle.moved_since < robot.client.protocol.report,
+                (not follows and vehicle.moved_since < robot.master.protocol.report,
                  'it does not lead there')):
             if wrong:
                 return f'GRANTED: {robot.name} is granted {edge}, but {what}'
@@ -887,7 +887,7 @@ class Yard:
         if site.trouble:
             yield 'the disk is freed', self._taken(site._replace(trouble=False), ids)
         if site.is_wrong_run and not site.trouble and not any(
-                self._beliefs[self._sides[id].belief].client.protocol.unknown for id in ids):
+                self._beliefs[self._sides[id].belief].master.protocol.unknown for id in ids):
             yield 'the journal is believed again', self._taken(
                 site._replace(is_wrong_run=False), ids)
         if not site.faults or site.trouble:
@@ -910,12 +910,12 @@ class Yard:
         key = 'restart', side.memory, side.drawn, is_stopped, is_wrong_run
         if key not in self._known:
             robot = self._restart(side)
-            listed = _number(robot.client.allocation, self._allocations, self._allocation_ids)
+            listed = _number(robot.master.allocation, self._allocations, self._allocation_ids)
             if is_wrong_run:
-                robot.client.doubt()
+                robot.master.doubt()
             halts = is_stopped and not robot.is_halted
             if halts:
-                robot.client.halt()
+                robot.master.halt()
                 robot.is_halted = True
             self._known[key] = self._belief_id(robot), listed, halts
         belief, listed, halts = self._known[key]
@@ -925,12 +925,12 @@ class Yard:
 
     def _not_contained(self, side: Side) -> str:
         """How CONTAINED is violated; empty: it is not."""
-        report = self._beliefs[side.belief].client.protocol.report
+        report = self._beliefs[side.belief].master.protocol.report
         return self._outside(side, self._allocated(side.belief), report, 'its allocation')
 
     def _not_in_journal(self, side: Side) -> str:
         return self._outside(side, self._restored(side),
-                             self._memories[side.memory].client.protocol.report, 'the journal')
+                             self._memories[side.memory].master.protocol.report, 'the journal')
 
     def _outside(self, side: Side, allocation: int, report: int, where: str) -> str:
         """Where the robot may be outside an allocation that rests on a report; empty: nowhere."""
@@ -1081,7 +1081,7 @@ class _Stored:
     """A robot as the journal has it, for the interlocking's list of stored allocations."""
 
     def __init__(self, kind: RobotType, allocation: Allocation) -> None:
-        self.type, self.allocation, self.client = kind, allocation, self
+        self.type, self.allocation, self.master = kind, allocation, self
 
 
 def _apart(a: Point, b: Point, c: Point, d: Point) -> float:

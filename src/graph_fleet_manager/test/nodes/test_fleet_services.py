@@ -11,7 +11,7 @@ from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
 
 from fleet_simulation.supervised_fleet import SupervisedFleet, route_order
-from graph_fleet_manager.interlocking.route_client import REPEAT
+from graph_fleet_manager.interlocking.route_master import REPEAT
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop

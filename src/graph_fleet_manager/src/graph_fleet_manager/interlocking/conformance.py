@@ -33,7 +33,7 @@ from typing import (
 )
 
 from graph_fleet_manager.interlocking.allocation import Allocation
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_master import RouteMaster
 from route_protocol.master import MasterState
 
 
@@ -76,7 +76,7 @@ class ObservedRobot(Protocol):
     """The properties of a robot that conformance needs."""
 
     @property
-    def client(self) -> RouteClient:
+    def master(self) -> RouteMaster:
         """The robot's orders and reports."""
 
     @property
@@ -121,7 +121,7 @@ class Conformance:
             return []
         found = []
         for name, robot in robots.items():
-            if self._is_seen(name, robot.client):
+            if self._is_seen(name, robot.master):
                 continue
             now, before = self._state(name, robot), self._before.get(name)
             self._before[name] = now
@@ -130,23 +130,23 @@ class Conformance:
                  now.allocation - before.allocation - self._granted.get(name, set())),
                 (Invariant.CONTAINED, now.sent - now.allocation),
                 (Invariant.STORED, now.sent - now.journal)) if edges]
-            if robot.client.protocol.ahead and not (
-                    robot.client.is_stopping or robot.needs_person or not robot.client.is_heard):
+            if robot.master.protocol.ahead and not (
+                    robot.master.is_stopping or robot.needs_person or not robot.master.is_heard):
                 # A robot that has not reported since the start is known only roughly for a moment.
                 found += [Violation(Invariant.APART, name, other=other)
-                          for other in excluding(name) if robots[other].client.is_heard][:1]
+                          for other in excluding(name) if robots[other].master.is_heard][:1]
         self._granted.clear()
         return found
 
-    def _is_seen(self, name: str, client: RouteClient) -> bool:
+    def _is_seen(self, name: str, master: RouteMaster) -> bool:
         """Is this the state of the last check? Each change makes new objects."""
         before = self._seen.get(name)
-        now = self._seen[name] = client.allocation, client.protocol, client.last_sent
+        now = self._seen[name] = master.allocation, master.protocol, master.last_sent
         return before is not None and all(one is other for one, other in zip(before, now))
 
     def _state(self, name: str, robot: ObservedRobot) -> ModelState:
-        return ModelState(edges_of(robot.client.allocation), self._journal.get(name, frozenset()),
+        return ModelState(edges_of(robot.master.allocation), self._journal.get(name, frozenset()),
                           frozenset(
-                              step.edge for order in robot.client.protocol.open
-                              if order.number <= robot.client.last_sent
-                              for step in order.steps(robot.client.protocol.done)))
+                              step.edge for order in robot.master.protocol.open
+                              if order.number <= robot.master.last_sent
+                              for step in order.steps(robot.master.protocol.done)))

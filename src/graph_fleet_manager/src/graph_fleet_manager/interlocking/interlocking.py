@@ -31,7 +31,7 @@ from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
 from graph_fleet_manager.interlocking.claims import Claim, ClaimIndex
 from graph_fleet_manager.interlocking.conformance import Conformance, Violation
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import RouteClient, Sending
+from graph_fleet_manager.interlocking.route_master import RouteMaster, Sending
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
 
@@ -75,7 +75,7 @@ class InterlockedRobot(Protocol):
         """The robot's type, with its measures."""
 
     @property
-    def client(self) -> RouteClient:
+    def master(self) -> RouteMaster:
         """The robot's orders and reports, and the allocation that results from them."""
 
     @property
@@ -163,14 +163,14 @@ class Interlocking:
             granted.append(asked.edge)
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
         if granted:
-            robot.client.extend(granted, renew)
+            robot.master.extend(granted, renew)
             if self._conformance is not None:
                 self._conformance.granted(robot.name, granted)
         return Grant(tuple(granted), refusal)
 
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
-        record, before = robot.client.record, 0
-        start = None if record.ahead else robot.client.record.position
+        record, before = robot.master.record, 0
+        start = None if record.ahead else robot.master.record.position
         for edge in edges:
             begun, is_inside = 0.0, False
             if not before and start is not None:
@@ -195,7 +195,7 @@ class Interlocking:
         """The present allocations of these robots are in the journal now."""
         for name in names:
             if name in self._robots:
-                allocation = self._robots[name].client.allocation
+                allocation = self._robots[name].master.allocation
                 self._stored.put(name, allocation)
                 if self._conformance is not None:
                     self._conformance.stored(name, allocation)
@@ -217,10 +217,10 @@ class Interlocking:
         """
         found: List[Tuple[str, Sending]] = []
         for name, robot in self._robots.items():
-            client = robot.client
-            if client.order is None or (not client.takes_away and self._is_held_back(robot)):
+            master = robot.master
+            if master.order is None or (not master.takes_away and self._is_held_back(robot)):
                 continue
-            sending = client.due(now)
+            sending = master.due(now)
             if sending is not None:
                 found.append((name, sending))
         return found
@@ -231,7 +231,7 @@ class Interlocking:
         A repeated order does not wait for the journal: it is stored already.
         """
         return self.is_stopped or robot.needs_person or (
-            bool(self.trouble) and robot.client.is_new_motion)
+            bool(self.trouble) and robot.master.is_new_motion)
 
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""
@@ -268,7 +268,7 @@ class Interlocking:
         self._refresh()
         if position.vertex is not None:
             return not self.holder(robot, Claim(self._geometry.index[position.vertex]))
-        area = Area((position.point(robot.client.record.graph),))
+        area = Area((position.point(robot.master.record.graph),))
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
     def separate(self, is_starting: bool = False) -> List[str]:
@@ -286,13 +286,13 @@ class Interlocking:
         for name in sorted(changed & self._robots.keys()):
             for other in self.excluding(name):
                 pair = self._robots[name], self._robots[other]
-                if is_starting and not all(robot.client.is_heard for robot in pair):
+                if is_starting and not all(robot.master.is_heard for robot in pair):
                     continue
-                by_evidence = any(robot.client.is_by_evidence for robot in pair)
+                by_evidence = any(robot.master.is_by_evidence for robot in pair)
                 stopped.update((robot.name, robot) for robot in pair if not robot.needs_person
-                               and (by_evidence or robot.client.record.ahead))
+                               and (by_evidence or robot.master.record.ahead))
         for robot in stopped.values():
-            robot.client.halt()
+            robot.master.halt()
         return list(stopped)
 
     def _in_area(self, name: str, kind: RobotType, area: Area) -> Iterator[str]:
@@ -335,7 +335,7 @@ class Interlocking:
     def _refresh(self) -> None:
         """Reads each allocation that has changed since the last call."""
         for name, robot in self._robots.items():
-            allocation = robot.client.allocation
+            allocation = robot.master.allocation
             if allocation is self._known.get(name):
                 continue
             self._known[name] = allocation
@@ -386,12 +386,12 @@ def _no_person_is_needed(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _clock_is_right(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    return Refusal(Gate.CLOCK, asked.edge) if asked.robot.client.clock_is_off else None
+    return Refusal(Gate.CLOCK, asked.edge) if asked.robot.master.clock_is_off else None
 
 
 def _robot_is_known(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    client = asked.robot.client
-    known = client.is_heard and client.allocation.knowledge is Knowledge.KNOWN
+    master = asked.robot.master
+    known = master.is_heard and master.allocation.knowledge is Knowledge.KNOWN
     return None if known else Refusal(Gate.UNKNOWN, asked.edge)
 
 
@@ -401,13 +401,13 @@ def _others_are_known(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    return None if asked.robot.client.is_ready else Refusal(Gate.NOT_READY, asked.edge)
+    return None if asked.robot.master.is_ready else Refusal(Gate.NOT_READY, asked.edge)
 
 
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
     """The edge must join the edge before it, the end of all grants, or the robot's position."""
-    record = asked.robot.client.record
-    graph, start = record.graph, asked.robot.client.record.position
+    record = asked.robot.master.record
+    graph, start = record.graph, asked.robot.master.record.position
     if asked.before:
         follows = graph.end_vertex(asked.before).id == graph.start_vertex(asked.edge).id
     elif asked.is_inside and start is not None:

@@ -7,7 +7,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Tuple
 import genpy
 
 from graph_fleet_manager.interlocking.reports import Report
-from graph_fleet_manager.interlocking.route_client import ME
+from graph_fleet_manager.interlocking.route_master import ME
 from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
 from graph_fleet_manager.supervision.missions import (
     MissionState,

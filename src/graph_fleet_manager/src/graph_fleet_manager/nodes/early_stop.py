@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import inf
 from typing import Iterable, List, Sequence
 
-from graph_fleet_manager.interlocking.route_client import REPEAT
+from graph_fleet_manager.interlocking.route_master import REPEAT
 from graph_fleet_manager.supervision.actions import SendRoute
 from route_protocol.master import Order
 

@@ -84,7 +84,7 @@ class Assumptions:
 
 def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
     """The present state of a robot, as an assumption."""
-    record, allocation = robot.record, robot.client.allocation
+    record, allocation = robot.record, robot.master.allocation
     stands = errand.duty is Duty.STAND
     if allocation.knowledge is not Knowledge.KNOWN:
         role = Role.ABSENT

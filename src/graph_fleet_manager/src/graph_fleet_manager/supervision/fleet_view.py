@@ -102,7 +102,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
 
 
 def _removed_view(robot: RemovedRobot) -> RobotView:
-    record = robot.client.record
+    record = robot.master.record
     position, pose = record.position, Pose()
     if position is not None:
         pose = Pose(position.edge, position.fraction) if position.vertex is None else (
@@ -123,7 +123,7 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return 'the fleet is stopped'
     mission = errand.mission
     if supervisor.trouble and errand.duty is not Duty.IDLE and (
-            robot.record.is_standing or robot.client.is_new_motion):
+            robot.record.is_standing or robot.master.is_new_motion):
         return f'the disk: {supervisor.trouble}'
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'

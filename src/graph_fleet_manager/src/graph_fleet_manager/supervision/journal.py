@@ -31,7 +31,7 @@ from file_replacement import replace_file
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import Located, Lost, Memory
+from graph_fleet_manager.interlocking.route_master import Located, Lost, Memory
 from graph_fleet_manager.supervision.journal_database import (
     JournalDatabase,
     JournalError,
@@ -54,7 +54,7 @@ OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.i
 class RobotMemory(NamedTuple):
     """The stored state of one robot."""
 
-    client: Memory
+    master: Memory
     outage: Optional[Outage]
     why: str
     is_halted: bool
@@ -370,15 +370,15 @@ def _position(values: Optional[Sequence[Any]]) -> Optional[GraphPosition]:
 
 
 def _memory_text(memory: RobotMemory) -> str:
-    client, kind = memory.client, memory.kind
-    protocol = client.protocol
+    master, kind = memory.master, memory.kind
+    protocol = master.protocol
     return json.dumps({
         'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
                      'held': protocol.held},
-        'cleared': client.cleared, 'place': _position_values(client.position),
-        'locations': client.locations,
-        'lost': [[area.line, area.radius] for area in client.lost.areas],
-        'lost_until': client.lost.until, 'absent': client.is_absent,
+        'cleared': master.cleared, 'place': _position_values(master.position),
+        'locations': master.locations,
+        'lost': [[area.line, area.radius] for area in master.lost.areas],
+        'lost_until': master.lost.until, 'absent': master.is_absent,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge,
@@ -387,12 +387,12 @@ def _memory_text(memory: RobotMemory) -> str:
 
 def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
-    client = _of_version_1(stored) if 'track' in stored else Memory(
+    master = _of_version_1(stored) if 'track' in stored else Memory(
         _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
         tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
         Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'])
     outage, kind = stored['outage'], stored.get('type')
-    return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
+    return RobotMemory(master, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
                        stored.get('charge'), None if kind is None else RobotType(*kind))
 

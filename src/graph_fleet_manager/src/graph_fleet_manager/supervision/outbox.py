@@ -149,8 +149,8 @@ class Outbox:
             return None
         robot = self._robots.get(name)
         if robot is None:
-            return RobotMemory(known.client.memory, None, '', False, kind=known.type)
-        return RobotMemory(robot.client.memory, robot.outage, robot.why, robot.is_halted,
+            return RobotMemory(known.master.memory, None, '', False, kind=known.type)
+        return RobotMemory(robot.master.memory, robot.outage, robot.why, robot.is_halted,
                            robot.comes_to_rest, robot.dock,
                            None if math.isnan(robot.battery.charge) else robot.battery.charge,
                            robot.type)

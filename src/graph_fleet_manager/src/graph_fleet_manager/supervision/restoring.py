@@ -7,7 +7,7 @@ from typing import Dict, List, Mapping, Optional, Tuple
 from graph_fleet_manager.fleet import Fleet, RobotType
 from graph_fleet_manager.geometry.areas import Area, Point
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.interlocking.route_client import Clock, Memory, RouteClient
+from graph_fleet_manager.interlocking.route_master import Clock, Memory, RouteMaster
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.journal import RobotMemory
 from graph_fleet_manager.supervision.outages import Outage
@@ -24,7 +24,7 @@ class RemovedRobot:
 
     name: str
     type: RobotType
-    client: RouteClient
+    master: RouteMaster
 
     @property
     def needs_person(self) -> bool:
@@ -43,13 +43,13 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
     robots: Dict[str, ManagedRobot] = {}
     for robot in fleet.robots:
         own = settings.get(robot.name, RobotSettings())
-        managed = ManagedRobot(robot.name, robot.type, own, RouteClient(
+        managed = ManagedRobot(robot.name, robot.type, own, RouteMaster(
             RouteRecord(graph, robot.type, own.slack), clock))
         memory = memories.get(robot.name)
         if memory is not None:
             _restore(managed, memory, graph, before, now)
         else:  # a journal that was lost does not know its numbers
-            managed.client.restore(Memory(), now)
+            managed.master.restore(Memory(), now)
         if robot.absent and managed.outage is not Outage.ABSENT:
             managed.declare_absent(now)
         robots[robot.name] = managed
@@ -63,22 +63,22 @@ def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
     names = {robot.name for robot in fleet.robots}
     removed: Dict[str, RemovedRobot] = {}
     for name, memory in memories.items():
-        if name not in names and memory.kind is not None and not memory.client.is_absent:
-            client = RouteClient(RouteRecord(graph, memory.kind), clock)
+        if name not in names and memory.kind is not None and not memory.master.is_absent:
+            master = RouteMaster(RouteRecord(graph, memory.kind), clock)
             # It has no topics here any more, so that not even a stop can be sent to it.
-            kept, areas = on_graph(memory.client, graph, before)
-            client.restore(kept, now)
-            client.lose(areas)
-            client.drop_stops()
-            removed[name] = RemovedRobot(name, memory.kind, client)
+            kept, areas = on_graph(memory.master, graph, before)
+            master.restore(kept, now)
+            master.lose(areas)
+            master.drop_stops()
+            removed[name] = RemovedRobot(name, memory.kind, master)
     return removed
 
 
 def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Optional[Graph],
              now: float) -> None:
-    kept, areas = on_graph(memory.client, graph, before)
-    robot.client.restore(kept, now)
-    robot.client.lose(areas)
+    kept, areas = on_graph(memory.master, graph, before)
+    robot.master.restore(kept, now)
+    robot.master.lose(areas)
     outage = memory.outage
     if outage is not None and (outage.needs_person or outage is Outage.ABSENT):
         robot.outage, robot.why = outage, memory.why

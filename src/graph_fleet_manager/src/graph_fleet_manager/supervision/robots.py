@@ -13,7 +13,7 @@ from graph_fleet_manager.interlocking.reports import (
     Report,
     position_of,
 )
-from graph_fleet_manager.interlocking.route_client import Heard, RouteClient, is_dock
+from graph_fleet_manager.interlocking.route_master import Heard, RouteMaster, is_dock
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
@@ -37,14 +37,14 @@ REFUSALS = 3       # number of refusals in a row after which a person must look
 class ManagedRobot:
     """One robot of the fleet. Times are those of the supervisor's clock.
 
-    It judges reports, refusals and silence, and keeps the robot's outage. `client` keeps its route
+    It judges reports, refusals and silence, and keeps the robot's outage. `master` keeps its route
     record and its allocation.
     """
 
     name: str
     type: RobotType
     settings: RobotSettings
-    client: RouteClient
+    master: RouteMaster
     outage: Optional[Outage] = Outage.UNSEEN
     why: str = ''
     battery: Battery = field(init=False)
@@ -99,7 +99,7 @@ class ManagedRobot:
     @property
     def record(self) -> RouteRecord:
         """The edges that the robot was ordered to drive, and its progress on them."""
-        return self.client.record
+        return self.master.record
 
     # -- events -----------------------------------------------------------------------------------
 
@@ -117,11 +117,11 @@ class ManagedRobot:
 
         now -- time at which the report arrived
         """
-        if self.client.is_absent and not self.client.is_back(report, now):
+        if self.master.is_absent and not self.master.is_back(report, now):
             return Heard()
         self.notice(Sign.LOCATED)
         was_nowhere = self._was_nowhere
-        heard = self.client.hear(report)
+        heard = self.master.hear(report)
         self._unready = report.said.unready
         self.liveness.hear(report, self.record.graph, now)
         if self.outage is Outage.SILENT:
@@ -131,8 +131,8 @@ class ManagedRobot:
             self.notice(Sign.FOUND)
         if heard.is_located:
             self._located = now - max(report.age, 0.0)
-        self.client.grow(now - self._located)
-        if heard.news.took or heard.news.refused or self.client.order is None:
+        self.master.grow(now - self._located)
+        if heard.news.took or heard.news.refused or self.master.order is None:
             self.liveness.nothing_to_answer(now)
             self.notice(Sign.ANSWER)
         self.passed += heard.passed
@@ -147,8 +147,8 @@ class ManagedRobot:
     @property
     def is_at_rest(self) -> bool:
         """Does the robot stand, and is no order on its way that lets it drive?"""
-        protocol = self.client.protocol
-        return (self.client.order is None and not protocol.may_drive
+        protocol = self.master.protocol
+        return (self.master.order is None and not protocol.may_drive
                 and not protocol.is_anywhere and self.liveness.stands)
 
     def _judge(self, heard: Heard, report: Report, now: float) -> None:
@@ -162,7 +162,7 @@ class ManagedRobot:
             self.notice(Sign.EMERGENCY, 'emergency stop')
         if not self.is_halted:
             self._judge_motion(heard, report)
-        if self.client.clock_is_off:
+        if self.master.clock_is_off:
             self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: correct the '
                                         'time of both (NTP)')
         elif self.liveness.seen - self._retried > RETRY:
@@ -206,7 +206,7 @@ class ManagedRobot:
 
         heard -- time until which all arrived reports were evaluated
         """
-        if self.client.order is None or self.client.is_new_motion:  # a new order waits for the disk
+        if self.master.order is None or self.master.is_new_motion:  # a new order waits for the disk
             self.liveness.nothing_to_answer(now)
         if self.liveness.is_silent(heard):
             self.notice(Sign.SILENCE, f'it has not reported for {SILENCE:.0f} s')
@@ -215,7 +215,7 @@ class ManagedRobot:
                         f'{ANSWER:.0f} s: do its message definitions differ, or was the clock of '
                         'the fleet computer set back?')
         if self.liveness.is_seen:
-            self.client.grow(heard - self._located)
+            self.master.grow(heard - self._located)
 
     def goes_on(self, now: float) -> bool:
         """Ends an outage or a fleet stop after which a standing robot is planned anew.
@@ -237,8 +237,8 @@ class ManagedRobot:
         Each robot decides by itself how near to a vertex it must be. So for a robot near a vertex,
         the route now begins at the vertex if it counted as on its edge, and on its edge otherwise.
         """
-        record, client = self.record, self.client
-        if not self._has_refused or not client.is_ready:
+        record, master = self.record, self.master
+        if not self._has_refused or not master.is_ready:
             return None
         self._has_refused = False
         if not self.works or not record.is_standing or record.position is None:
@@ -267,10 +267,10 @@ class ManagedRobot:
 
     def come_back(self) -> str:
         """A person says that it works again, from where it is. Returns why not; empty: done."""
-        position = self.client.position_at(self.record.pose)
+        position = self.master.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
-        self.client.settle(position)
+        self.master.settle(position)
         self.notice(Sign.BROUGHT_IN)
         self.is_halted = False
         self._refusals = 0
@@ -280,7 +280,7 @@ class ManagedRobot:
         """A person says that it is not on the site. Returns why that cannot be; empty: done."""
         if self.liveness.is_seen and now - self.liveness.seen <= SILENCE:
             return f'{self.name} reports: switch it off first'
-        self.client.declare_absent(now)
+        self.master.declare_absent(now)
         self.notice(Sign.DECLARED_ABSENT, 'it was declared absent')
         self.is_halted = self.comes_to_rest = False
         self.dock = None
@@ -290,4 +290,4 @@ class ManagedRobot:
     @property
     def knowledge(self) -> Knowledge:
         """What is known of the robot's place."""
-        return self.client.allocation.knowledge
+        return self.master.allocation.knowledge

@@ -253,7 +253,7 @@ class Supervisor:
                arrived: Optional[float] = None) -> List[Action]:
         """Handles a robot's report of place and route. `arrived`: when the report came."""
         robot, arrived = self.robots[name], now if arrived is None else arrived
-        before = robot.client.progress
+        before = robot.master.progress
         try:
             check_report(report, self.network.graph)
             self._out.note_state(f'{name}/age', old_location(name, report),
@@ -272,12 +272,12 @@ class Supervisor:
             self._stop_as_well(robot)
         beginning = robot.other_beginning()
         if beginning is not None and self.interlocking.is_free(robot, beginning):
-            robot.client.begin_at(beginning)
-        if robot.needs_person and robot.client.protocol.ahead and not robot.client.is_stopping:
-            robot.client.halt()  # an order that is on its way must not let it drive
+            robot.master.begin_at(beginning)
+        if robot.needs_person and robot.master.protocol.ahead and not robot.master.is_stopping:
+            robot.master.halt()  # an order that is on its way must not let it drive
             self._out.send()
         self.networks.learn(robot, arrived)
-        if before != robot.client.progress:
+        if before != robot.master.progress:
             self._out.robot_changed(name)
             mission_progress.follow(self.book, robot, now)
         self._separate()
@@ -314,7 +314,7 @@ class Supervisor:
         doubted = [name for name in self._everywhere
                    if name != reporting and name not in self._declared_absent]
         for name in doubted:
-            self._everywhere[name].client.doubt()
+            self._everywhere[name].master.doubt()
         self._run.is_wrong = True
         self._out.value_changed(RUN_NUMBER, 0)
         if doubted:
@@ -325,7 +325,7 @@ class Supervisor:
     def _believe_journal(self) -> None:
         """Draws a new run number when the places of all robots are known again."""
         if self._run.is_wrong and not self.trouble and not any(
-                robot.client.protocol.unknown for robot in self._everywhere.values()):
+                robot.master.protocol.unknown for robot in self._everywhere.values()):
             with suppress(JournalUnavailable):  # it is tried again
                 self._out.value_changed(RUN_NUMBER, self._run.draw())
 
@@ -370,7 +370,7 @@ class Supervisor:
     def take_out(self, name: str, now: float) -> List[Action]:
         """Takes a robot out of service. It stops where it is."""
         robot = self.robots[name]
-        robot.client.halt()
+        robot.master.halt()
         robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
         self._out.robot_changed(name)
         self._outages.look()
@@ -384,7 +384,7 @@ class Supervisor:
             return 'the fleet is stopped: resume it first', self._actions(now)
         # Without the disk, a restart would restore its old place, not the one where it stands.
         problem = self.trouble or robot.not_back_yet(now)
-        if not problem and not robot.works and robot.client.protocol.unknown:
+        if not problem and not robot.works and robot.master.protocol.unknown:
             problem = self._stop_first(robot)
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
@@ -394,7 +394,7 @@ class Supervisor:
         return problem, self._actions(now)
 
     def _stop_first(self, robot: ManagedRobot) -> str:
-        robot.client.halt()
+        robot.master.halt()
         self._out.robot_changed(robot.name)
         self._out.send()
         return (f'{robot.name} is told to stop first, because an old order may still reach it: try '
@@ -443,7 +443,7 @@ class Supervisor:
 
     def _halt(self, robots: Iterable[ManagedRobot]) -> None:
         for robot in robots:
-            robot.client.halt()
+            robot.master.halt()
             robot.is_halted = True
             self._out.robot_changed(robot.name)
 
@@ -533,8 +533,8 @@ class Supervisor:
             mission_progress.follow(self.book, robot, now)
             if not self.is_stopped and robot.goes_on(now):
                 self._out.robot_changed(robot.name)
-            if robot.client.needs_stop and robot.liveness.stands:
-                robot.client.halt()  # it does not count the orders of this fleet manager yet
+            if robot.master.needs_stop and robot.liveness.stands:
+                robot.master.halt()  # it does not count the orders of this fleet manager yet
                 self._out.robot_changed(robot.name)
                 self._out.send()
         self._shorten()
@@ -563,8 +563,8 @@ class Supervisor:
         if self.is_stopped:
             return
         for name, robot in self.robots.items():
-            if not robot.comes_to_rest or not (robot.works or robot.client.order):
+            if not robot.comes_to_rest or not (robot.works or robot.master.order):
                 continue  # an order that the robot has not received must not reach it unchanged
-            if not robot.client.shorten():
+            if not robot.master.shorten():
                 robot.comes_to_rest = False
             self._out.robot_changed(name)

@@ -101,7 +101,7 @@ NOT_LOST = Lost()
 
 
 class Memory(NamedTuple):
-    """The state of a route client that must survive a restart.
+    """The state of a route master that must survive a restart.
 
     position   -- where the robot stands
     locations  -- the last two, the newest first, as far as they matter after a restart
@@ -147,7 +147,7 @@ class Heard:
     is_located: bool = False
 
 
-class RouteClient:
+class RouteMaster:
     """Orders routes, repeats orders that no report shows, and keeps where the robot may be.
 
     Only the interlocking gives it routes.

@@ -6,7 +6,7 @@ from fleet_builders import AGV, corridor
 
 from graph_fleet_manager.interlocking.allocation import Knowledge
 from graph_fleet_manager.interlocking.reports import Report
-from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_master import RouteMaster
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from route_protocol.values import EdgeState, Location, Motion, RouteReport, SymbolicPose
 
@@ -14,9 +14,9 @@ GRAPH = corridor(4)
 C, P = EdgeState.COMPLETE, EdgeState.PROCESSING
 
 
-def client() -> RouteClient:
-    """The client of a robot that has not reported yet. Its orders have the numbers from 1 on."""
-    return RouteClient(RouteRecord(GRAPH, AGV), int)
+def master() -> RouteMaster:
+    """The master of a robot that has not reported yet. Its orders have the numbers from 1 on."""
+    return RouteMaster(RouteRecord(GRAPH, AGV), int)
 
 
 def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), order=0, age=0.0):
@@ -31,18 +31,18 @@ def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), 
 
 @pytest.mark.parametrize('age', [0.0, 3.0])
 def test_after_a_restart_a_robot_that_has_driven_there_and_back_holds_no_more_than_before(age):
-    robot = client()
+    robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1, -1))
     robot.hear(told(2, -1, 0.0, Motion.ON_ROUTE, (C, P), (1, -1), 1, age))
     robot.hear(told(3, -1, 100.0, Motion.STANDING, (C, C), (1, -1), 1))
-    restored = client()
+    restored = master()
     restored.restore(robot.memory)
     assert robot.allocation == restored.allocation
 
 
 def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_obeys_a_newer_stop():
-    robot = client()
+    robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.doubt()
     robot.hear(told(2, 1, 0.0))
@@ -53,11 +53,11 @@ def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_ob
     assert robot.allocation.knowledge is Knowledge.KNOWN
 
 
-@pytest.mark.parametrize('take_back', [RouteClient.halt, RouteClient.shorten])
+@pytest.mark.parametrize('take_back', [RouteMaster.halt, RouteMaster.shorten])
 def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_sent_is_taken_back(
         take_back):
     """The journal could not be written, so the longer route waited (lives 61151)."""
-    robot = client()
+    robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1, 2))
     robot.due(0.0)
