@@ -89,8 +89,10 @@ prepare() {
     install_missing 2 "$@"
     _source /opt/ros/noetic/setup.bash
   else
-    [ "$(operating_system)" = "debian 12" ] ||
-      die "this is $(operating_system), without /opt/ros/noetic; use Debian 12, or install ROS Noetic (Ubuntu 20.04) first."
+    case "$(operating_system)" in
+      'debian 12' | 'debian 13') ;;
+      *) die "this is $(operating_system), without /opt/ros/noetic; use Debian 12 or 13, or install ROS Noetic (Ubuntu 20.04) first." ;;
+    esac
     install_missing 1 "$@"
   fi
   _build

@@ -148,9 +148,10 @@ async def _serve(settings: DoorSettings, channel: socket.socket,
                            f'({error}): end the program that uses the port, or choose another '
                            'with ~port.'}
     channel.sendall(json.dumps(answer).encode() + b'\n')
-    ended = asyncio.get_event_loop().create_future()
-    asyncio.get_event_loop().add_reader(channel, ended.set_result, None)
-    await ended
+    ended = asyncio.Event()
+    asyncio.get_event_loop().add_reader(channel, ended.set)  # is called until it is removed
+    await ended.wait()
+    asyncio.get_event_loop().remove_reader(channel)
     if door is not None:
         await door.close()
     await worker.close()
