@@ -153,7 +153,7 @@ class GraphRobot:
         docking = {p.Motion.DOCKED: p.Docking.DOCKED, p.Motion.DOCKING: p.Docking.DOCKING}
         return p.RobotSeen(int(now * NANOSECONDS), self.motion, self.shown_goal,
                            docking.get(self.motion, p.Docking.UNDOCKED), self.emergency,
-                           self.position)
+                           self.position, 0.0)
 
     def _left(self) -> float:
         points = [self.position, *self._way]

@@ -274,7 +274,7 @@ def test_locations_out_of_order_are_left_out():
     bench = under_way()
     before = bench.follower.report()
     for stamp in (before.stamp - 1, before.stamp, before.stamp - 1):
-        bench.tell(p.RobotSeen(stamp, place=(0.0, 9.0)))
+        bench.tell(p.RobotSeen(stamp, place=(0.0, 9.0), heading=0.0))
     assert replace(bench.follower.report(), number=before.number) == before
 
 def drive_by(bench: Bench, *places) -> None:

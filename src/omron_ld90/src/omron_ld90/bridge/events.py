@@ -5,7 +5,6 @@ Lengths are in m; stamps in nanoseconds of the ROS clock. Orders and reports are
 """
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Optional, Tuple, Union
@@ -62,7 +61,7 @@ class RobotSeen:
     docking: Optional[Docking] = None
     emergency_stop: bool = False
     place: Optional[Tuple[float, float]] = None  # m, map frame
-    heading: float = math.nan  # rad, at that place
+    heading: Optional[float] = None  # rad, at that place
 
 
 # --- our commands ---------------------------------------------------------------------------------

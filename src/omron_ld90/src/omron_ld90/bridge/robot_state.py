@@ -19,12 +19,12 @@ NODE_SILENCE = 2.0              # s without a report, due every second: the node
 
 @dataclass(frozen=True)
 class Located:
-    """A location (m, map frame) that the robot reported; `heading` is NaN if it reported none."""
+    """A location (m, map frame) that the robot reported; `heading` is None if it reported none."""
 
     stamp: int
     x: float
     y: float
-    heading: float = math.nan
+    heading: Optional[float] = None
 
     @property
     def position(self) -> Tuple[float, float]:

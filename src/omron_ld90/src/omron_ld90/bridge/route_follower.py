@@ -15,6 +15,7 @@ The epoch of the reports is the vehicle's own. Commands carry the controller's e
 """
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import Callable, Iterable, List, Optional, Tuple
@@ -25,6 +26,7 @@ from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.motion_judge import MotionJudge
 from omron_ld90.bridge.order_notes import OrderNotes
 from omron_ld90.bridge.robot_monitor import RobotMonitor
+from omron_ld90.bridge.robot_state import Located
 from omron_ld90.bridge.route_orders import (
     check_braking,
     check_change,
@@ -152,8 +154,7 @@ class RouteFollower:
         """The next report for the fleet manager."""
         last = self.robot.location.last
         return self.vehicle.report(
-            last.stamp if last else 0, self.pose,
-            Location(last.x, last.y, last.heading) if last else None, self.motion,
+            last.stamp if last else 0, self.pose, _location_of(last), self.motion,
             self._stop_problem, self._unready)
 
     @property
@@ -399,3 +400,10 @@ class RouteFollower:
         if cause is not None:
             self.orders.begin_epoch(cause, NO_REASON, now)
         self._note(f'Route {self.vehicle.state.route_id} failed: {failure}')
+
+
+def _location_of(last: Optional[Located]) -> Optional[Location]:
+    """The location as reports tell it."""
+    if last is None:
+        return None
+    return Location(last.x, last.y, math.nan if last.heading is None else last.heading)

@@ -1,7 +1,6 @@
 """Converts the messages of the robot's nodes into the events of the bridge."""
 from __future__ import annotations
 
-import math
 from typing import Dict, Optional
 
 from node_lifecycle.headings import yaw_from_quaternion
@@ -59,7 +58,7 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
         status.header.stamp.to_nsec(), *motion_of(kind, status.goal),
         _DOCKING.get(status.docking_state), status.emergency_stop,
         (position.x, position.y) if status.has_pose else None,
-        yaw_from_quaternion(status.pose.orientation) if status.has_pose else math.nan)
+        yaw_from_quaternion(status.pose.orientation) if status.has_pose else None)
 
 
 def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
