@@ -38,9 +38,11 @@ class Search(NamedTuple):
     most: Optional[int] = None
     closed: FrozenSet[int] = frozenset()
 
-    def of(self, kind: Type[Yard] = Yard, model: Optional[Model] = None) -> yard_model.Found:
+    def of(self, kind: Type[Yard] = Yard, model: Optional[Model] = None,
+           live: bool = False) -> yard_model.Found:
         begins = dict(list(BEGINS.items())[:self.robots])
-        return kind(self.graph, AGV, begins, self.closed, model).search(self.bounds, self.most)
+        return kind(self.graph, AGV, begins, self.closed, model).search(
+            self.bounds, self.most, live)
 
 
 def at_once(grants: int, faults: int = 0, acts: int = 0, *kinds: Fault) -> Bounds:
@@ -78,6 +80,22 @@ def test_nothing_that_can_happen_in_a_small_yard_brings_robots_too_near(name, ca
     found = search.of()
     with capsys.disabled():
         print(f'\n{name}: {"all" if search.most is None else "the nearest"} {found.states} states')
+    assert not found.flaw, str(found)
+
+
+LIVE = {
+    'faults': Search(LINE, at_once(1, 1, 0, Fault.ROUTE, Fault.REFUSAL, Fault.RESTART, Fault.DISK,
+                                   Fault.CLOCK)),
+}
+if LONG:
+    LIVE.update({name: SEARCHES[name] for name in (
+        'one grant, late reports', 'three robots', 'people', 'robots without memory',
+        'stops past the fleet manager', 'an older journal')})
+
+
+@pytest.mark.parametrize('name', LIVE)
+def test_from_each_state_a_robot_can_be_brought_to_a_new_edge(name):
+    found = LIVE[name].of(live=True)
     assert not found.flaw, str(found)
 
 

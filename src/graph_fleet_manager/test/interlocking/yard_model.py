@@ -31,14 +31,16 @@ Properties
                Then both are stopped.
     STORED     An order with edges is in the journal before it is sent.
     GRANTED    Nothing is granted that a gate or a condition forbids, as the situation shows it.
+    LIVE       If from now on messages arrive, nothing fails, and a person helps, then a robot is
+               granted an edge and takes that order. (Not if another giver has taken a robot: then
+               a person may have to move one by hand.)
 
 A search is complete for its bounds: the number of grants, faults and acts of people. The number of
 reports has no bound. Distances between robots have no reserve: a robot is `SLACK` short of a vertex
 that it passes, and counts as exactly on its edge.
 
 Not in this model: robots beside their edges, other beginnings of a route, other masters (for one
-robot in `test_master.py` of route_protocol), changes of the graph, robots that are declared absent,
-and liveness.
+robot in `test_master.py` of route_protocol), changes of the graph, robots that are declared absent.
 """
 from __future__ import annotations
 
@@ -116,6 +118,11 @@ Step = Tuple[str, int, int, int, int]
 Point = Tuple[float, float]
 Piece = Tuple[Point, Point, float]
 """All points within a radius of a straight line."""
+
+HELPS = ('the disk is freed', 'the fleet is resumed', 'drives', 'obeys or refuses order',
+         'reports, which is heard at once', 'is told to stop first', 'its order is sent', 'goes on',
+         'a person brings it back', 'the journal is believed again')
+"""The events that help robots to drive again, in the order in which they are tried."""
 
 # What follows a change of one robot
 HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
@@ -558,9 +565,15 @@ class Yard:
             0, vehicle.order, edges, states, pose, FAILED if vehicle.failed else values.NO_REASON,
             values.Location(x, y, 0.0), vehicle.epoch, side.cause,
             MASTER if vehicle.master == ME else '', vehicle.order, vehicle.refused,
-            NO if vehicle.refused else values.NO_REASON, first, MOTIONS[motion_of(vehicle)])
+            NO if vehicle.refused else values.NO_REASON, first, self._motion(vehicle))
         return (side._replace(vehicle=vehicle._replace(sequence=number)),
                 Said(_number(report, self._contents, self._content_ids), number))
+
+    @staticmethod
+    def _motion(vehicle: Vehicle) -> values.Motion:
+        """What a robot says; each knows when another giver drives it, even without its memory."""
+        is_moved = vehicle.giver == OTHER and bool(vehicle.route or vehicle.rolling)
+        return values.Motion.MOVED if is_moved else MOTIONS[motion_of(vehicle)]
 
     def _pose(self, vehicle: Vehicle) -> values.SymbolicPose:
         if vehicle.edge is not None:
@@ -1027,18 +1040,62 @@ class Yard:
 
     # -- the search -------------------------------------------------------------------------------
 
-    def search(self, bounds: Bounds, most: Optional[int] = None) -> Found:
+    def is_live(self, state: State) -> bool:
+        """Is a robot granted an edge, and does it take that order, if all events help?
+
+        All clocks are right again.
+        """
+        state = (self._site_id(self._sites[state[0]]._replace(grants=1, faults=0, acts=0)), *(
+            self._put(self._sides[id]._replace(ahead=False)) for id in state[1:]))
+        passed: List[State] = []
+        found: Optional[bool] = None
+        while found is None:
+            passed.append(state)
+            key = 'live', state
+            after = self._helped(state)
+            if key in self._known:
+                found = self._known[key]
+            elif self._may_drive(state):
+                found = True
+            elif after in passed:
+                found = False
+            state = after
+        self._known.update({('live', one): found for one in passed})
+        return found
+
+    def _may_drive(self, state: State) -> bool:
+        for event, after in self.steps(state):
+            name, _, edge = event.partition(': is granted ')
+            if edge:
+                k = self.names.index(name)
+                order = max(self._sides[after[k + 1]].orders)
+                vehicle = self._model.obey(self._sides[after[k + 1]].vehicle, order)
+                if vehicle.order == order.number and vehicle.route:
+                    return True
+        return False
+
+    def _helped(self, state: State) -> State:
+        """The state after each event that helps, tried once for each robot."""
+        for kind in HELPS:
+            for subject in ('', *(f'{name}: ' for name in self.names)):
+                helped = [after for event, after in self.steps(state)
+                          if event.startswith(subject + kind)]
+                state = helped[-1] if helped else state
+        return state
+
+    def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:
         """Visits all states within the bounds, nearest first, until one of them is wrong.
 
         most -- stops after this number of states
+        live -- also checks LIVE, which takes several times as long
         """
         gc.disable()
         try:
-            return self._search(bounds, most)
+            return self._search(bounds, most, live)
         finally:
             gc.enable()
 
-    def _search(self, bounds: Bounds, most: Optional[int]) -> Found:
+    def _search(self, bounds: Bounds, most: Optional[int], live: bool) -> Found:
         start = self.begin(bounds)
         came_from: Dict[State, Optional[State]] = {start: None}
         waiting: Deque[State] = deque([start])
@@ -1049,6 +1106,8 @@ class Yard:
                     continue
                 came_from[after] = state
                 flaw = self.flaw(after)
+                if not flaw and live and not self.is_live(after):
+                    flaw = 'LIVE: no robot is brought to a new edge'
                 if flaw:
                     return Found(len(came_from), flaw, self._way(came_from, after))
                 waiting.append(after)
