@@ -53,7 +53,6 @@ LIMITS: Dict[str, int] = {
     'itrci_nav_msgs/ParkingPlaces': LIST,
     'itrci_nav_msgs/PlanAnswer': PLAN,
     'itrci_nav_msgs/PlanRequest': PLAN,
-    'itrci_nav_msgs/RouteRefused': TEXT,
     'itrci_nav_msgs/TargetRoute': TEXT,
     'move_base_msgs/MoveBaseActionFeedback': POINT,
     'move_base_msgs/MoveBaseActionGoal': POINT,

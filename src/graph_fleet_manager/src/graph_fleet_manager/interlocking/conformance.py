@@ -35,6 +35,7 @@ from typing import (
 from graph_fleet_manager.interlocking.allocation import Allocation
 from graph_fleet_manager.interlocking.route_master import RouteMaster
 from route_protocol.master import MasterState
+from trajectory_graph.id_lists import listed
 
 
 class Invariant(Enum):
@@ -60,7 +61,7 @@ class Violation:
     other: str = ''
 
     def __str__(self) -> str:
-        where = f'robot {self.other}' if self.other else f'edges {sorted(self.edges)}'
+        where = f'robot {self.other}' if self.other else f'edges {listed(sorted(self.edges))}'
         return f'{self.robot}: {self.invariant.value} ({where})'
 
 
