@@ -107,6 +107,22 @@ def test_secrets_are_kept_apart_and_come_back_for_their_owner_only(tmp_path, hom
     assert (there / 'tokens').read_text() == TOKENS
 
 
+@pytest.mark.parametrize('theirs', [b'a holiday picture', None])
+def test_secrets_replace_no_file_that_another_program_wrote(tmp_path, home, site, capsys, theirs):
+    place = tmp_path / 'backup.secrets.tar.gz'
+    if theirs is None:
+        with tarfile.open(place, 'w:gz') as archive:
+            archive.add(str(site / 'graph.yaml'), 'graph.yaml')
+        theirs = place.read_bytes()
+    place.write_bytes(theirs)
+    words = ['save', str(tmp_path / 'backup.tar.gz'), str(site / 'tokens')]
+    assert main(words) == 1
+    assert str(place) in capsys.readouterr().err and place.read_bytes() == theirs
+    assert not (tmp_path / 'backup.tar.gz').exists(), 'all is saved, or nothing'
+    place.unlink()
+    assert main(words) == 0 == main(words), 'its own archive is replaced'
+
+
 def test_archives_and_what_comes_back_are_for_their_owner_only(tmp_path, home, site):
     archive = save(tmp_path, site)
     there = tmp_path / 'there'

@@ -101,17 +101,34 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
         if secrets and os.geteuid() == 0 and owner_of(archive.parent) in _services(home):
             raise NotDone(f'The folder of {archive} belongs to the user of the services, which '
                           'must not read all secrets of the site: choose another folder.')
+        apart = archive.with_name(archive.name.replace('.tar.gz', '') + '.secrets.tar.gz')
+        if secrets and apart.exists() and not _is_of_this_command(apart):
+            raise NotDone(f'The secrets would replace {apart}, which this command has not written: '
+                          'move that file, or choose another name for the backup.')
         _write(archive, public)
         said = [f'{archive}: {", ".join(public) or "nothing"}.']
         if f'{_HOME}/{JOURNAL}' not in public:
             place = state_folder(home, 'graph_fleet_manager') / JOURNAL
             said.append(f'No journal is saved: there is no {place}.')
         if secrets:
-            apart = archive.with_name(archive.name.replace('.tar.gz', '') + '.secrets.tar.gz')
             _write(apart, secrets)
             names = ', '.join(PurePosixPath(name).name for name in secrets)
             said.append(f'{apart}: {names}. Keep it elsewhere.')
     return said
+
+
+def _is_of_this_command(archive: Path) -> bool:
+    """Is a file an archive of secrets of an earlier backup?"""
+    with ExitStack() as stack:
+        packed = _new(stack)
+        read_as_owner(archive, packed)
+        packed.seek(0)
+        try:
+            with tarfile.open(fileobj=packed, mode='r:gz') as source:
+                return all(PurePosixPath(name).parent == PurePosixPath(_SITE)
+                           for name in source.getnames())
+        except (OSError, tarfile.TarError, EOFError):
+            return False
 
 
 def _new(stack: ExitStack) -> IO[bytes]:
