@@ -177,10 +177,15 @@ class Agv:
         return None
 
     def _wait(self, order: RouteOrder) -> None:
-        """Keeps a route until the AGV stands. A newer one of the same master replaces it."""
+        """Keeps a route until the AGV stands, instead of an older one or one of another master.
+
+        A route of another master that waited is refused.
+        """
         before = self._waits
-        if before is None or order.master != before.master or order.order > before.order or (
-                not order.order):
+        is_of_another = before is not None and order.master != before.master
+        if before is not None and is_of_another:
+            self._late_refusals.append(self.refuse(before, OVERRULED))
+        if before is None or is_of_another or order.order > before.order or not order.order:
             self._waits = order
 
     def refuse(self, order: RouteOrder, reason: Reason) -> RouteRefusal:
