@@ -18,7 +18,7 @@ from functools import lru_cache
 from typing import Deque, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
 
 from route_protocol import vehicle as protocol
-from route_protocol.master import Order
+from route_protocol.master import REPEAT, Order
 from route_protocol.messages import WrongReport
 from route_protocol.values import (
     TAKEN_OVER,
@@ -37,7 +37,7 @@ from vda5050_vehicle.drivers.driver import Leg
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
-from vda5050_vehicle.drivers.route_driver import ME, PATIENCE, REPEAT, RouteDrive, RouteDriver
+from vda5050_vehicle.drivers.route_driver import ME, PATIENCE, RouteDrive, RouteDriver
 
 LAST = 4       # the last vertex
 LENGTH = 10.0  # m

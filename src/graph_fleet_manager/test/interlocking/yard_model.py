@@ -88,6 +88,7 @@ from numbered_orders_model import (  # noqa: E402
     NOBODY,
     OTHER,
     Edge,
+    Found,
     Model,
     Motion,
     Order,
@@ -235,17 +236,6 @@ class Bounds(NamedTuple):
     acts: int = 0
     kept: bool = True
     of: FrozenSet[Fault] = EVERY
-
-
-class Found(NamedTuple):
-    """The result of a search: how many states, what is wrong, and the shortest way to it."""
-
-    states: int
-    flaw: str = ''
-    way: Tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return '\n    '.join((f'{self.flaw or "no violation"} ({self.states} states)', *self.way))
 
 
 class Clock:

@@ -11,7 +11,6 @@ from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
 
 from fleet_simulation.supervised_fleet import SupervisedFleet, route_order
-from graph_fleet_manager.interlocking.route_master import REPEAT
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
@@ -19,6 +18,7 @@ from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs.srv import GetMissionStatusRequest
+from route_protocol.master import REPEAT
 
 
 class Services:

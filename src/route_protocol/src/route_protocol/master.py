@@ -55,6 +55,9 @@ from route_protocol.values import (
     RouteReport,
 )
 
+REPEAT = 1.0  # s after which an order that no report shows is sent again
+_LARGEST_LABEL = 2 ** 31 - 1
+
 SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
 
 
@@ -302,8 +305,13 @@ def give_stop(state: MasterState, number: int, route_id: int) -> MasterState:
 
 
 def next_number(state: MasterState, clock: int) -> int:
-    """Returns the number of the next order.
+    """Returns the number of the next order: above all that an earlier run may have drawn.
 
     clock -- ms since 1970: an older journal, or a restored machine, must not draw a number again
     """
-    return max(state.number + 1, clock)
+    return max(state.number + 1, clock, state.gap[1])
+
+
+def label_of(number: int) -> int:
+    """Returns the `route_id` of a route or stop that begins with this order."""
+    return number % _LARGEST_LABEL + 1

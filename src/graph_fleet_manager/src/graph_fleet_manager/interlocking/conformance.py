@@ -143,7 +143,8 @@ class Conformance:
         """Is this the state of the last check? Each change makes new objects."""
         before = self._seen.get(name)
         now = self._seen[name] = master.allocation, master.protocol, master.last_sent
-        return before is not None and all(one is other for one, other in zip(before, now))
+        return before is not None and before[2] == now[2] and (
+            before[0] is now[0] and before[1] is now[1])
 
     def _state(self, name: str, robot: ObservedRobot) -> ModelState:
         return ModelState(edges_of(robot.master.allocation), self._journal.get(name, frozenset()),

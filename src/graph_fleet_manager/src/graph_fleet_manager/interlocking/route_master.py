@@ -38,12 +38,14 @@ from graph_fleet_manager.interlocking.reports import (
 from graph_fleet_manager.interlocking.route_record import RouteRecord
 from route_protocol.master import (
     OLD_NEWS,
+    REPEAT,
     MasterState,
     News,
     Order,
     give_route,
     give_stop,
     hear,
+    label_of,
     next_number,
 )
 from route_protocol.values import EpochCause, Motion
@@ -52,13 +54,11 @@ from trajectory_graph.id_lists import listed
 
 ME = 'path_supervisor'
 """The name of this master in its orders."""
-REPEAT = 1.0  # s after which an order that no report shows is sent again
 # m that a robot may have moved since its last location while another one moves it
 MANUAL_REACH = 10.0
 _STEP = 0.5   # m: the step in which the area around such a robot grows
 _SOON = 0.2   # s within which that area grows again; ticks come more often
 _SQUARE = 1.0  # m: such a robot's location is stored whenever it is in another such square
-_LARGEST_LABEL = 2 ** 31 - 1
 
 Clock = Callable[[], int]
 """Returns ms since 1970."""
@@ -319,13 +319,13 @@ class RouteMaster:
     # -- orders -----------------------------------------------------------------------------------
 
     def _next_number(self) -> int:
-        return max(next_number(self.protocol, self._clock()), self.protocol.gap[1])
+        return next_number(self.protocol, self._clock())
 
     def extend(self, edges: Sequence[int], renew: bool = False) -> None:
         """Lets the robot drive more edges; `renew`: under a new label (for another mission)."""
         number = self._next_number()
         if renew or not self.record.ahead or not self._label:
-            self._label = number % _LARGEST_LABEL + 1
+            self._label = label_of(number)
         if not self.record.ahead:
             self.record.begins_with(edges[0])
         self._set(give_route(self.protocol, number, (*self.record.ahead, *edges), self._label))
@@ -362,7 +362,7 @@ class RouteMaster:
         """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
         self._take_back_unsent()
         number = self._next_number()
-        self._set(give_stop(self.protocol, number, number % _LARGEST_LABEL + 1))
+        self._set(give_stop(self.protocol, number, label_of(number)))
 
     def drop_stops(self) -> None:
         """The robot has no topics here any more: nothing can be sent to it."""

@@ -9,9 +9,8 @@ from __future__ import annotations
 from math import inf
 from typing import Iterable, List, Sequence
 
-from graph_fleet_manager.interlocking.route_master import REPEAT
 from graph_fleet_manager.supervision.actions import SendRoute
-from route_protocol.master import Order
+from route_protocol.master import REPEAT, Order
 
 STOP = Order(0, 0, 0, ())
 """A stop past the supervisor."""

@@ -89,8 +89,9 @@ class FleetTopics:
 
     def _ask_newcomer(self, publish: Callable[[PlanRequestMessage], None]) -> None:
         """Sends the open question to a new subscriber: a planner that was not connected before."""
-        if self._asked is not None:
-            publish(self._asked[0])
+        asked = self._asked  # an answer may come meanwhile
+        if asked is not None:
+            publish(asked[0])
 
     def is_answered(self, answer: PlanAnswer) -> bool:
         """Returns whether this answers the last plan request.

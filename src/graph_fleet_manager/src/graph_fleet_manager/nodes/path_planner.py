@@ -106,7 +106,7 @@ class PathPlanner:
             older, self._request = self._request, (message, times)
             self._received = time.monotonic()
             self._changed.notify()
-        if older is not None and older[0].plan_id != message.plan_id:
+        if older is not None and not _is_same(older[0], message):
             self._answers.publish(no_plan_message(older[0], PlanAnswer.SUPERSEDED,
                                                   'A newer request came.'))
 
@@ -187,6 +187,11 @@ class PathPlanner:
         status.summary(*self._status)
         for name, value in self._figures.items():
             status.add(name, value)
+
+
+def _is_same(one: PlanRequest, other: PlanRequest) -> bool:
+    """Did one request come twice? A supervisor that connects sends its open request again."""
+    return (one.plan_id, one.header.stamp) == (other.plan_id, other.header.stamp)
 
 
 def main() -> None:

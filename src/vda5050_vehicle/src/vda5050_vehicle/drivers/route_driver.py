@@ -21,12 +21,14 @@ from dataclasses import dataclass, replace
 from typing import Callable, Optional, Sequence, Tuple
 
 from route_protocol.master import (
+    REPEAT,
     MasterState,
     News,
     Order,
     give_route,
     give_stop,
     hear,
+    label_of,
     next_number,
 )
 from route_protocol.order_rules import MAXIMUM_EDGES
@@ -47,9 +49,7 @@ from vda5050_vehicle.protocol.values import Edge, Node
 
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""
-REPEAT = 1.0     # s after which an order that no report shows is sent again
 PATIENCE = 25.0  # s after which a robot that does not answer is given up; a bridge restarts in 20 s
-_LARGEST_LABEL = 2 ** 31 - 1
 # Epochs for other reasons begin because the robot does not know its orders any more.
 _BY_OTHERS = (EpochCause.OTHER_GIVER, EpochCause.STOP, EpochCause.CANCEL, EpochCause.OTHER_CLIENT,
               EpochCause.ROBOT, EpochCause.EMERGENCY_STOP, EpochCause.OTHER_MASTER)
@@ -168,7 +168,7 @@ class RouteDriver(Driver[RouteDrive]):
     def _order(self, first: int, edges: Tuple[int, ...], now: float) -> None:
         """Orders these legs, from number `first` on, if that is anything new."""
         drive, known, number = self.drive_state, self.drive_state.protocol, self._next_number()
-        route, origin, label = drive.route, drive.origin, number % _LARGEST_LABEL + 1
+        route, origin, label = drive.route, drive.origin, label_of(number)
         if route is not None and origin is not None:
             edges = known.ahead[:max(origin + first - known.done, 0)] + edges
             label = route.route_id
@@ -195,11 +195,11 @@ class RouteDriver(Driver[RouteDrive]):
         known, number = self.drive_state.protocol, self._next_number()
         if known.is_stopping:  # the newer stop does all that this one does
             known = replace(known, open=known.open[:-1])
-        self._give(give_stop(known, number, number % _LARGEST_LABEL + 1), now)
+        self._give(give_stop(known, number, label_of(number)), now)
 
     def _next_number(self) -> int:
         known = self.drive_state.protocol
-        return max(next_number(known, self._clock()), known.gap[1])
+        return next_number(known, self._clock())
 
     def _give(self, protocol: MasterState, now: float) -> None:
         self._set(protocol=protocol)
