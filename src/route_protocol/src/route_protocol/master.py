@@ -42,6 +42,7 @@ The state must be on the disk before an order is sent.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, Optional, Tuple
 
 from route_protocol.messages import WrongReport
@@ -100,7 +101,10 @@ class Order(NamedTuple):
 
 @dataclass(frozen=True)
 class MasterState:
-    """All that a master knows of one vehicle; the head of the module says what it means."""
+    """All that a master knows of one vehicle; the head of the module says what it means.
+
+    What follows from it is computed once, because masters ask for it many times for each report.
+    """
 
     epoch: int = 0
     report: int = 0
@@ -116,7 +120,7 @@ class MasterState:
     unknown: int = 0
     gap: Tuple[int, int] = (0, 0)
 
-    @property
+    @cached_property
     def may_be_on(self) -> Tuple[Step, ...]:
         """All edges on which the vehicle may be, or onto which orders may still bring it."""
         found = dict.fromkeys((*self.behind, *self.held))
@@ -124,13 +128,13 @@ class MasterState:
             found.update(dict.fromkeys(order.steps(self.done)))
         return tuple(found)
 
-    @property
+    @cached_property
     def farthest(self) -> Optional[Order]:
         """The open route that leads farthest; None: no route is open."""
         routes = [order for order in self.open if order.edges]
         return max(routes, key=lambda order: order.end) if routes else None
 
-    @property
+    @cached_property
     def ahead(self) -> Tuple[int, ...]:
         """The edges of that route from the one under way on."""
         route = self.farthest
@@ -141,7 +145,7 @@ class MasterState:
         """Record number behind that route."""
         return self.done + len(self.ahead)
 
-    @property
+    @cached_property
     def pending(self) -> Optional[Order]:
         """The newest order, if no report shows it yet: it is repeated."""
         last = self.open[-1] if self.open else None
