@@ -269,7 +269,8 @@ def key_of(robot: ManagedRobot) -> Hashable:
     return (_values(robot, ('name', 'type', 'settings', 'why', 'battery', 'passed', 'driven',
                             '_timer', '_located', 'master', 'liveness')),
             _values(robot.liveness, ()),
-            _values(master, ('record', '_clock', '_allocation', '_strays')), min(master._strays, 2),
+            _values(master, ('record', '_clock', '_allocation', '_elsewhere', '_strays')),
+            min(master._strays, 2),
             _values(master.record, ('graph', 'kind', '_slack', '_driven', 'generation')))
 
 

@@ -172,7 +172,9 @@ class RouteMaster:
         self._beside: Optional[Point] = None
         """Where the robot stood when another beginning of its next route was chosen."""
         self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
+        # What follows from all this, as far as it was asked for since the last change.
         self._allocation: Optional[Allocation] = None
+        self._elsewhere: Optional[Tuple[Located, ...]] = None
 
     # -- state ------------------------------------------------------------------------------------
 
@@ -278,10 +280,13 @@ class RouteMaster:
 
         The one before the last counts only if it was a stray one.
         """
-        record = self.record
-        holds, standing = record.holds(), record.position if record.is_standing else None
-        return tuple(one for k, one in enumerate(self.locations)
-                     if (one.is_stray or not k) and not self._covers(one.point, holds, standing))
+        if self._elsewhere is None:
+            record = self.record
+            holds, standing = record.holds(), record.position if record.is_standing else None
+            self._elsewhere = tuple(
+                one for k, one in enumerate(self.locations)
+                if (one.is_stray or not k) and not self._covers(one.point, holds, standing))
+        return self._elsewhere
 
     def _covers(self, point: Point, holds: Sequence[Hold],
                 position: Optional[GraphPosition]) -> bool:
@@ -310,7 +315,7 @@ class RouteMaster:
                 record.position, self._stored_locations, self._lost)
 
     def _changed(self) -> None:
-        self._allocation = None
+        self._allocation = self._elsewhere = None
 
     def _set(self, protocol: MasterState) -> None:
         self.record.protocol = protocol
