@@ -21,7 +21,7 @@ from visualization_msgs.msg import (
     MarkerArray,
 )
 
-from graph_fleet_manager.files.fleet_file import load_fleet
+from fleet_core.files.fleet_file import load_fleet
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionRequest, MissionStatus
 from system_support import Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph

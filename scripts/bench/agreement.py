@@ -31,14 +31,14 @@ from measuring.tables import print_table
 from scipy.stats import t as students_t
 
 from fleet_bringup.made_fleet import RELEASE_AHEAD, made_fleet
+from fleet_core.supervision.missions import MissionState, Request, Status
+from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, Standstill
 from fleet_simulation.simulation import Run
 from fleet_simulation.site import Site, site_of
 from graph_fleet_manager.nodes.random_missions import places_by_edge
-from graph_fleet_manager.supervision.missions import MissionState, Request, Status
-from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[2]

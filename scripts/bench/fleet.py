@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / 'src/graph_fleet_manager/test'))
+sys.path.insert(0, str(ROOT / 'src/fleet_core/test'))
 
 from fleet_bench import operation, queueing, rivals  # noqa: E402
 from fleet_bench.instances import (  # noqa: E402
@@ -32,12 +32,12 @@ from fleet_bench.instances import (  # noqa: E402
 from measuring.tables import print_table  # noqa: E402
 from plan_checker import faults  # noqa: E402
 
-from graph_fleet_manager.files.plan_file import solved_plan  # noqa: E402
-from graph_fleet_manager.planning.layers import Search, layered  # noqa: E402
-from graph_fleet_manager.planning.planner import FleetPlanner  # noqa: E402
-from graph_fleet_manager.planning.road_network import RoadNetwork  # noqa: E402
-from graph_fleet_manager.planning.safe_intervals import find_path  # noqa: E402
-from graph_fleet_manager.planning.tasks import Outcome  # noqa: E402
+from fleet_core.files.plan_file import solved_plan  # noqa: E402
+from fleet_core.planning.layers import Search, layered  # noqa: E402
+from fleet_core.planning.planner import FleetPlanner  # noqa: E402
+from fleet_core.planning.road_network import RoadNetwork  # noqa: E402
+from fleet_core.planning.safe_intervals import find_path  # noqa: E402
+from fleet_core.planning.tasks import Outcome  # noqa: E402
 from trajectory_graph import Graph, split_edges  # noqa: E402
 
 SEEDS = 20

@@ -23,7 +23,7 @@ from measuring.tables import print_table
 from network_namespaces import transmitted
 
 from fleet_bringup.made_fleet import parking_places
-from graph_fleet_manager.fleet import RobotType
+from fleet_core.fleet import RobotType
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from system_support import Recorder, wait_until
 from trajectory_graph import load_graph

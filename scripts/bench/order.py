@@ -17,6 +17,8 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 from fleet_bench.instances import aisles
 from measuring.tables import print_table
 
+from fleet_core.fleet import Fleet, Robot, RobotType
+from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.batch import Job, Progress, run_all
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
@@ -24,8 +26,6 @@ from fleet_simulation.driven_robot import Delays, Standstill
 from fleet_simulation.figures import Figures, Use
 from fleet_simulation.site import Order, Site, site_of
 from fleet_simulation.statistics import Band, band
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
-from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -16,14 +16,14 @@ from typing import Callable, Dict, NamedTuple
 from fleet_bench.instances import aisles
 from measuring.tables import print_table
 
+from fleet_core.fleet import Fleet, Robot, RobotType
+from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import simulate
 from fleet_simulation.site import Site, site_of
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
-from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -21,7 +21,7 @@ from measuring.tables import Row
 from measuring.timing import p50_and_p99
 from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
 
-from graph_fleet_manager.files.fleet_file import load_fleet
+from fleet_core.files.fleet_file import load_fleet
 from itrci_nav_msgs.msg import (
     EdgeState,
     ExecutionRouteStates,

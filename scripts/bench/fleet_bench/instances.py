@@ -7,8 +7,8 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 from scipy.spatial import cKDTree
 
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.tasks import Task
+from fleet_core.fleet import RobotType
+from fleet_core.planning.tasks import Task
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 AGV = RobotType('agv', 0.43, 1.0)

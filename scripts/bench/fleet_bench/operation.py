@@ -9,16 +9,16 @@ from pathlib import Path
 from random import Random
 from typing import Dict, Sequence, Tuple
 
+from fleet_core.fleet import Fleet, Robot, RobotType
+from fleet_core.supervision.missions import Request, Status
+from fleet_core.supervision.settings import RobotSettings
+from fleet_simulation.agv.speed_limits import DriveLimits
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, DrivenRobot, Mechanics, Standstill
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import Run
 from fleet_simulation.site import Site, site_of
-from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
-from graph_fleet_manager.supervision.missions import Request, Status
-from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph, load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[3]

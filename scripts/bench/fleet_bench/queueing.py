@@ -11,7 +11,7 @@ from random import Random
 from typing import Dict, List, NamedTuple, Tuple
 
 from fleet_bench import operation
-from graph_fleet_manager.planning.road_network import RoadNetwork
+from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import load_graph
 
 

@@ -18,12 +18,12 @@ from fleet_builders import as_files
 from plan_checker import World, faults
 
 from fleet_bench.instances import AGV, CLEARANCE, Instance
-from graph_fleet_manager.planning.plans import makespan, sum_of_costs
-from graph_fleet_manager.planning.precedence import Conflicting, precedence
-from graph_fleet_manager.planning.problem import Problem
-from graph_fleet_manager.planning.reservation_table import ReservationTable
-from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.schedule import schedule
+from fleet_core.planning.plans import makespan, sum_of_costs
+from fleet_core.planning.precedence import Conflicting, precedence
+from fleet_core.planning.problem import Problem
+from fleet_core.planning.reservation_table import ReservationTable
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.schedule import schedule
 from trajectory_graph import Graph
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -13,10 +13,10 @@ from typing import Callable, Dict, Iterator, List
 from measuring.tables import Row
 from measuring.timing import p50_and_p99
 
-from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
-from graph_fleet_manager.supervision.journal import Journal
-from graph_fleet_manager.supervision.missions import MissionState, Request
-from graph_fleet_manager.supervision.supervisor import Supervisor
+from fleet_core.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
+from fleet_core.supervision.journal import Journal
+from fleet_core.supervision.missions import MissionState, Request
+from fleet_core.supervision.supervisor import Supervisor
 from load_bench.site import grid
 from trajectory_graph import Graph
 

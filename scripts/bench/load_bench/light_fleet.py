@@ -12,8 +12,8 @@ from typing import Dict, List, Mapping, NamedTuple, Optional
 
 import rospy
 
+from fleet_core.fleet import RobotType
 from fleet_simulation.plain_agv import Agv
-from graph_fleet_manager.fleet import RobotType
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from load_bench.site import ALONE, RELEASE_AHEAD
 from route_protocol.master import Order

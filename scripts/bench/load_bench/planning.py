@@ -8,10 +8,10 @@ from typing import Dict, Iterator, List, NamedTuple, Tuple
 
 from measuring.tables import Row
 
-from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, RobotType
-from graph_fleet_manager.plan_requests import PlanRequest
-from graph_fleet_manager.plan_service import PlanService
-from graph_fleet_manager.planning.tasks import PlannedDrive, Task
+from fleet_core.fleet import DOCK_APPROACH, Fleet, RobotType
+from fleet_core.plan_requests import PlanRequest
+from fleet_core.plan_service import PlanService
+from fleet_core.planning.tasks import PlannedDrive, Task
 from load_bench.site import grid, starts
 
 ROBOTS, SIDE = 200, 71

@@ -40,9 +40,9 @@ def _lossy(module: Any) -> None:
     module.Journal.missions = lambda self: []
 
 
-_JOURNAL = 'graph_fleet_manager.supervision.journal'
+_JOURNAL = 'fleet_core.supervision.journal'
 PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
-    'interlocking': {'graph_fleet_manager.interlocking.interlocking': _without_places},
+    'interlocking': {'fleet_core.interlocking.interlocking': _without_places},
     'owed-stop': {'omron_arcl.drives': _without_owed_stop,
                   'omron_ld90.bridge.stop_duty': _without_stop_duty},
     'restart': {_JOURNAL: _forgetful},

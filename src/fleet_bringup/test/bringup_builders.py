@@ -6,7 +6,7 @@ from typing import List
 
 from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import Entry, read_entries
-from graph_fleet_manager.files.fleet_file import load_fleet
+from fleet_core.files.fleet_file import load_fleet
 
 HEAD = '''clearance: 0.1
 robot_types:

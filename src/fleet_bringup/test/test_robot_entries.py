@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 from bringup_builders import entries
 
-from graph_fleet_manager.files.errors import FileError
+from fleet_core.files.errors import FileError
 
 
 def test_simulated_robots_get_ports_ten_apart(tmp_path):

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
+from fleet_core.supervision.journal import HistoryLine
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Robot
 from fleet_page.core.page import Missions, Page
@@ -21,7 +22,6 @@ from fleet_page.door.files import CHART, PageFiles
 from fleet_page.door.security import Addresses, certificates_of
 from fleet_page.door.worker import Worker
 from fleet_page.web.server import WebServer, serve
-from graph_fleet_manager.supervision.journal import HistoryLine
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 PAGE_FOLDER = Path(__file__).parents[1] / 'page'

@@ -1,12 +1,12 @@
 """The content of the page, made from the fleet manager's messages."""
 from page_builders import graph, page, request, robot, show_fleet, status
 
+from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.missions import MissionState
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import Place, Plan
 from fleet_page.core.fleet_model import FleetModel
-from graph_fleet_manager.supervision.journal import HistoryLine
-from graph_fleet_manager.supervision.missions import MissionState
 
 
 def test_a_fleet_manager_that_falls_silent_counts_as_dead_with_the_time_of_its_last_word():

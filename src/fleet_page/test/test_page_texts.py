@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from page_builders import PAGE_FOLDER
 
+from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ActKind
 from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES
-from graph_fleet_manager.supervision.outages import Outage
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -63,7 +63,7 @@ def test_texts_never_become_html_and_nothing_comes_from_elsewhere(name):
 def said_by_the_fleet_manager():
     """All texts in its sources and in the page's commands, with {} for inserted values."""
     packages = Path(__file__).parents[2]
-    paths = [*packages.glob('graph_fleet_manager/src/*/supervision/*.py'),
+    paths = [*packages.glob('fleet_core/src/*/supervision/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
              *packages.glob('fleet_page/src/*/nodes/fleet_commands.py')]
     texts = []

@@ -4,13 +4,13 @@ import os
 import pytest
 from page_builders import page, show_fleet
 
+from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.missions import MissionState
 from fleet_page.core import records as records_module
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.history import history_csv, history_values
 from fleet_page.core.records import Records, Sums, TooManyFavourites
 from fleet_page.core.replay import KEY_PERIOD, SEGMENTS, ReplayRing
-from graph_fleet_manager.supervision.journal import HistoryLine
-from graph_fleet_manager.supervision.missions import MissionState
 
 
 def test_the_audit_list_keeps_the_newest_rows(monkeypatch):

@@ -19,12 +19,12 @@ from page_builders import (  # noqa: E402
 )
 from yarl import URL  # noqa: E402
 
+from fleet_core.supervision.journal_database import JournalError  # noqa: E402
 from fleet_page.core.acts import RULES, ActKind  # noqa: E402
 from fleet_page.core.rate_limits import RateLimit  # noqa: E402
 from fleet_page.core.roles import Role  # noqa: E402
 from fleet_page.door import door as door_module  # noqa: E402
 from fleet_page.door import worker as worker_module  # noqa: E402
-from graph_fleet_manager.supervision.journal_database import JournalError  # noqa: E402
 
 ROUTES = ('/', '/page/main.js', '/chart.js', '/api/me', '/api/events', '/api/site', '/api/map.png',
           '/api/history', '/api/history.csv', '/api/replay', '/api/audit', '/metrics')

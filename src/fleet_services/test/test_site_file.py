@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from fleet_bringup.errors import CannotStart
+from fleet_core.files.errors import FileError
 from fleet_services.site_file import read_site
-from graph_fleet_manager.files.errors import FileError
 
 SITE = '''name: hall
 user: fleet

@@ -1,12 +1,15 @@
-"""A small site for the tests of this package."""
+"""A small site for the tests of this package; the builders of fleet_core become importable."""
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Callable, Dict
 
 import pytest
 
 from trajectory_graph import Edge, Graph, Vertex, save_graph
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / 'fleet_core/test'))
 
 FLEET = '''
 clearance: 0.1

@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
+from fleet_core.files.errors import FileError
 from fleet_simulation.demand_file import load_demand
-from graph_fleet_manager.files.errors import FileError
 
 
 def wanted(folder: Path, graph, text: str):

@@ -17,6 +17,13 @@ from typing import List, Sequence, Type
 
 import pytest
 
+from fleet_core.fleet import RobotType
+from fleet_core.interlocking import interlocking
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision import questions
+from fleet_core.supervision.actions import AskPlanner
+from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.chaos import (
     DOCKS,
     PARKING,
@@ -31,13 +38,6 @@ from fleet_simulation.chaos import (
 from fleet_simulation.promises import Promises
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from fleet_simulation.wrong_plans import WRONG, Spoil, exchanged, with_holes, without_order
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking import interlocking
-from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.supervision import questions
-from graph_fleet_manager.supervision.actions import AskPlanner
-from graph_fleet_manager.supervision.missions import MissionState
-from graph_fleet_manager.supervision.settings import RobotSettings
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
 LIVES = 60 if os.environ.get('LD90_LONG_TESTS') == '1' else 20  # number of lives with all guards

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from fleet_core.fleet import Fleet, Robot, RobotType
 from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.site import with_docks
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
 from trajectory_graph import Graph, load_graph, save_graph
 
 ROOM = 1.0  # m

@@ -6,13 +6,13 @@ from typing import Callable, Dict, List
 
 import pytest
 
+from fleet_core.files.fleet_file import load_fleet
+from fleet_core.files.robot_settings import load_settings
 from fleet_simulation.command import main
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures, Use
 from fleet_simulation.simulation import simulate
 from fleet_simulation.site import Site, site_of
-from graph_fleet_manager.files.fleet_file import load_fleet
-from graph_fleet_manager.files.robot_settings import load_settings
 from trajectory_graph import Graph, load_graph
 
 Files = Callable[..., Dict[str, str]]
@@ -99,7 +99,7 @@ def test_a_vertex_to_which_no_robot_can_come_is_told_with_its_line(
         yard: Graph, files: Files) -> None:
     from dataclasses import replace
 
-    from graph_fleet_manager.files.errors import FileError
+    from fleet_core.files.errors import FileError
     walled = Graph(yard.vertices.values(), [
         replace(edge, velocity_forward=0.0, velocity_backwards=0.0)
         if 21 in (edge.origin, edge.destination) else edge for edge in yard.edges.values()])
@@ -117,7 +117,7 @@ def test_a_run_in_which_no_mission_ends_has_a_report(files: Files, tmp_path: Pat
 def test_an_unreachable_pair_is_told_with_its_line(yard: Graph, files: Files) -> None:
     from dataclasses import replace
 
-    from graph_fleet_manager.files.errors import FileError
+    from fleet_core.files.errors import FileError
     island = Graph(yard.vertices.values(), [
         replace(edge, velocity_forward=0.0) if edge.id == 204 else edge
         for edge in yard.edges.values()])

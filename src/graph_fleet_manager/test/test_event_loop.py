@@ -7,13 +7,13 @@ from random import Random
 import pytest
 from fleet_builders import AGV, corridor
 
+from fleet_core.interlocking.reports import Report
+from fleet_core.supervision.actions import Note, TellStatus
+from fleet_core.supervision.missions import Command, MissionState, Request
+from fleet_core.supervision.outages import Outage
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.nodes import event_loop
 from graph_fleet_manager.nodes.event_loop import BATCH, TICK, EventLoop
-from graph_fleet_manager.supervision.actions import Note, TellStatus
-from graph_fleet_manager.supervision.missions import Command, MissionState, Request
-from graph_fleet_manager.supervision.outages import Outage
 
 
 class Clock:

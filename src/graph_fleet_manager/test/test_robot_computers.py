@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from fleet_core.files.errors import FileError
+from fleet_core.files.robot_computers import is_address, load_computers
 from graph_fleet_manager.commands.peers import main, peers
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.robot_computers import is_address, load_computers
 
 FLEET = '''clearance: 0.1
 robot_types:

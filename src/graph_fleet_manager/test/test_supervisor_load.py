@@ -6,20 +6,20 @@ from collections import Counter
 import pytest
 from fleet_builders import AGV, corridor
 
+from fleet_core.interlocking.reports import Report
+from fleet_core.planning.precedence import Constraint
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision import assignment
+from fleet_core.supervision.actions import SendRoute
+from fleet_core.supervision.assumptions import World
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import MissionState, Request
+from fleet_core.supervision.outbox import TOGETHER
+from fleet_core.supervision.questions import question_of
+from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.waiting_missions import AT_ONCE
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
-from graph_fleet_manager.planning.precedence import Constraint
-from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.supervision import assignment
-from graph_fleet_manager.supervision.actions import SendRoute
-from graph_fleet_manager.supervision.assumptions import World
-from graph_fleet_manager.supervision.mission_book import MissionBook
-from graph_fleet_manager.supervision.missions import MissionState, Request
-from graph_fleet_manager.supervision.outbox import TOGETHER
-from graph_fleet_manager.supervision.questions import question_of
-from graph_fleet_manager.supervision.settings import RobotSettings
-from graph_fleet_manager.supervision.waiting_missions import AT_ONCE
 
 MANY = 2000
 

@@ -25,9 +25,9 @@ from fleet_bringup.options import Options, help_text, parse
 from fleet_bringup.ports import check_ports, needed_ports
 from fleet_bringup.robot_entries import LD90, Entry, check_count, read_entries
 from fleet_bringup.rviz_file import rviz_text
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.fleet_file import load_fleet
-from graph_fleet_manager.fleet import Fleet
+from fleet_core.files.errors import FileError
+from fleet_core.files.fleet_file import load_fleet
+from fleet_core.fleet import Fleet
 from trajectory_graph import Graph, GraphError, load_graph, split_edges
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 from typing import List, Sequence
 
 from fleet_bringup.errors import CannotStart
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
-from graph_fleet_manager.planning.parking import Parking
-from graph_fleet_manager.planning.road_network import RoadNetwork
+from fleet_core.fleet import Fleet, Robot, RobotType
+from fleet_core.planning.parking import Parking
+from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m

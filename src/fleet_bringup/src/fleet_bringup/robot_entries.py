@@ -25,9 +25,9 @@ import yaml
 
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.options import Options
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.robot_computers import computer
-from graph_fleet_manager.fleet import Fleet, Robot
+from fleet_core.files.errors import FileError
+from fleet_core.files.robot_computers import computer
+from fleet_core.fleet import Fleet, Robot
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 

@@ -19,7 +19,7 @@ from fleet_bringup.command import laboratory_folder, main, prepare  # noqa: E402
 from fleet_bringup.errors import CannotStart  # noqa: E402
 from fleet_bringup.options import parse  # noqa: E402
 from fleet_bringup.ports import check_ports, is_taken  # noqa: E402
-from graph_fleet_manager.files.fleet_file import load_fleet  # noqa: E402
+from fleet_core.files.fleet_file import load_fleet  # noqa: E402
 from trajectory_graph import load_graph  # noqa: E402
 
 

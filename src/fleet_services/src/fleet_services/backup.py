@@ -25,6 +25,8 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import IO, Dict, List, Optional, Sequence, Tuple
 
+from fleet_core.supervision.journal_backup import copy_database, make_as_lost
+from fleet_core.supervision.journal_database import JournalDatabase, JournalError
 from fleet_services.file_kinds import is_secret
 from fleet_services.ownership import (
     NotDone,
@@ -37,8 +39,6 @@ from fleet_services.ownership import (
     rename,
 )
 from fleet_services.state_folders import UNITS, state_folder
-from graph_fleet_manager.supervision.journal_backup import copy_database, make_as_lost
-from graph_fleet_manager.supervision.journal_database import JournalDatabase, JournalError
 
 JOURNAL = 'graph_fleet_manager/fleet.sqlite'
 DATABASES = (JOURNAL, 'fleet_page/page.sqlite')

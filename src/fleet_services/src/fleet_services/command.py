@@ -17,9 +17,9 @@ from typing import List, Optional, Sequence
 import rospkg
 
 from fleet_bringup.errors import CannotStart
+from fleet_core.files.errors import FileError
 from fleet_services.installation import Machine, NotInstalled, install, remove, systemd_version
 from fleet_services.site_file import read_site, site_name
-from graph_fleet_manager.files.errors import FileError
 from trajectory_graph import GraphError
 from trajectory_graph.strict_yaml import WrongYaml
 

@@ -25,7 +25,7 @@ import yaml
 
 from fleet_bringup.options import Options, parse
 from fleet_bringup.robot_entries import tcp_port
-from graph_fleet_manager.files.errors import FileError
+from fleet_core.files.errors import FileError
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 

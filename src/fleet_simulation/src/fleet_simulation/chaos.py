@@ -5,11 +5,11 @@ import math
 from itertools import groupby
 from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
+from fleet_core.supervision.early_stop import EarlyStop
+from fleet_core.supervision.missions import Command, Mission, MissionState, Request
+from fleet_core.supervision.outbox import AGAIN
 from fleet_simulation.promises import Promises
 from fleet_simulation.supervised_fleet import STEP, SupervisedFleet
-from graph_fleet_manager.nodes.early_stop import EarlyStop
-from graph_fleet_manager.supervision.missions import Command, Mission, MissionState, Request
-from graph_fleet_manager.supervision.outbox import AGAIN
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from trajectory_graph import Edge, Graph, Vertex
 

@@ -18,6 +18,9 @@ from math import inf
 from pathlib import Path
 from typing import Dict, FrozenSet, List, NoReturn, Optional, Sequence, Tuple
 
+from fleet_core.files.errors import FileError
+from fleet_core.files.fleet_file import load_fleet
+from fleet_core.files.robot_settings import load_settings
 from fleet_simulation.batch import Done, Job, Progress, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
@@ -25,9 +28,6 @@ from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.report import Proposed, Study, in_words, is_free, write
 from fleet_simulation.site import Order, Site, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.fleet_file import load_fleet
-from graph_fleet_manager.files.robot_settings import load_settings
 from trajectory_graph import Graph, GraphError, load_graph, save_graph, split_edges
 
 _PROPOSED_EDGES = 4

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import Iterator, List, Tuple, Union
 
-from graph_fleet_manager.supervision.missions import Request
+from fleet_core.supervision.missions import Request
 
 HOUR = 3600.0
 

@@ -22,9 +22,9 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, 
 
 import yaml
 
+from fleet_core.files.errors import FileError
 from fleet_simulation.demand import Demand, Flow, Recorded, Saturated, Shift
 from fleet_simulation.driven_robot import Delays, Standstill
-from graph_fleet_manager.files.errors import FileError
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 

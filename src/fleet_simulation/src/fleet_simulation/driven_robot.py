@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from random import Random
 from typing import List, Optional, Tuple
 
-from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
-from graph_fleet_manager.agv_simulator.vehicle import Vehicle
-from graph_fleet_manager.fleet import RobotType
+from fleet_core.fleet import RobotType
+from fleet_simulation.agv.speed_limits import DriveLimits
+from fleet_simulation.agv.vehicle import Vehicle
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 

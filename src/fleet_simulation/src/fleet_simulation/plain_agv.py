@@ -10,8 +10,8 @@ from dataclasses import replace
 from itertools import count
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.interlocking.reports import Pose
+from fleet_core.fleet import RobotType
+from fleet_core.interlocking.reports import Pose
 from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,

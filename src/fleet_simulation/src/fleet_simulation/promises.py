@@ -14,11 +14,11 @@ from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
+from fleet_core.interlocking.reports import CLOCK_ERROR
+from fleet_core.supervision.actions import SendRoute
+from fleet_core.supervision.missions import MissionState, Request, Status
+from fleet_core.supervision.outages import Outage
 from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked, route_order
-from graph_fleet_manager.interlocking.reports import CLOCK_ERROR
-from graph_fleet_manager.supervision.actions import SendRoute
-from graph_fleet_manager.supervision.missions import MissionState, Request, Status
-from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import Graph
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop

@@ -4,15 +4,15 @@ from __future__ import annotations
 from random import Random
 from typing import Dict, List, Set
 
+from fleet_core.fleet import RobotType
+from fleet_core.supervision.actions import SendRoute
+from fleet_core.supervision.missions import MissionState, Request, Status
+from fleet_core.supervision.robots import ManagedRobot
 from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Cause, Figures, Use
 from fleet_simulation.site import Order, Site
 from fleet_simulation.supervised_fleet import STEP, Rhythm, VirtualFleet
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.supervision.actions import SendRoute
-from graph_fleet_manager.supervision.missions import MissionState, Request, Status
-from graph_fleet_manager.supervision.robots import ManagedRobot
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run

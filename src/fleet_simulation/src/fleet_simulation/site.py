@@ -7,15 +7,15 @@ from functools import lru_cache, partial
 from math import inf
 from typing import Dict, FrozenSet, Set, Tuple
 
+from fleet_core.files.errors import FileError
+from fleet_core.fleet import Fleet, Robot, RobotType
+from fleet_core.planning.parking import Parking
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.site.survey import parking_for_all
+from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
-from graph_fleet_manager.planning.parking import Parking
-from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.site.survey import parking_for_all
-from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 
 

@@ -31,29 +31,29 @@ from typing import (
 
 import numpy as np
 
-from fleet_simulation.plain_agv import Agv, LostLink
-from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
-from graph_fleet_manager.interlocking.conformance import (
+from fleet_core.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
+from fleet_core.interlocking.conformance import (
     Conformance,
     ObservedRobot,
     Violation,
 )
-from graph_fleet_manager.interlocking.reports import Report
-from graph_fleet_manager.interlocking.route_master import ME
-from graph_fleet_manager.planning.planner import FleetPlanner
-from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.supervision.actions import (
+from fleet_core.interlocking.reports import Report
+from fleet_core.interlocking.route_master import ME
+from fleet_core.planning.planner import FleetPlanner
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision.actions import (
     Action,
     AskPlanner,
     Note,
     SendRoute,
     TellStatus,
 )
-from graph_fleet_manager.supervision.journal import Journal, RobotMemory
-from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
-from graph_fleet_manager.supervision.settings import RobotSettings
-from graph_fleet_manager.supervision.supervisor import Supervisor
-from graph_fleet_manager.supervision.switching import OrderSwitching
+from fleet_core.supervision.journal import Journal, RobotMemory
+from fleet_core.supervision.missions import Mission, MissionState, Request, Status
+from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.supervisor import Supervisor
+from fleet_core.supervision.switching import OrderSwitching
+from fleet_simulation.plain_agv import Agv, LostLink
 from route_protocol.master import Order
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph

@@ -6,7 +6,7 @@ from dataclasses import replace
 from random import Random
 from typing import Callable, Dict
 
-from graph_fleet_manager.planning.tasks import Outcome
+from fleet_core.planning.tasks import Outcome
 
 ELSEWHERE = (0, 1, -1, 7, 2 ** 31 - 1, 1 - 2 ** 31)
 """Edge ids that replace others; most graphs have some of these edges and lack the others."""

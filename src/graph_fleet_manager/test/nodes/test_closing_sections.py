@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from fleet_core.site.closures import Closures
 from graph_fleet_manager.nodes import edge_closures
 from graph_fleet_manager.nodes.edge_closures import EdgeClosures
-from graph_fleet_manager.site.closures import Closures
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 

@@ -7,7 +7,7 @@ from typing import List
 
 import pytest
 
-from graph_fleet_manager.agv_simulator.control_socket import ControlServer
+from fleet_simulation.agv.control_socket import ControlServer
 from node_lifecycle.watchdog import ThreadWatch
 
 SILENT = 2.0  # s

@@ -3,10 +3,10 @@ from __future__ import annotations
 
 import pytest
 
+from fleet_core.supervision.fleet_view import RobotState
 from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandError
 from graph_fleet_manager.commands.fleet_client import name_problem
-from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.srv import DeclareAbsent
 

@@ -10,13 +10,13 @@ import rospy
 from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
 
+from fleet_core.interlocking.stop_gate import StopGate
+from fleet_core.supervision.early_stop import EarlyStop
+from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.outages import Outage
 from fleet_simulation.supervised_fleet import SupervisedFleet, route_order
-from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services
-from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
-from graph_fleet_manager.supervision.missions import MissionState
-from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs.srv import GetMissionStatusRequest
 from route_protocol.master import REPEAT
 

@@ -12,9 +12,8 @@ import pytest
 import rosgraph.network
 from std_srvs.srv import Trigger, TriggerResponse
 
-from graph_fleet_manager.commands import direct_stop, stop
+from graph_fleet_manager.commands import direct_stop, stop, stop_address
 from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandError
-from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
 
 

@@ -6,11 +6,11 @@ import pytest
 import rospy
 from fleet_builders import AGV
 
-from graph_fleet_manager.interlocking.stop_gate import StopGate
+from fleet_core.interlocking.stop_gate import StopGate
+from fleet_core.planning.tasks import Task
+from fleet_core.supervision.actions import AskPlanner, TellStatus
+from fleet_core.supervision.missions import MissionState, Status
 from graph_fleet_manager.nodes import fleet_topics
-from graph_fleet_manager.planning.tasks import Task
-from graph_fleet_manager.supervision.actions import AskPlanner, TellStatus
-from graph_fleet_manager.supervision.missions import MissionState, Status
 from itrci_nav_msgs.msg import PlanAnswer
 
 

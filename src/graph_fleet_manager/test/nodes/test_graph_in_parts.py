@@ -4,13 +4,13 @@ from __future__ import annotations
 import pytest
 from fleet_builders import AGV, graph_of
 
+from fleet_core.fleet import Fleet
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.site.remarks import remarks
+from fleet_core.site.survey import survey
+from fleet_core.supervision.missions import MissionState
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.nodes.random_missions import places_by_edge
-from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.site.remarks import remarks
-from graph_fleet_manager.site.survey import survey
-from graph_fleet_manager.supervision.missions import MissionState
 
 HALLS = graph_of({**{k: (4.0 * k, 0.0) for k in range(1, 6)},
                   **{10 + k: (4.0 * k, 50.0) for k in range(1, 5)}},

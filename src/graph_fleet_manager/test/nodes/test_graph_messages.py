@@ -4,7 +4,10 @@ from __future__ import annotations
 import genpy
 import pytest
 
-from graph_fleet_manager.fleet import Fleet, RobotType
+from fleet_core.fleet import Fleet, RobotType
+from fleet_core.site.changes import ReportedRoute
+from fleet_core.site.closures import Closures, EdgeAction, EdgeOperation
+from fleet_core.site.survey import Capacity, Survey
 from graph_fleet_manager.messages.graphs import (
     WrongCommand,
     closed_edges_message,
@@ -14,9 +17,6 @@ from graph_fleet_manager.messages.graphs import (
     parking_message,
     reported_route,
 )
-from graph_fleet_manager.site.changes import ReportedRoute
-from graph_fleet_manager.site.closures import Closures, EdgeAction, EdgeOperation
-from graph_fleet_manager.site.survey import Capacity, Survey
 from itrci_nav_msgs.msg import EdgeCommand, EdgeState, ExecutionRouteStates, SymbolicPose, Vertex
 from trajectory_graph import Edge, Graph, GraphError, split_edges
 from trajectory_graph import Vertex as GraphVertex

@@ -10,7 +10,7 @@ import pytest
 import rospy
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.fleet import Fleet
+from fleet_core.fleet import Fleet
 from graph_fleet_manager.nodes.graph_server import GraphServer
 from itrci_nav_msgs.msg import ParkingPlaces
 

@@ -5,11 +5,11 @@ import pytest
 import rosgraph
 import rospy
 
+from fleet_core.supervision.mission_commands import not_done, not_stored
+from fleet_core.supervision.missions import Command, MissionState, RequestRefused, Status
 from graph_fleet_manager.commands import mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
 from graph_fleet_manager.messages.missions import request_of, status_message
-from graph_fleet_manager.supervision.mission_commands import not_done, not_stored
-from graph_fleet_manager.supervision.missions import Command, MissionState, RequestRefused, Status
 from itrci_nav_msgs.msg import MissionCommand, MissionRequest, MissionStatus
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0

@@ -7,7 +7,16 @@ import math
 import genpy
 import pytest
 
-from graph_fleet_manager.interlocking.reports import Pose
+from fleet_core.interlocking.reports import Pose
+from fleet_core.supervision.fleet_view import DriveView, RobotState, RobotView
+from fleet_core.supervision.missions import (
+    Command,
+    CommandCode,
+    MissionState,
+    RequestRefused,
+    Status,
+)
+from fleet_core.supervision.outages import Outage
 from graph_fleet_manager.messages.missions import (
     moment_of,
     plan_message,
@@ -17,15 +26,6 @@ from graph_fleet_manager.messages.missions import (
     state_message,
     status_message,
 )
-from graph_fleet_manager.supervision.fleet_view import DriveView, RobotState, RobotView
-from graph_fleet_manager.supervision.missions import (
-    Command,
-    CommandCode,
-    MissionState,
-    RequestRefused,
-    Status,
-)
-from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
 from route_protocol.values import Location, Reason, ReasonCode
 

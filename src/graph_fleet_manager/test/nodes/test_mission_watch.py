@@ -6,9 +6,9 @@ from typing import FrozenSet, List, Optional
 import pytest
 import rospy
 
+from fleet_core.supervision.missions import MissionState, Status
 from graph_fleet_manager.commands.mission_watch import SILENCE, MissionWatch
 from graph_fleet_manager.messages.missions import status_message
-from graph_fleet_manager.supervision.missions import MissionState, Status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 
 STAMP = 1.7e9

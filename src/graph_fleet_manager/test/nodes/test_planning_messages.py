@@ -8,8 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.geometry.areas import Area
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area
+from fleet_core.plan_requests import PlanRequest
+from fleet_core.planning.precedence import Constraint
+from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
 from graph_fleet_manager.messages.planning import (
     answer_message,
     no_plan_message,
@@ -17,9 +20,6 @@ from graph_fleet_manager.messages.planning import (
     request_message,
     request_of,
 )
-from graph_fleet_manager.plan_requests import PlanRequest
-from graph_fleet_manager.planning.precedence import Constraint
-from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
 from itrci_nav_msgs import msg
 
 AGV = RobotType('agv', 0.4, 1.0)

@@ -8,8 +8,8 @@ from typing import Tuple
 import pytest
 from simulated_drive import SimulatedDrive, shortest_route
 
+from fleet_core.fleet import RobotType
 from fleet_simulation.driven_robot import LD90, Delays, DrivenRobot, Standstill
-from graph_fleet_manager.fleet import RobotType
 from route_protocol.values import RouteOrder
 from trajectory_graph import Graph
 

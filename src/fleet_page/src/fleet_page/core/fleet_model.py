@@ -9,6 +9,7 @@ import math
 from dataclasses import asdict
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
+from fleet_core.supervision.journal import HistoryLine
 from fleet_page.core.fleet import (
     OPEN_STATES,
     MissionRequest,
@@ -19,7 +20,6 @@ from fleet_page.core.fleet import (
 )
 from fleet_page.core.live_state import LiveState
 from fleet_page.core.records import Sums
-from graph_fleet_manager.supervision.journal import HistoryLine
 from trajectory_graph import Graph
 
 DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second

@@ -5,8 +5,8 @@ import csv
 import io
 from typing import Any, Dict, Iterable, List, Optional
 
+from fleet_core.supervision.journal import HISTORY_COLUMNS, HistoryLine
 from fleet_page.core.records import HOUR, HistorySums
-from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine
 from node_program.inert_text import cell
 
 HOTTEST = 200  # most edges in the heat map

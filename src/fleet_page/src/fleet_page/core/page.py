@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional
 
+from fleet_core.supervision.journal import HistoryLine
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, Plan
 from fleet_page.core.fleet_model import FleetModel
@@ -16,7 +17,6 @@ from fleet_page.core.records import HistorySums, Records, TooManyFavourites
 from fleet_page.core.replay import ReplayRing
 from fleet_page.core.roles import Person
 from fleet_page.core.site import WallMap, site_values
-from graph_fleet_manager.supervision.journal import HistoryLine
 
 Missions = Callable[[float], List[HistoryLine]]
 """Returns the missions in the journal that have changed since a time (s since 1970), and the open

@@ -43,6 +43,8 @@ from aiohttp import web
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
+from fleet_core.supervision.journal import HistoryLine, history
+from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import Act
 from fleet_page.core.page import Page
 from fleet_page.core.records import Records
@@ -55,8 +57,6 @@ from fleet_page.nodes.fleet_commands import FleetCommands
 from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
 from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.supervision.journal import HistoryLine, history
-from graph_fleet_manager.supervision.journal_database import JournalError
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,

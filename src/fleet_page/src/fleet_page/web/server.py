@@ -13,6 +13,8 @@ from typing import Any, Awaitable, Callable, List, Tuple
 
 from aiohttp import web
 
+from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import RULES, Act, ActKind, Outcome, WrongAct, act_of
 from fleet_page.core.history import history_csv, history_values
 from fleet_page.core.metrics import CONTENT_TYPE
@@ -23,8 +25,6 @@ from fleet_page.core.roles import Person, Role
 from fleet_page.door.door import LARGEST_REQUEST, refused
 from fleet_page.door.worker import PERSON, ROLE, STOPPED
 from fleet_page.web.finished import Content, Finished, json_bytes
-from graph_fleet_manager.supervision.journal import HistoryLine
-from graph_fleet_manager.supervision.journal_database import JournalError
 
 Do = Callable[[Act, Person], Outcome]
 """Carries out an act of the fleet. It is called in separate threads and may take seconds."""

@@ -11,9 +11,9 @@ import os
 import sys
 from typing import List, Optional, Sequence
 
+from fleet_core.files.robot_computers import is_address
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import run
-from graph_fleet_manager.files.robot_computers import is_address
 from graph_fleet_manager.messages.definitions import own_definitions
 from graph_fleet_manager.multimaster.findings import Level
 from graph_fleet_manager.multimaster.network_checks import NetworkChecks

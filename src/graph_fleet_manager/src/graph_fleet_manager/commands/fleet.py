@@ -11,6 +11,7 @@ from typing import List, Optional, Sequence
 
 import rospy
 
+from fleet_core.supervision.fleet_view import RobotState
 from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import (
     Listener,
@@ -21,7 +22,6 @@ from graph_fleet_manager.commands.fleet_client import (
 )
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE
-from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.srv import DeclareAbsent
 

@@ -24,6 +24,9 @@ import rosgraph
 import rospkg
 import rospy
 
+from fleet_core.supervision.journal import HISTORY_COLUMNS, HistoryLine, history
+from fleet_core.supervision.journal_database import JournalError
+from fleet_core.supervision.missions import Command, MissionState
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
@@ -36,9 +39,6 @@ from graph_fleet_manager.commands.fleet_client import (
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.messages.missions import is_about
-from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine, history
-from graph_fleet_manager.supervision.journal_database import JournalError
-from graph_fleet_manager.supervision.missions import Command, MissionState
 from itrci_nav_msgs.msg import (
     FleetPlan,
     FleetState,

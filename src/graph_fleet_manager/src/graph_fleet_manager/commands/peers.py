@@ -11,9 +11,9 @@ from __future__ import annotations
 import sys
 from typing import List, Optional, Sequence
 
+from fleet_core.files.errors import FileError
+from fleet_core.files.robot_computers import is_address, load_computers
 from graph_fleet_manager.commands.command_line import OK, WRONG
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.robot_computers import is_address, load_computers
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

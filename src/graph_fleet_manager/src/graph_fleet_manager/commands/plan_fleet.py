@@ -12,18 +12,18 @@ import time
 from math import inf
 from typing import Dict, Mapping, NoReturn, Optional, Sequence, Tuple
 
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.fleet_file import load_fleet
-from graph_fleet_manager.files.missions_file import load_missions
-from graph_fleet_manager.files.plan_file import save_plan, solved_plan, unsolved_plan
-from graph_fleet_manager.fleet import Fleet
-from graph_fleet_manager.geometry.exclusions import OutOfTime
-from graph_fleet_manager.planning.explanation import why_apart
-from graph_fleet_manager.planning.layers import layered
-from graph_fleet_manager.planning.planner import FleetPlanner
-from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_path
-from graph_fleet_manager.planning.tasks import Task
+from fleet_core.files.errors import FileError
+from fleet_core.files.fleet_file import load_fleet
+from fleet_core.files.missions_file import load_missions
+from fleet_core.files.plan_file import save_plan, solved_plan, unsolved_plan
+from fleet_core.fleet import Fleet
+from fleet_core.geometry.exclusions import OutOfTime
+from fleet_core.planning.explanation import why_apart
+from fleet_core.planning.layers import layered
+from fleet_core.planning.planner import FleetPlanner
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.safe_intervals import find_path
+from fleet_core.planning.tasks import Task
 from trajectory_graph import GraphError, load_graph
 
 

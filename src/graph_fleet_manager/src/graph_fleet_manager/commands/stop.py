@@ -17,9 +17,9 @@ import rosgraph.network
 from rospy.core import ParameterInvalid, parse_rosrpc_uri
 from std_srvs.srv import Trigger, TriggerResponse
 
+from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
 from graph_fleet_manager.commands.direct_stop import stop_robots
-from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
 
 SERVICE = '/stop_fleet'

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import genpy
 
-from graph_fleet_manager.fleet import Fleet
-from graph_fleet_manager.site.changes import ReportedRoute
-from graph_fleet_manager.site.closures import Closures, EdgeAction, EdgeOperation
+from fleet_core.fleet import Fleet
+from fleet_core.site.changes import ReportedRoute
+from fleet_core.site.closures import Closures, EdgeAction, EdgeOperation
 from itrci_nav_msgs import msg
 from trajectory_graph import Graph
 from trajectory_graph.messages import fill_message
 
 if TYPE_CHECKING:  # networkx needs much memory, and only graph_server uses it, for surveys
-    from graph_fleet_manager.site.survey import Survey
+    from fleet_core.site.survey import Survey
 
 
 def graph_message(graph: Graph, stamp: genpy.Time) -> msg.Graph:

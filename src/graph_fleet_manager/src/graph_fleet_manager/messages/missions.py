@@ -6,16 +6,16 @@ from typing import Callable, Dict, Iterable, List, Optional, Tuple
 
 import genpy
 
-from graph_fleet_manager.interlocking.reports import Report
-from graph_fleet_manager.interlocking.route_master import ME
-from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
-from graph_fleet_manager.supervision.missions import (
+from fleet_core.interlocking.reports import Report
+from fleet_core.interlocking.route_master import ME
+from fleet_core.supervision.fleet_view import DriveView, RobotView
+from fleet_core.supervision.missions import (
     MissionState,
     Request,
     RequestRefused,
     Status,
 )
-from graph_fleet_manager.supervision.outages import Outage
+from fleet_core.supervision.outages import Outage
 from itrci_nav_msgs import msg
 from route_protocol import messages as route_messages
 from route_protocol.master import Order

@@ -10,11 +10,11 @@ from typing import List, Mapping, Optional, Sequence, Tuple
 
 import genpy
 
-from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.geometry.areas import Area
-from graph_fleet_manager.plan_requests import PlanRequest, Times
-from graph_fleet_manager.planning.precedence import Constraint
-from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area
+from fleet_core.plan_requests import PlanRequest, Times
+from fleet_core.planning.precedence import Constraint
+from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
 from itrci_nav_msgs import msg
 
 _LONGEST_NAME = 256

@@ -29,9 +29,9 @@ from typing import Any, Dict, List, Mapping, Optional
 import rospy
 from tf2_ros import TransformBroadcaster
 
-from graph_fleet_manager.agv_simulator.control_socket import ControlServer
-from graph_fleet_manager.agv_simulator.simulation import Simulation
-from graph_fleet_manager.fleet import Robot
+from fleet_core.fleet import Robot
+from fleet_simulation.agv.control_socket import ControlServer
+from fleet_simulation.agv.simulation import Simulation
 from graph_fleet_manager.nodes.agv_topics import AgvTopics
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_topic import FollowedGraph

@@ -9,7 +9,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
-from graph_fleet_manager.agv_simulator.vehicle import Vehicle
+from fleet_simulation.agv.vehicle import Vehicle
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from node_lifecycle.headings import quaternion_from_yaw
 from route_protocol.messages import fill_refusal, fill_report, order_of

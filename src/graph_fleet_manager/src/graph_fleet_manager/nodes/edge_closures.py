@@ -9,8 +9,8 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from fleet_core.site.closures import Closures, EdgeAction, OutOfDate, Repeated
 from graph_fleet_manager.messages.graphs import WrongCommand, closed_edges_message, edge_operation
-from graph_fleet_manager.site.closures import Closures, EdgeAction, OutOfDate, Repeated
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
 from trajectory_graph.id_lists import listed
 

@@ -24,11 +24,11 @@ import time
 from collections import OrderedDict, deque
 from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
-from graph_fleet_manager.supervision.mission_book import MOST_OPEN
-from graph_fleet_manager.supervision.mission_commands import refused
-from graph_fleet_manager.supervision.missions import Change, Command, Request
-from graph_fleet_manager.supervision.supervisor import Supervisor
+from fleet_core.supervision.actions import Action, Note, TellStatus
+from fleet_core.supervision.mission_book import MOST_OPEN
+from fleet_core.supervision.mission_commands import refused
+from fleet_core.supervision.missions import Change, Command, Request
+from fleet_core.supervision.supervisor import Supervisor
 
 TICK = 0.05       # s between two ticks
 STALL = 1.0       # s without a look at the clock after which the process counts as halted

@@ -7,9 +7,9 @@ from typing import Optional
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from graph_fleet_manager.supervision.fleet_view import RobotState, robot_views
-from graph_fleet_manager.supervision.missions import MissionState
-from graph_fleet_manager.supervision.supervisor import Supervisor
+from fleet_core.supervision.fleet_view import RobotState, robot_views
+from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.supervisor import Supervisor
 
 _NAMED = 20  # most missions that are listed with their reason
 

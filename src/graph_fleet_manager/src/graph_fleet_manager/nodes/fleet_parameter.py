@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from rosgraph.names import is_legal_base_name
 
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.fleet_file import load_fleet
-from graph_fleet_manager.fleet import Fleet
+from fleet_core.files.errors import FileError
+from fleet_core.files.fleet_file import load_fleet
+from fleet_core.fleet import Fleet
 from node_lifecycle import ConfigurationError, parameter
 
 

@@ -8,9 +8,9 @@ from typing import NamedTuple, Optional
 
 import rospy
 
+from fleet_core.supervision.fleet_view import PlanProgress, plan_views
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.nodes.sending import send
-from graph_fleet_manager.supervision.fleet_view import PlanProgress, plan_views
 from itrci_nav_msgs.msg import FleetPlan
 from node_lifecycle.worker import start_worker
 

@@ -11,12 +11,12 @@ from typing import Callable, Iterable, List, Optional, Sequence, Tuple, Union
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from graph_fleet_manager.interlocking.stop_gate import StopGate
+from fleet_core.interlocking.stop_gate import StopGate
+from fleet_core.supervision.actions import Action
+from fleet_core.supervision.journal_database import JournalUnavailable
+from fleet_core.supervision.supervisor import Supervisor
 from graph_fleet_manager.messages.missions import person_of, status_message
 from graph_fleet_manager.nodes.event_loop import EventLoop
-from graph_fleet_manager.supervision.actions import Action
-from graph_fleet_manager.supervision.journal_database import JournalUnavailable
-from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.srv import (
     DeclareAbsent,
     DeclareAbsentRequest,

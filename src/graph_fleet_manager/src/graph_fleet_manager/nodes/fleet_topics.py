@@ -5,24 +5,24 @@ from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 
 import rospy
 
-from graph_fleet_manager.interlocking.stop_gate import StopGate
-from graph_fleet_manager.messages import missions as messages
-from graph_fleet_manager.messages.edge_times import TimesSent
-from graph_fleet_manager.messages.planning import request_message
-from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
-from graph_fleet_manager.nodes.sending import send
-from graph_fleet_manager.plan_requests import PlanRequest, Times
-from graph_fleet_manager.supervision.actions import (
+from fleet_core.interlocking.stop_gate import StopGate
+from fleet_core.plan_requests import PlanRequest, Times
+from fleet_core.supervision.actions import (
     Action,
     AskPlanner,
     Note,
     SendRoute,
     TellStatus,
 )
-from graph_fleet_manager.supervision.fleet_view import plan_progress, robot_views
-from graph_fleet_manager.supervision.mission_book import MOST_OPEN
-from graph_fleet_manager.supervision.missions import Status
-from graph_fleet_manager.supervision.supervisor import Supervisor
+from fleet_core.supervision.fleet_view import plan_progress, robot_views
+from fleet_core.supervision.mission_book import MOST_OPEN
+from fleet_core.supervision.missions import Status
+from fleet_core.supervision.supervisor import Supervisor
+from graph_fleet_manager.messages import missions as messages
+from graph_fleet_manager.messages.edge_times import TimesSent
+from graph_fleet_manager.messages.planning import request_message
+from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
+from graph_fleet_manager.nodes.sending import send
 from itrci_nav_msgs.msg import FleetState, MissionStatus, PlanAnswer, TargetRoute
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 

@@ -36,8 +36,13 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.fleet import Fleet
+from fleet_core.files.errors import FileError
+from fleet_core.fleet import Fleet
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.site.closures import Closures
+from fleet_core.site.graph_in_force import GraphInForce
+from fleet_core.site.remarks import Remark, remarks
+from fleet_core.site.survey import Survey, parking_for_all, survey
 from graph_fleet_manager.messages.graphs import (
     docking_points_message,
     graph_message,
@@ -46,11 +51,6 @@ from graph_fleet_manager.messages.graphs import (
 )
 from graph_fleet_manager.nodes.edge_closures import EdgeClosures
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.site.closures import Closures
-from graph_fleet_manager.site.graph_in_force import GraphInForce
-from graph_fleet_manager.site.remarks import Remark, remarks
-from graph_fleet_manager.site.survey import Survey, parking_for_all, survey
 from itrci_nav_msgs.msg import DockingPoints, ExecutionRouteStates, ParkingPlaces
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run

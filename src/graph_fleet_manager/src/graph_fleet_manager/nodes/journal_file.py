@@ -8,9 +8,9 @@ from typing import Optional
 import rospkg
 import rospy
 
-from graph_fleet_manager.supervision.journal import Journal
-from graph_fleet_manager.supervision.journal_database import JournalError, JournalUnavailable
-from graph_fleet_manager.supervision.outbox import AGAIN
+from fleet_core.supervision.journal import Journal
+from fleet_core.supervision.journal_database import JournalError, JournalUnavailable
+from fleet_core.supervision.outbox import AGAIN
 from node_lifecycle import ConfigurationError, number, parameter
 
 DAY = 86400.0          # s

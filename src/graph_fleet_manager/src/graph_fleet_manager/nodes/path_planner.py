@@ -30,14 +30,14 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from fleet_core.plan_requests import Times
+from fleet_core.plan_service import PlanService
+from fleet_core.planning.layers import layered
+from fleet_core.planning.safe_intervals import find_path
+from fleet_core.planning.tasks import CannotPlan
 from graph_fleet_manager.messages.edge_times import TimesKept
 from graph_fleet_manager.messages.planning import answer_message, no_plan_message, request_of
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.plan_requests import Times
-from graph_fleet_manager.plan_service import PlanService
-from graph_fleet_manager.planning.layers import layered
-from graph_fleet_manager.planning.safe_intervals import find_path
-from graph_fleet_manager.planning.tasks import CannotPlan
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run

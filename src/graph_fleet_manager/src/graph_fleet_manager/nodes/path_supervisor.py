@@ -43,14 +43,21 @@ import rospy
 from rospy.impl.registration import get_service_manager
 from sensor_msgs.msg import BatteryState
 
-from graph_fleet_manager.files import stop_address
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.robot_settings import load_settings
-from graph_fleet_manager.interlocking.conformance import Conformance
-from graph_fleet_manager.interlocking.stop_gate import StopGate
+from fleet_core.files.errors import FileError
+from fleet_core.files.robot_settings import load_settings
+from fleet_core.interlocking.conformance import Conformance
+from fleet_core.interlocking.stop_gate import StopGate
+from fleet_core.supervision.actions import Action, TellStatus
+from fleet_core.supervision.early_stop import EarlyStop
+from fleet_core.supervision.journal import STOPPED
+from fleet_core.supervision.journal_database import JournalUnavailable
+from fleet_core.supervision.missions import Change, Command, RequestRefused
+from fleet_core.supervision.outbox import AGAIN
+from fleet_core.supervision.supervisor import Supervisor
+from fleet_core.supervision.switching import OrderSwitching
+from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
-from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -59,13 +66,6 @@ from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.nodes.sending import send
-from graph_fleet_manager.supervision.actions import Action, TellStatus
-from graph_fleet_manager.supervision.journal import STOPPED
-from graph_fleet_manager.supervision.journal_database import JournalUnavailable
-from graph_fleet_manager.supervision.missions import Change, Command, RequestRefused
-from graph_fleet_manager.supervision.outbox import AGAIN
-from graph_fleet_manager.supervision.supervisor import Supervisor
-from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,

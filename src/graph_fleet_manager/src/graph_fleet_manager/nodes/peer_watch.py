@@ -20,7 +20,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from graph_fleet_manager.files.robot_computers import is_address
+from fleet_core.files.robot_computers import is_address
 from graph_fleet_manager.messages.definitions import own_definitions
 from graph_fleet_manager.multimaster.findings import (
     Finding,

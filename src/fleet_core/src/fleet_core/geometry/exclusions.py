@@ -1,0 +1,315 @@
+"""Exclusions: the places that two robots may not hold at once, computed once for each graph.
+
+A robot that waits holds a vertex. A robot that drives holds a whole edge, both ends included,
+because it may come to rest anywhere on it. The part behind it is given back piece by piece: each
+pair of places has the *clear fraction* of the drive after which it is out of the other's way.
+
+Robots are discs, and their true curves count. So edges exclude each other if they meet, run near
+each other, or cross without a vertex. Vertices exclude edges that pass too near.
+"""
+from __future__ import annotations
+
+import time
+from math import inf
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fleet_core.geometry.arrays import count_up
+from fleet_core.geometry.capsules import time_within
+from fleet_core.geometry.pieces import Pieces
+
+ROUNDING = 1e-11  # m: places exactly at the required distance do not exclude each other
+_AT_ONCE = 100000  # number of pairs of pieces examined in one step, to bound the memory
+
+
+class OutOfTime(Exception):
+    """The given time was over before the conflicts were known."""
+
+
+class Approach(NamedTuple):
+    """The places that only one robot may use while it docks or leaves a dock."""
+
+    edges: Dict[int, Tuple[float, float]]  # place: the fractions between which it is the approach
+    vertices: FrozenSet[int]               # without the dock, where a docked robot blocks nothing
+
+
+class Conflicts(NamedTuple):
+    """For each place the places that exclude it at one distance; rows as in a CSR matrix.
+
+    Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
+    fractions of edge p, driven forward or backward, after which `other` is free again. They are 1
+    also if `other` is not even free at the end. For a vertex p they have no meaning.
+    """
+
+    starts: np.ndarray     # (P + 1,)
+    other: np.ndarray      # (N,) place, ascending within a row
+    forward: np.ndarray    # (N,)
+    backward: np.ndarray   # (N,)
+    transpose: np.ndarray  # (N,) index of the same pair seen from `other`
+
+    def row(self, place: int) -> List[int]:
+        """The places that exclude `place`."""
+        return self.other[self.starts[place]:self.starts[place + 1]].tolist()
+
+
+class Exclusions:
+    """Conflicts between places, for each distance that two robots must keep.
+
+    pieces     -- the curves
+    ends       -- (E,2) vertex places at the origin and the destination of each edge
+    vertices   -- number of vertices
+    approaches -- approaches of the docks
+    """
+
+    def __init__(self, pieces: Pieces, ends: np.ndarray, vertices: int,
+                 approaches: Tuple[Approach, ...] = ()) -> None:
+        self._pieces = pieces
+        self._ends = ends
+        self.vertices = vertices
+        self.places = vertices + len(ends)
+        self._approaches = approaches
+        self.deadline = inf
+        """Monotonic s after which the search for conflicts stops, and `at` raises OutOfTime."""
+        self._by_distance: Dict[float, Conflicts] = {}
+
+    def at(self, distance: float) -> Conflicts:
+        """The conflicts of robots whose curves must stay `distance` m apart."""
+        if distance not in self._by_distance:
+            self._by_distance[distance] = self._conflicts(distance)
+        return self._by_distance[distance]
+
+    def near(self, line: Sequence[Tuple[float, float]],
+             distance: float) -> Dict[int, Tuple[float, float]]:
+        """Places nearer than `distance` (m) to a line through these points (m), or to one point.
+
+        With each edge goes the part of it that is too near, as fractions in its own direction.
+        """
+        pieces = self._pieces
+        found: Dict[int, Tuple[float, float]] = {}
+        for first, last in zip(line, line[1:] or line):
+            start, end = (np.broadcast_to(np.array(point, dtype=float)[:, None],
+                                          pieces.start.shape) for point in (first, last))
+            entry, exit = time_within(pieces.start, pieces.end, start, end,
+                                      distance - ROUNDING + pieces.margin)
+            met = np.flatnonzero(entry <= exit)
+            share = pieces.ends[met] - pieces.begins[met]
+            for place, low, high in zip(pieces.place[met].tolist(),
+                                        (pieces.begins[met] + entry[met] * share).tolist(),
+                                        (pieces.begins[met] + exit[met] * share).tolist()):
+                before = found.get(place, (low, high))
+                found[place] = min(before[0], low), max(before[1], high)
+        return found
+
+    def _conflicts(self, distance: float) -> Conflicts:
+        pairs = _Pairs(self.places)
+        lengths = _lengths(self._pieces)
+        lengths = lengths[lengths > 0.0]
+        longest = max(float(np.median(lengths)) if len(lengths) else 0.0, 1.5 * distance, 1e-3)
+        pieces = _cut(self._pieces, longest)
+        stretches = _stretches(pieces, longest)
+        one, other = _candidates(stretches, distance)
+        combinations = stretches.pieces[one] * stretches.pieces[other]
+        blocks = np.cumsum(combinations) // _AT_ONCE
+        begins = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
+        for begin, end in zip(begins, [*begins[1:], len(one)]):
+            if time.monotonic() > self.deadline:
+                raise OutOfTime()
+            for met in _near(pieces, stretches, one[begin:end], other[begin:end], distance):
+                pairs.add(*met)
+        all_places = np.arange(self.places)
+        pairs.add(all_places, all_places, np.zeros(self.places), np.ones(self.places))
+        for approach in self._approaches:
+            pairs.add(*_within_approach(approach))
+        pairs.merge()
+        pairs.add(*self._at_ends(pairs))
+        pairs.merge()
+        pairs.make_symmetric()
+        return pairs.conflicts()
+
+    def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
+        """Makes what excludes a vertex exclude also the edges at it, up to that end.
+
+        Geometry gives the same result except for rounding, but the searches need it exactly.
+        """
+        ends = self._ends.ravel()  # at 2 * edge + 0 its origin, + 1 its destination
+        by_vertex = np.argsort(ends, kind='stable')
+        counts = np.bincount(ends, minlength=self.vertices)
+        firsts = np.concatenate(([0], np.cumsum(counts)))
+        at_vertex = pairs.place < self.vertices
+        vertex, other = pairs.place[at_vertex], pairs.other[at_vertex]
+        repeats = counts[vertex]
+        end = by_vertex[np.repeat(firsts[vertex], repeats) + count_up(repeats)]
+        edge, other = self.vertices + end // 2, np.repeat(other, repeats)
+        different = edge != other
+        fraction = (end % 2).astype(float)[different]
+        return edge[different], other[different], fraction, fraction
+
+
+class _Pairs:
+    """A growing set of ordered pairs of places, each with the stretch of the first in conflict."""
+
+    def __init__(self, places: int) -> None:
+        self._places = places
+        self.place = self.other = np.zeros(0, dtype=np.int64)
+        self.low = self.high = np.zeros(0)
+        self._new: List[Tuple[np.ndarray, ...]] = []
+
+    def add(self, place: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
+        if len(place):
+            self._new.append((place, other, low, high))
+
+    def merge(self) -> None:
+        """Leaves one sorted entry for each pair, with the stretch that covers all added ones."""
+        columns = [(self.place, self.other, self.low, self.high), *self._new]
+        place, other, low, high = map(np.concatenate, zip(*columns))
+        self._new = []
+        key = place.astype(np.int64) * self._places + other
+        order = np.argsort(key, kind='stable')
+        key, low, high = key[order], low[order], high[order]
+        first = np.flatnonzero(np.concatenate(([True], key[1:] != key[:-1]))[:len(key)])
+        key = key[first]
+        self.place, self.other = key // self._places, key % self._places
+        if len(key):
+            self.low = np.minimum.reduceat(low, first)
+            self.high = np.maximum.reduceat(high, first)
+
+    def make_symmetric(self) -> None:
+        """If rounding made only one of two places conflict with the other, adds the other fully."""
+        key = self.place * self._places + self.other
+        mirrored = self.other * self._places + self.place
+        missing = ~np.isin(mirrored, key)
+        if missing.any():
+            count = int(missing.sum())
+            self.add(self.other[missing], self.place[missing], np.zeros(count), np.ones(count))
+            self.merge()
+
+    def conflicts(self) -> Conflicts:
+        key = self.place * self._places + self.other
+        transpose = np.searchsorted(key, self.other * self._places + self.place)
+        starts = np.searchsorted(self.place, np.arange(self._places + 1))
+        return Conflicts(starts, self.other, self.high, 1.0 - self.low, transpose)
+
+
+def _cut(pieces: Pieces, longest: float) -> Pieces:
+    """The pieces, with those longer than `longest` (m) cut into equal parts."""
+    parts = np.maximum(np.ceil(_lengths(pieces) / longest - 1e-9), 1.0).astype(int)
+    if parts.max() == 1:
+        return pieces
+    which = np.repeat(np.arange(len(parts)), parts)
+    low = count_up(parts) / parts[which]
+    high = (count_up(parts) + 1) / parts[which]
+    place, start, end, begins, ends, margin = (column.take(which, axis=-1) for column in pieces)
+    path, share = end - start, ends - begins
+    return Pieces(place, start + low * path, start + high * path,
+                  begins + low * share, begins + high * share, margin)
+
+
+class _Stretches(NamedTuple):
+    """Short runs of pieces on one place; each run is compared as a whole first."""
+
+    first: np.ndarray   # (S,) index of the first piece
+    pieces: np.ndarray  # (S,) number of pieces
+    place: np.ndarray   # (S,)
+    middle: np.ndarray  # (2, S) m
+    radius: np.ndarray  # (S,) m: the curves of all pieces are within it around the middle
+    piece_middle: np.ndarray  # (2, N) m, of each piece
+    piece_half: np.ndarray    # (N,) m, half of its length
+    piece_radius: np.ndarray  # (N,) m: the piece's curve is within it around the piece's middle
+
+
+def _stretches(pieces: Pieces, longest: float) -> _Stretches:
+    """All pieces, none longer than `longest` (m), in stretches of about that length."""
+    lengths = _lengths(pieces)
+    along = np.cumsum(lengths) - lengths
+    new_place = np.concatenate(([True], pieces.place[1:] != pieces.place[:-1]))
+    along -= np.repeat(along[new_place], np.diff(np.flatnonzero(np.append(new_place, True))))
+    number = np.floor((along + lengths / 2.0) / longest)
+    first = np.flatnonzero(new_place | np.concatenate(([True], np.diff(number) != 0.0)))
+    count = np.diff(np.append(first, len(lengths)))
+    low = np.minimum.reduceat(np.minimum(pieces.start, pieces.end), first, axis=1)
+    high = np.maximum.reduceat(np.maximum(pieces.start, pieces.end), first, axis=1)
+    radius = np.hypot(*(high - low)) / 2.0 + np.maximum.reduceat(pieces.margin, first)
+    return _Stretches(first, count, pieces.place[first], (low + high) / 2.0, radius,
+                      (pieces.start + pieces.end) / 2.0, lengths / 2.0,
+                      lengths / 2.0 + pieces.margin)
+
+
+def _candidates(stretches: _Stretches, distance: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Pairs of stretches of different places that may come nearer than `distance` (m)."""
+    place, middle, radius = stretches.place, stretches.middle, stretches.radius
+    one, other = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance,
+                                               output_type='ndarray').T
+    near = ((_distance(middle, one, middle, other) <= radius[one] + radius[other] + distance)
+            & (place[one] != place[other]))
+    return one[near], other[near]
+
+
+def _lengths(pieces: Pieces) -> np.ndarray:
+    return np.hypot(*(pieces.end - pieces.start))
+
+
+def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
+              other: np.ndarray) -> np.ndarray:
+    """Distances (m) of some `points` (2,N) from some of the `others`."""
+    x, y = points.take(one, axis=1) - others.take(other, axis=1)
+    return np.sqrt(x * x + y * y)
+
+
+def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
+                     distance: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The pairs of pieces, of pairs of stretches, that may be too near.
+
+    Returns the number of the pair of stretches, ascending, and the two pieces.
+    """
+    pair = np.repeat(np.arange(len(one)), stretches.pieces[one])
+    ours = stretches.first[one][pair] + count_up(stretches.pieces[one])
+    whole = other[pair]
+    near = (_distance(stretches.piece_middle, ours, stretches.middle, whole)
+            < distance + stretches.piece_radius[ours] + stretches.radius[whole])
+    pair, ours, whole = pair[near], ours[near], whole[near]
+    counts = stretches.pieces[whole]
+    theirs = np.repeat(stretches.first[whole], counts) + count_up(counts)
+    pair, ours = np.repeat(pair, counts), np.repeat(ours, counts)
+    near = (_distance(stretches.piece_middle, ours, stretches.piece_middle, theirs)
+            < distance + stretches.piece_radius[ours] + stretches.piece_radius[theirs])
+    return pair[near], ours[near], theirs[near]
+
+
+def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndarray,
+          distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
+    """The pairs of stretches that are too near, in both directions.
+
+    Yields the places, and the part of the first one that is too near to the second.
+    """
+    pair, ours, theirs = _pairs_of_pieces(stretches, one, other, distance)
+    keep = distance - ROUNDING + pieces.margin[ours] + pieces.margin[theirs]
+    half = stretches.piece_half
+    apart = _distance(stretches.piece_middle, ours, stretches.piece_middle, theirs)
+    for mine, yours in ((ours, theirs), (theirs, ours)):
+        entry, exit = np.zeros(len(pair)), np.ones(len(pair))
+        # all other pieces lie fully within the distance
+        partly = np.flatnonzero(apart + half[mine] >= keep)
+        to, of = mine[partly], yours[partly]
+        entry[partly], exit[partly] = time_within(
+            pieces.start.take(to, axis=1), pieces.end.take(to, axis=1),
+            pieces.start.take(of, axis=1), pieces.end.take(of, axis=1), keep[partly])
+        met = entry <= exit
+        if not met.any():
+            continue
+        to = mine[met]
+        share = pieces.ends[to] - pieces.begins[to]
+        first = np.flatnonzero(np.diff(pair[met], prepend=-1))
+        yield (pieces.place[to[first]], pieces.place[yours[met][first]],
+               np.minimum.reduceat(pieces.begins[to] + entry[met] * share, first),
+               np.maximum.reduceat(pieces.begins[to] + exit[met] * share, first))
+
+
+def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
+    """Each edge of a dock's approach excludes all other places in the approach."""
+    pairs = [(edge, other, *stretch) for edge, stretch in approach.edges.items()
+             for other in (*approach.edges, *approach.vertices) if other != edge]
+    place, other, low, high = zip(*pairs) if pairs else ((), (), (), ())
+    return (np.array(place, dtype=np.int64), np.array(other, dtype=np.int64),
+            np.array(low, dtype=float), np.array(high, dtype=float))

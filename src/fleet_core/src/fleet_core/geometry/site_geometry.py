@@ -1,0 +1,91 @@
+"""The places of one graph, their curves, and the places that exclude each other.
+
+It depends neither on closed edges nor on times. So one instance serves a graph as long as it is in
+force.
+"""
+from __future__ import annotations
+
+import heapq
+from functools import cached_property
+from typing import Dict, List, Tuple
+
+import numpy as np
+
+from fleet_core.fleet import DOCK_APPROACH
+from fleet_core.geometry.exclusions import Approach, Exclusions
+from fleet_core.geometry.pieces import edge_lengths, pieces_of, splines_of
+from trajectory_graph import Graph
+
+
+class SiteGeometry:
+    """The numbered places of a graph: first the vertices, then the edges, in the graph's order.
+
+    graph         -- the trajectory graph
+    dock_approach -- m before a dock that belong to the robot that docks or leaves
+    """
+
+    def __init__(self, graph: Graph, dock_approach: float = DOCK_APPROACH) -> None:
+        self.graph = graph
+        self.dock_approach = dock_approach
+        self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
+        self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
+        self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
+        """Number of each vertex by its id. This is also its place."""
+        self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
+        self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
+                              for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)
+        """(E, 2) vertices at the origin and the destination of each edge."""
+        self._splines = splines_of(graph)
+        self.lengths = edge_lengths(graph, self._splines)
+        """(E,) arc lengths in m."""
+
+    def edge_place(self, signed_id: int) -> int:
+        """The place of an edge, in both directions."""
+        return len(self.vertex_ids) + self.edge_index[abs(signed_id)]
+
+    @cached_property
+    def exclusions(self) -> Exclusions:
+        """The places that exclude each other, for each requested distance."""
+        return Exclusions(pieces_of(self.graph, self._splines), self.ends, len(self.vertex_ids),
+                          self._approaches())
+
+    def _approaches(self) -> Tuple[Approach, ...]:
+        """All places within `dock_approach` of each dock along the edges."""
+        docks = [vertex.id for vertex in self.graph.vertices.values() if vertex.dock]
+        if not docks:
+            return ()
+        roads: List[List[Tuple[int, float]]] = [[] for _ in self.vertex_ids]
+        for (origin, destination), length in zip(self.ends.tolist(), self.lengths.tolist()):
+            roads[origin].append((destination, length))
+            roads[destination].append((origin, length))
+        return tuple(self._approach(self.index[dock], roads)
+                     for dock in sorted(docks, key=self.index.__getitem__))
+
+    def _approach(self, dock: int, roads: List[List[Tuple[int, float]]]) -> Approach:
+        near = self._near(dock, roads)
+        reach = self.dock_approach
+        edges: Dict[int, Tuple[float, float]] = {}
+        for edge, (ends, length) in enumerate(zip(self.ends.tolist(), self.lengths.tolist())):
+            from_origin, from_destination = (
+                min(max((reach - near.get(end, reach)) / length, 0.0), 1.0) for end in ends)
+            place = len(self.vertex_ids) + edge
+            if from_origin + from_destination >= 1.0 or (from_origin and from_destination):
+                edges[place] = (0.0, 1.0)
+            elif from_origin:
+                edges[place] = (0.0, from_origin)
+            elif from_destination:
+                edges[place] = (1.0 - from_destination, 1.0)
+        return Approach(edges, frozenset(near) - {dock})
+
+    def _near(self, dock: int, roads: List[List[Tuple[int, float]]]) -> Dict[int, float]:
+        """Vertices nearer to a dock than `dock_approach` along the edges, with the distance (m)."""
+        near: Dict[int, float] = {}
+        queue = [(0.0, dock)]
+        while queue:
+            distance, vertex = heapq.heappop(queue)
+            if vertex in near or distance >= self.dock_approach:
+                continue
+            near[vertex] = distance
+            for other, length in roads[vertex]:
+                heapq.heappush(queue, (distance + length, other))
+        return near

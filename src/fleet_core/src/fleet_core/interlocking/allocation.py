@@ -1,0 +1,47 @@
+"""The allocation of one robot: all places that it may occupy or still reach, given all evidence."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple, Optional, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area
+
+
+class Knowledge(Enum):
+    """What the fleet manager knows of a robot's place."""
+
+    KNOWN = 'known'
+    """The robot is within its allocation, switched on or off."""
+    UNKNOWN = 'unknown'
+    """The robot has never reported, or only an old journal knows it, so it may be anywhere."""
+    ABSENT = 'absent'
+    """A person declared that the robot is not on the site."""
+
+
+class Hold(NamedTuple):
+    """An edge that a robot may be on.
+
+    cleared -- the fraction of the edge, in driving direction, that lies behind the robot
+    """
+
+    edge: int
+    """Signed id."""
+    cleared: float = 0.0
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """All places that one robot may occupy or still reach.
+
+    holds  -- edges that the robot was granted and has not certainly left, in driving order
+    vertex -- id of the vertex on which the robot stands; None: it stands on none
+    areas  -- where the robot stands between vertices, and the areas that evidence adds
+    """
+
+    kind: RobotType
+    knowledge: Knowledge
+    holds: Tuple[Hold, ...] = ()
+    vertex: Optional[int] = None
+    areas: Tuple[Area, ...] = ()

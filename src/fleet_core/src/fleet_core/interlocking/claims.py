@@ -1,0 +1,81 @@
+"""Claims: the places of the site's geometry that robots hold, and which of them exclude each other.
+"""
+from __future__ import annotations
+
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.site_geometry import SiteGeometry
+from fleet_core.interlocking.allocation import Allocation
+
+
+class Claim(NamedTuple):
+    """A place of the site's geometry that a robot may be on.
+
+    forward -- for an edge: the robot drives it in the edge's own direction
+    cleared -- for an edge: the fraction of it, in driving direction, that lies behind the robot
+    """
+
+    place: int
+    forward: bool = True
+    cleared: float = 0.0
+
+
+class ClaimIndex:
+    """The claims of many robots, found by their places.
+
+    clearance -- m that stays free between any two robots
+    """
+
+    def __init__(self, geometry: SiteGeometry, clearance: float) -> None:
+        self._geometry, self._clearance = geometry, clearance
+        self._claims: Dict[str, List[Claim]] = {}
+        self._kinds: Dict[str, RobotType] = {}
+        self._at: Dict[RobotType, Dict[int, List[Tuple[str, Claim]]]] = {}
+
+    def claims(self, name: str) -> Sequence[Claim]:
+        """The claims of a robot by its edges and its vertex, but not by its areas."""
+        return self._claims.get(name, ())
+
+    def _claims_of(self, allocation: Allocation) -> List[Claim]:
+        claims = [Claim(self._geometry.edge_place(hold.edge), hold.edge > 0, hold.cleared)
+                  for hold in allocation.holds]
+        if allocation.vertex is not None:
+            claims.append(Claim(self._geometry.index[allocation.vertex]))
+        return claims
+
+    def put(self, name: str, allocation: Allocation) -> None:
+        """Replaces the claims of a robot."""
+        self.remove(name)
+        claims = self._claims[name] = self._claims_of(allocation)
+        self._kinds[name] = allocation.kind
+        at = self._at.setdefault(allocation.kind, {})
+        for claim in claims:
+            at.setdefault(claim.place, []).append((name, claim))
+
+    def remove(self, name: str) -> None:
+        """Removes the claims of a robot, if there are any."""
+        claims = self._claims.pop(name, [])
+        if claims:
+            at = self._at[self._kinds[name]]
+            for place in {claim.place for claim in claims}:
+                at[place] = [held for held in at[place] if held[0] != name]
+
+    def excluding(self, robot: str, kind: RobotType, claim: Claim) -> Iterator[str]:
+        """Names of other robots with a claim that excludes this claim of `robot`."""
+        exclusions = self._geometry.exclusions
+        for other_kind, at in self._at.items():
+            conflicts = exclusions.at(kind.reach + other_kind.reach + self._clearance)
+            first, last = conflicts.starts[claim.place:claim.place + 2]
+            for row in range(first, last):
+                held = at.get(int(conflicts.other[row]))
+                if not held:
+                    continue
+                clears = conflicts.forward if claim.forward else conflicts.backward
+                if claim.cleared and clears[row] <= claim.cleared:
+                    continue
+                mirrored = conflicts.transpose[row]
+                for name, other in held:
+                    clears = conflicts.forward if other.forward else conflicts.backward
+                    if name != robot and not (other.cleared and clears[mirrored] <= other.cleared):
+                        yield name

@@ -1,0 +1,154 @@
+"""Conformance: each change of the real allocations is a step of the model of allocations.
+
+The model proves for any number of robots that allocations stay apart, contain what robots may
+drive, and are in the journal (`test/interlocking/test_allocation_proof.py`). The proof holds for
+this program only if the program does what the model does. So this module maps the real state to the
+model's relations after each event, and checks the step between them:
+
+    | relation of the model       | real state                                                     |
+    |-----------------------------|----------------------------------------------------------------|
+    | allocation(robot, place)    | edges in the robot's allocation                                |
+    | journal(robot, place)       | edges in the allocation that was stored last                   |
+    | sent(robot, place)          | edges of the open orders that may have left this program       |
+
+The model also has what robots really obey and where they are. No program knows this; the
+simulations check it against their own robots.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import (
+    Callable,
+    Collection,
+    Dict,
+    FrozenSet,
+    List,
+    Mapping,
+    NamedTuple,
+    Protocol,
+    Sequence,
+    Set,
+    Tuple,
+)
+
+from fleet_core.interlocking.allocation import Allocation
+from fleet_core.interlocking.route_master import RouteMaster
+from route_protocol.master import MasterState
+from trajectory_graph.id_lists import listed
+
+
+class Invariant(Enum):
+    """What holds of each step. The values are shown to people."""
+
+    CHECKED = 'it holds edges that it was not granted'
+    CONTAINED = 'it was sent over edges that it does not hold'
+    STORED = 'it was sent over edges that the journal does not have'
+    APART = 'it is too near to another robot, and is not stopped'
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A step that is not one of the model's.
+
+    edges -- signed ids; empty for APART
+    other -- name of the other robot; only for APART
+    """
+
+    invariant: Invariant
+    robot: str
+    edges: FrozenSet[int] = frozenset()
+    other: str = ''
+
+    def __str__(self) -> str:
+        where = f'robot {self.other}' if self.other else f'edges {listed(sorted(self.edges))}'
+        return f'{self.robot}: {self.invariant.value} ({where})'
+
+
+class ModelState(NamedTuple):
+    """The relations of the model for one robot, as sets of signed edge ids."""
+
+    allocation: FrozenSet[int]
+    journal: FrozenSet[int]
+    sent: FrozenSet[int]
+
+
+class ObservedRobot(Protocol):
+    """The properties of a robot that conformance needs."""
+
+    @property
+    def master(self) -> RouteMaster:
+        """The robot's orders and reports."""
+
+    @property
+    def needs_person(self) -> bool:
+        """Must a person bring the robot back before it may drive again?"""
+
+
+def edges_of(allocation: Allocation) -> FrozenSet[int]:
+    """Returns the signed ids of all edges that an allocation holds."""
+    return frozenset(hold.edge for hold in allocation.holds)
+
+
+class Conformance:
+    """Compares the state after events with the state at the last check.
+
+    every -- number of events from one check to the next
+    """
+
+    def __init__(self, every: int = 1) -> None:
+        self._every, self._events = every, 0
+        self._before: Dict[str, ModelState] = {}
+        self._seen: Dict[str, Tuple[Allocation, MasterState, int]] = {}
+        self._granted: Dict[str, Set[int]] = {}
+        self._journal: Dict[str, FrozenSet[int]] = {}
+
+    def granted(self, name: str, edges: Collection[int]) -> None:
+        """The interlocking has granted these edges to a robot."""
+        self._granted.setdefault(name, set()).update(edges)
+
+    def stored(self, name: str, allocation: Allocation) -> None:
+        """This allocation of a robot is in the journal."""
+        self._journal[name] = edges_of(allocation)
+
+    def event(self, robots: Mapping[str, ObservedRobot],
+              excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
+        """Returns what is wrong after an event; empty: nothing, or no check is due.
+
+        excluding -- returns the names of the robots that exclude a robot
+        """
+        self._events += 1
+        if self._events % self._every:
+            return []
+        found = []
+        for name, robot in robots.items():
+            if self._is_seen(name, robot.master):
+                continue
+            now, before = self._state(name, robot), self._before.get(name)
+            self._before[name] = now
+            found += [Violation(invariant, name, edges) for invariant, edges in (
+                (Invariant.CHECKED, frozenset() if before is None else
+                 now.allocation - before.allocation - self._granted.get(name, set())),
+                (Invariant.CONTAINED, now.sent - now.allocation),
+                (Invariant.STORED, now.sent - now.journal)) if edges]
+            if robot.master.protocol.ahead and not (
+                    robot.master.is_stopping or robot.needs_person or not robot.master.is_heard):
+                # A robot that has not reported since the start is known only roughly for a moment.
+                found += [Violation(Invariant.APART, name, other=other)
+                          for other in excluding(name) if robots[other].master.is_heard][:1]
+        self._granted.clear()
+        return found
+
+    def _is_seen(self, name: str, master: RouteMaster) -> bool:
+        """Is this the state of the last check? Each change makes new objects."""
+        before = self._seen.get(name)
+        now = self._seen[name] = master.allocation, master.protocol, master.last_sent
+        return before is not None and before[2] == now[2] and (
+            before[0] is now[0] and before[1] is now[1])
+
+    def _state(self, name: str, robot: ObservedRobot) -> ModelState:
+        return ModelState(edges_of(robot.master.allocation), self._journal.get(name, frozenset()),
+                          frozenset(
+                              step.edge for order in robot.master.protocol.open
+                              if order.number <= robot.master.last_sent
+                              for step in order.steps(robot.master.protocol.done)))

@@ -1,0 +1,444 @@
+"""The interlocking: each permission to move a managed robot passes through its `grant`.
+
+It works like a railway's signal box, which does not trust the timetable. The plan says which robot
+goes first. The interlocking decides whether a robot may have an edge now, from allocations and
+gates alone.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import (
+    AbstractSet,
+    Callable,
+    Collection,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+    Tuple,
+)
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area, are_nearer
+from fleet_core.geometry.site_geometry import SiteGeometry
+from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.interlocking.claims import Claim, ClaimIndex
+from fleet_core.interlocking.conformance import Conformance, Violation
+from fleet_core.interlocking.reports import GraphPosition
+from fleet_core.interlocking.route_master import RouteMaster, Sending
+
+_REMEMBERED = 1000  # number of areas of which the near places are remembered
+
+
+class Gate(Enum):
+    """Why something is not granted. The values are shown to people."""
+
+    FLEET_STOP = 'the fleet is stopped'
+    JOURNAL = 'the journal cannot be written'
+    PERSON = 'a person must look after it'
+    CLOCK = 'its clock differs too much'
+    UNKNOWN = 'it has not reported where it is'
+    UNKNOWN_ROBOT = 'it is not known where another robot is'
+    NOT_READY = 'its last order is not settled yet'
+    NOT_CONNECTED = 'its route does not lead there'
+    CLOSED_EDGE = 'an edge is closed'
+    TOO_NEAR = 'it is too near to another robot'
+    OCCUPIED = 'another robot may be there'
+
+
+class Refusal(NamedTuple):
+    """Why an edge is not granted.
+
+    edge  -- signed id of the refused edge
+    other -- name of the robot that is in the way; empty: no robot is
+    """
+
+    gate: Gate
+    edge: int
+    other: str = ''
+
+class InterlockedRobot(Protocol):
+    """The properties of a robot that the interlocking needs."""
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+
+    @property
+    def type(self) -> RobotType:
+        """The robot's type, with its measures."""
+
+    @property
+    def master(self) -> RouteMaster:
+        """The robot's orders and reports, and the allocation that results from them."""
+
+    @property
+    def needs_person(self) -> bool:
+        """Must a person bring the robot back before it may drive again?"""
+
+
+@dataclass(frozen=True)
+class Grant:
+    """The edges that are granted, and why the next one is not (None: all are granted)."""
+
+    edges: Tuple[int, ...]
+    refusal: Optional[Refusal] = None
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An edge that a robot requests, as the conditions see it.
+
+    edge      -- signed id; 0: the request is about no edge yet
+    before    -- the edge before this one; 0: the edge begins where the record ends
+    is_inside -- the robot stands on the edge, between its ends
+    claim     -- the part of the edge that the robot would hold
+    """
+
+    robot: InterlockedRobot
+    edge: int = 0
+    before: int = 0
+    is_inside: bool = False
+    claim: Claim = Claim(-1)
+
+
+class Interlocking:
+    """Grants edges to the robots of one site.
+
+    No two allocations may exclude each other: the curves of the places of two robots must stay at
+    least both reaches and the clearance apart. `grant` therefore gives a robot only edges that all
+    GATES and all CONDITIONS allow. Evidence may make allocations exclude each other all the same;
+    then `separate` stops all these robots. It is to be called after each event.
+
+    clearance   -- m that stays free between any two robots
+    robots      -- all robots that the fleet manager knows, also those that left the fleet file
+    conformance -- checks each step against the model; None: nothing does
+    """
+
+    def __init__(self, geometry: SiteGeometry, clearance: float,
+                 robots: Mapping[str, InterlockedRobot],
+                 conformance: Optional[Conformance] = None) -> None:
+        self.is_stopped = False
+        """Is the fleet stopped?"""
+        self.trouble = ''
+        """Why the journal cannot be written, as a clause; empty: it can be written."""
+        self.closed: AbstractSet[int] = frozenset()
+        """Ids of the edges onto which no robot may be sent."""
+        self._geometry, self._clearance = geometry, clearance
+        self._robots = robots
+        self._conformance = conformance
+        self._known: Dict[str, Allocation] = {}
+        self._holds = ClaimIndex(geometry, clearance)
+        self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
+        self._to_store: Set[str] = set()
+        self._with_areas: Set[str] = set()
+        self._unknown: Set[str] = set()
+        self._to_compare: Set[str] = set()  # robots whose allocation has changed
+        self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
+
+    # -- grants -----------------------------------------------------------------------------------
+
+    def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
+        """Grants the longest beginning of these edges that the robot may have now.
+
+        The granted edges are added to the robot's allocation and ordered at once. The order is sent
+        only after it is stored on the disk.
+
+        edges -- signed ids, in driving order; they follow all edges granted before
+        renew -- use a new route id, for example for another mission
+        """
+        self._refresh()
+        refusal = first_refusal(GATES, self, Asked(robot))
+        granted: List[int] = []
+        for asked in () if refusal else self._asked(robot, edges):
+            refusal = first_refusal(CONDITIONS, self, asked)
+            if refusal is not None:
+                break
+            granted.append(asked.edge)
+            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
+        if granted:
+            robot.master.extend(granted, renew)
+            if self._conformance is not None:
+                self._conformance.granted(robot.name, granted)
+        return Grant(tuple(granted), refusal)
+
+    def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
+        record, before = robot.master.record, 0
+        start = None if record.ahead else robot.master.record.position
+        for edge in edges:
+            begun, is_inside = 0.0, False
+            if not before and start is not None:
+                begun = record.begun(edge, start)
+                is_inside = start.vertex is None
+            yield Asked(robot, edge, before, is_inside,
+                        Claim(self._geometry.edge_place(edge), edge > 0, begun))
+            before = edge
+
+    # -- the journal ------------------------------------------------------------------------------
+
+    @property
+    def to_store(self) -> AbstractSet[str]:
+        """Names of the robots that have left places on which grants rest, but not in the journal.
+
+        They must be stored together with these grants. Otherwise allocations would exclude each
+        other after a restart.
+        """
+        return self._to_store
+
+    def stored(self, names: Collection[str]) -> None:
+        """The present allocations of these robots are in the journal now."""
+        for name in names:
+            if name in self._robots:
+                allocation = self._robots[name].master.allocation
+                self._stored.put(name, allocation)
+                if self._conformance is not None:
+                    self._conformance.stored(name, allocation)
+        self._to_store.difference_update(names)
+
+    # -- conformance ------------------------------------------------------------------------------
+
+    def violations(self) -> List[Violation]:
+        """What the event that ends now did against the model. To be called after its orders left.
+        """
+        if self._conformance is None:
+            return []
+        return self._conformance.event(self._robots, self.excluding)
+
+    # -- orders that are sent ---------------------------------------------------------------------
+
+    def orders(self, now: float) -> List[Tuple[str, Sending]]:
+        """All orders that are due now. Orders that stop a robot or shorten its route pass no gate.
+        """
+        found: List[Tuple[str, Sending]] = []
+        for name, robot in self._robots.items():
+            master = robot.master
+            if master.order is None or (not master.takes_away and self._is_held_back(robot)):
+                continue
+            sending = master.due(now)
+            if sending is not None:
+                found.append((name, sending))
+        return found
+
+    def _is_held_back(self, robot: InterlockedRobot) -> bool:
+        """Must an order that lets a robot drive wait?
+
+        A repeated order does not wait for the journal: it is stored already.
+        """
+        return self.is_stopped or robot.needs_person or (
+            bool(self.trouble) and robot.master.is_new_motion)
+
+    def forget(self, name: str) -> None:
+        """Removes a robot that is not a robot of the site any more."""
+        self._known.pop(name, None)
+        self._holds.remove(name)
+        self._stored.remove(name)
+        self._with_areas.discard(name)
+        self._unknown.discard(name)
+        self._to_compare.discard(name)
+
+    # -- robots that exclude each other ------------------------------------------------------------
+
+    @property
+    def unknown_robots(self) -> List[str]:
+        """Names of the robots that may be anywhere. While there is one, nothing is granted."""
+        self._refresh()
+        return sorted(self._unknown)
+
+    def excluding(self, name: str) -> Tuple[str, ...]:
+        """Names of all robots whose allocations exclude that of this robot."""
+        self._refresh()
+        robot, own = self._robots[name], self._known[name]
+        if own.knowledge is not Knowledge.KNOWN:
+            return ()
+        found: Set[str] = set()
+        for claim in self._holds.claims(name):
+            found.update(self._holders(robot, claim))
+        for area in own.areas:
+            found.update(self._in_area(name, own.kind, area))
+        return tuple(sorted(found))
+
+    def is_free(self, robot: InterlockedRobot, position: GraphPosition) -> bool:
+        """Does no other robot's allocation exclude that `robot` stands at this position?"""
+        self._refresh()
+        if position.vertex is not None:
+            return not self.holder(robot, Claim(self._geometry.index[position.vertex]))
+        area = Area((position.point(robot.master.record.graph),))
+        return next(self._in_area(robot.name, robot.type, area), None) is None
+
+    def separate(self, is_starting: bool = False) -> List[str]:
+        """Stops robots that exclude each other since an allocation changed. Returns their names.
+
+        A grant never makes such a pair: evidence does, or a robot that drives its route again. In
+        the second case a robot with nothing to drive needs no stop: it is granted nothing
+        meanwhile. A robot that needs a person is stopped already.
+
+        is_starting -- the place of a robot that has not reported yet is known only roughly
+        """
+        self._refresh()
+        changed, self._to_compare = self._to_compare, set()
+        stopped: Dict[str, InterlockedRobot] = {}
+        for name in sorted(changed & self._robots.keys()):
+            for other in self.excluding(name):
+                pair = self._robots[name], self._robots[other]
+                if is_starting and not all(robot.master.is_heard for robot in pair):
+                    continue
+                by_evidence = any(robot.master.is_by_evidence for robot in pair)
+                stopped.update((robot.name, robot) for robot in pair if not robot.needs_person
+                               and (by_evidence or robot.master.record.ahead))
+        for robot in stopped.values():
+            robot.master.halt()
+        return list(stopped)
+
+    def _in_area(self, name: str, kind: RobotType, area: Area) -> Iterator[str]:
+        for other, allocation in self._known.items():
+            if other == name or allocation.knowledge is Knowledge.ABSENT:
+                continue
+            distance = kind.reach + allocation.kind.reach + self._clearance
+            near = self._places_near(area, distance)
+            claims = self._holds.claims(other)
+            if any(_meets(near.get(claim.place), claim) for claim in claims) or any(
+                    are_nearer(area.line, its.line, distance + area.radius + its.radius)
+                    for its in allocation.areas):
+                yield other
+
+    def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
+        """Name of a robot that holds a place which excludes this claim of `robot`; empty: none."""
+        return next(self._holders(robot, claim), '')
+
+    def _holders(self, robot: InterlockedRobot, claim: Claim) -> Iterator[str]:
+        """Names of all such robots. A name may come twice."""
+        kind = robot.type
+        yield from self._holds.excluding(robot.name, kind, claim)
+        for name in self._with_areas:
+            if name == robot.name:
+                continue
+            allocation = self._known[name]
+            distance = kind.reach + allocation.kind.reach + self._clearance
+            if any(_meets(self._places_near(area, distance).get(claim.place), claim)
+                   for area in allocation.areas):
+                yield name
+
+    def _places_near(self, area: Area, distance: float) -> Mapping[int, Tuple[float, float]]:
+        key = area, distance
+        if key not in self._near:
+            if len(self._near) > _REMEMBERED:
+                self._near.clear()
+            self._near[key] = self._geometry.exclusions.near(area.line, distance + area.radius)
+        return self._near[key]
+
+    def _refresh(self) -> None:
+        """Reads each allocation that has changed since the last call."""
+        for name, robot in self._robots.items():
+            allocation = robot.master.allocation
+            if allocation is self._known.get(name):
+                continue
+            self._known[name] = allocation
+            self._to_compare.add(name)
+            self._holds.put(name, allocation)
+            for names, is_one in ((self._with_areas, bool(allocation.areas)),
+                                  (self._unknown, allocation.knowledge is Knowledge.UNKNOWN)):
+                (names.add if is_one else names.discard)(name)
+
+
+def _meets(part: Optional[Tuple[float, float]], claim: Claim) -> bool:
+    """Does the blocked part of a place lie on the part of it that the claim still covers?
+
+    part -- the part of the place that is too near to something, from and to a fraction; None: none
+    """
+    if part is None:
+        return False
+    end = part[1] if claim.forward else 1.0 - part[0]
+    return not claim.cleared or end > claim.cleared
+
+
+# -- conditions of a grant ------------------------------------------------------------------------
+
+Condition = Callable[[Interlocking, Asked], Optional[Refusal]]
+"""Returns why an edge is not granted; None: this condition is met."""
+
+
+def first_refusal(conditions: Sequence[Condition], site: Interlocking,
+                  asked: Asked) -> Optional[Refusal]:
+    """Returns the refusal of the first condition that is not met; None: all are met."""
+    for condition in conditions:
+        refusal = condition(site, asked)
+        if refusal is not None:
+            return refusal
+    return None
+
+
+def _fleet_is_not_stopped(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.FLEET_STOP, asked.edge) if site.is_stopped else None
+
+
+def _journal_can_be_written(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.JOURNAL, asked.edge) if site.trouble else None
+
+
+def _no_person_is_needed(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.PERSON, asked.edge) if asked.robot.needs_person else None
+
+
+def _clock_is_right(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.CLOCK, asked.edge) if asked.robot.master.clock_is_off else None
+
+
+def _robot_is_known(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    master = asked.robot.master
+    known = master.is_heard and master.allocation.knowledge is Knowledge.KNOWN
+    return None if known else Refusal(Gate.UNKNOWN, asked.edge)
+
+
+def _others_are_known(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    others = site.unknown_robots
+    return Refusal(Gate.UNKNOWN_ROBOT, asked.edge, others[0]) if others else None
+
+
+def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return None if asked.robot.master.is_ready else Refusal(Gate.NOT_READY, asked.edge)
+
+
+def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    """The edge must join the edge before it, the end of all grants, or the robot's position."""
+    record = asked.robot.master.record
+    graph, start = record.graph, asked.robot.master.record.position
+    if asked.before:
+        follows = graph.end_vertex(asked.before).id == graph.start_vertex(asked.edge).id
+    elif asked.is_inside and start is not None:
+        follows = abs(asked.edge) == abs(start.edge)
+    elif record.ahead or start is None:
+        follows = graph.start_vertex(asked.edge).id == record.last_vertex
+    else:
+        follows = graph.start_vertex(asked.edge).id == start.vertex
+    return None if follows else Refusal(Gate.NOT_CONNECTED, asked.edge)
+
+
+def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    """A robot inside a closed edge may leave it, in either direction."""
+    closed = abs(asked.edge) in site.closed and not asked.is_inside
+    return Refusal(Gate.CLOSED_EDGE, asked.edge) if closed else None
+
+
+def _robot_is_clear_of_others(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    others = site.excluding(asked.robot.name)
+    return Refusal(Gate.TOO_NEAR, asked.edge, others[0]) if others else None
+
+
+def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    other = site.holder(asked.robot, asked.claim)
+    return Refusal(Gate.OCCUPIED, asked.edge, other) if other else None
+
+
+GATES: Tuple[Condition, ...] = (
+    _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _clock_is_right,
+    _robot_is_known, _others_are_known, _last_order_is_settled, _robot_is_clear_of_others)
+"""All must be met before a robot is granted anything, also an edge that it holds already."""
+
+CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _place_is_free)
+"""All must be met, in addition, for each edge that a robot is granted."""

@@ -1,0 +1,624 @@
+"""The fleet manager's end for one robot: its orders, its reports, and where it may be.
+
+`route_protocol.master` says what the robot may still do by its orders. The reports also tell where
+it is. Both together give its allocation, which is computed from nothing else:
+
+    | the robot may be                    | because                                                |
+    |-------------------------------------|--------------------------------------------------------|
+    | on an edge                          | an open order leads over it, it has not certainly left |
+    |                                     | it, or it is held until the robot stands               |
+    | on the vertex where it stands, or   | its last report says STANDING                          |
+    | at the point between vertices       |                                                        |
+    | near its last location, or the one  | that is not on an edge or vertex of the two lines above|
+    | before if that was a stray one      |                                                        |
+    | within a radius of its last location| another one moves it; the radius grows with the age of |
+    |                                     | the location                                           |
+    | in an area                          | it held an edge that the graph does not have any more  |
+    | anywhere                            | it has never reported, or the journal is an older one  |
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area, Point
+from fleet_core.interlocking.allocation import Allocation, Hold, Knowledge
+from fleet_core.interlocking.reports import (
+    AT_VERTEX,
+    CLOCK_ERROR,
+    NEAR,
+    TREMBLE,
+    GraphPosition,
+    Pose,
+    Report,
+    position_of,
+)
+from fleet_core.interlocking.route_record import RouteRecord
+from route_protocol.master import (
+    OLD_NEWS,
+    REPEAT,
+    MasterState,
+    News,
+    Order,
+    give_route,
+    give_stop,
+    hear,
+    label_of,
+    next_number,
+)
+from route_protocol.values import EpochCause, Motion
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.id_lists import listed
+
+ME = 'path_supervisor'
+"""The name of this master in its orders."""
+# m that a robot may have moved since its last location while another one moves it
+MANUAL_REACH = 10.0
+_STEP = 0.5   # m: the step in which the area around such a robot grows
+_SOON = 0.2   # s within which that area grows again; ticks come more often
+_SQUARE = 1.0  # m: such a robot's location is stored whenever it is in another such square
+
+Clock = Callable[[], int]
+"""Returns ms since 1970."""
+
+
+class Sending(NamedTuple):
+    """An order to be sent now."""
+
+    order: Order
+    repeated: bool = False
+
+
+class Located(NamedTuple):
+    """A location of the robot.
+
+    age      -- s for which the robot may have moved on from there when the report arrived
+    is_stray -- it was not on a place that the robot had then; two later ones must disprove it
+    """
+
+    point: Point
+    age: float = 0.0
+    is_stray: bool = True
+
+    def area(self, kind: RobotType) -> Area:
+        """The area in which the robot may have been when the report arrived."""
+        return Area((self.point,), max(self.age, 0.0) * kind.speed)
+
+
+class Lost(NamedTuple):
+    """Areas of edges that a robot held, and that the graph in force does not have.
+
+    until -- number of the stop after which the robot is seen not to be there
+    """
+
+    areas: Tuple[Area, ...] = ()
+    until: int = 0
+
+
+NOT_LOST = Lost()
+
+
+class Memory(NamedTuple):
+    """The state of a route master that must survive a restart.
+
+    position   -- where the robot stands
+    locations  -- the last two, the newest first, as far as they matter after a restart
+    """
+
+    protocol: MasterState = MasterState()
+    cleared: Tuple[int, float] = (0, 0.0)
+    position: Optional[GraphPosition] = None
+    locations: Tuple[Located, ...] = ()
+    lost: Lost = NOT_LOST
+    is_absent: bool = False
+
+    @property
+    def held(self) -> Tuple[int, ...]:
+        """All edges that the robot may be on, signed."""
+        return tuple(step.edge for step in self.protocol.may_be_on
+                     if step.number >= self.cleared[0])
+
+
+@dataclass
+class Heard:
+    """The results of one report.
+
+    news    -- what it changes about the orders
+    passed  -- vertices passed since the last report, in order
+    cause   -- why a new epoch of the robot began; None: none did, or no epoch was known before
+    had_route -- it had a route, or an order for one was on its way
+    is_off_graph -- this report and the one before say that it is off the graph
+    left    -- it stands, but not where it may be by its orders
+    expected -- a clause that says where it was expected, and where it is; only if it has left
+    is_near -- it left that place only along the edge on which it was
+    is_located -- the report has a later location than all before
+    """
+
+    news: News = OLD_NEWS
+    passed: List[int] = field(default_factory=list)
+    cause: Optional[EpochCause] = None
+    had_route: bool = False
+    is_off_graph: bool = False
+    left: bool = False
+    expected: str = ''
+    is_near: bool = False
+    is_located: bool = False
+
+
+class RouteMaster:
+    """Orders routes, repeats orders that no report shows, and keeps where the robot may be.
+
+    Only the interlocking gives it routes.
+    """
+
+    def __init__(self, record: RouteRecord, clock: Clock) -> None:
+        self.record = record
+        self._clock = clock
+        # Number of the last order that may have been sent, and when, if by this program.
+        self._sent: Tuple[int, float] = (0, -math.inf)
+        self._label = 0  # of the route that is being extended
+        self.locations: Tuple[Located, ...] = ()
+        self.reach = 0.0
+        """Radius (m) around the last location: another one may have moved the robot since then."""
+        self._lost = NOT_LOST
+        # Stamp and point of the newest location; None: it has not reported since the start.
+        self._told: Optional[Tuple[float, Optional[Point]]] = None
+        self._strays = 0         # number of consecutive locations that were elsewhere
+        self._off_graph = 0      # number of consecutive reports that were off the graph
+        self._absent_since: Optional[float] = None  # the supervisor's time
+        self.clock_is_off = False
+        self._beside: Optional[Point] = None
+        """Where the robot stood when another beginning of its next route was chosen."""
+        self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
+        # What follows from all this, as far as it was asked for since the last change.
+        self._allocation: Optional[Allocation] = None
+        self._elsewhere: Optional[Tuple[Located, ...]] = None
+
+    # -- state ------------------------------------------------------------------------------------
+
+    @property
+    def protocol(self) -> MasterState:
+        """What the robot may still do by its orders."""
+        return self.record.protocol
+
+    @property
+    def order(self) -> Optional[Order]:
+        """The order that no report shows yet."""
+        return self.protocol.pending
+
+    @property
+    def last_sent(self) -> int:
+        """Number of the last order that may have left this program."""
+        return self._sent[0]
+
+    @property
+    def is_stopping(self) -> bool:
+        """Was the robot told to stop, and has not answered yet?"""
+        return self.protocol.is_stopping
+
+    @property
+    def takes_away(self) -> bool:
+        """Does that order stop the robot, or shorten its route?"""
+        return self.protocol.takes_away
+
+    @property
+    def is_new_motion(self) -> bool:
+        """Does that order let the robot drive, and was it never sent?"""
+        return (self.order is not None and not self.takes_away
+                and self.last_sent < self.order.number)
+
+    @property
+    def is_ready(self) -> bool:
+        """May the robot be given a route now?"""
+        return self.protocol.is_ready and not self._lost.areas
+
+    @property
+    def is_heard(self) -> bool:
+        """Has the robot reported since the start?"""
+        return self._told is not None
+
+    @property
+    def is_absent(self) -> bool:
+        """Did a person declare that the robot is not on the site?"""
+        return self._absent_since is not None
+
+    @property
+    def needs_stop(self) -> bool:
+        """Must the robot be stopped before it can be given a route?
+
+        It stands, but does not count the orders of this fleet manager yet, or by an older journal
+        earlier orders may still reach it.
+        """
+        protocol = self.protocol
+        return self.is_heard and not self.is_stopping and not self.is_absent and (
+            not protocol.commands or bool(protocol.unknown))
+
+    @property
+    def location(self) -> Optional[Point]:
+        """The last location, x, y in m."""
+        return self.locations[0].point if self.locations else None
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Have two consecutive locations shown that the robot is elsewhere?"""
+        return self._strays >= 2
+
+    @property
+    def is_by_evidence(self) -> bool:
+        """Does anything except grants determine where the robot may be?"""
+        return bool(self.allocation.areas or self.protocol.held)
+
+    @property
+    def allocation(self) -> Allocation:
+        """All places that the robot may occupy or still reach. A new object whenever it changes."""
+        if self._allocation is None:
+            self._allocation = self._allocated()
+        return self._allocation
+
+    def _allocated(self) -> Allocation:
+        record, kind = self.record, self.record.kind
+        if self.is_absent:
+            return Allocation(kind, Knowledge.ABSENT)
+        holds = record.holds()
+        standing = record.position if record.is_standing else None
+        vertex = None if standing is None else standing.vertex
+        areas = list(self._lost.areas)
+        if standing is not None and vertex is None:
+            areas.append(Area((standing.point(record.graph),)))
+        areas += [one.area(kind) for one in self._locations_elsewhere]
+        if self.reach and self.location is not None:
+            areas.append(Area((self.location,), self.reach))
+        is_known = bool(holds or areas or vertex is not None) and not self.protocol.unknown
+        return Allocation(kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds, vertex,
+                          tuple(dict.fromkeys(areas)))
+
+    @property
+    def _locations_elsewhere(self) -> Tuple[Located, ...]:
+        """The last two locations, as far as they are not on a place that the robot has.
+
+        The one before the last counts only if it was a stray one.
+        """
+        if self._elsewhere is None:
+            record = self.record
+            holds, standing = record.holds(), record.position if record.is_standing else None
+            self._elsewhere = tuple(
+                one for k, one in enumerate(self.locations)
+                if (one.is_stray or not k) and not self._covers(one.point, holds, standing))
+        return self._elsewhere
+
+    def _covers(self, point: Point, holds: Sequence[Hold],
+                position: Optional[GraphPosition]) -> bool:
+        """Is a point on a place that the robot has, as exactly as it follows its edges?
+
+        position -- where it stands; None: it drives, or that is not known
+        """
+        graph, play = self.record.graph, self.record.kind.play
+        if position is not None and math.dist(
+                point, position.point(graph)) <= self.record.near + TREMBLE:
+            return True
+        for hold in holds:
+            curve = graph.curve(hold.edge)
+            nearest = curve.project(*point)
+            if nearest.distance <= play + TREMBLE and (
+                    hold.cleared * curve.length - nearest.arc_length <= TREMBLE):
+                return True
+        return False
+
+    @property
+    def progress(self) -> Tuple[object, ...]:
+        """The part of the state that must be stored as soon as a report changes it."""
+        protocol, record = self.protocol, self.record
+        return (protocol.epoch, protocol.order, protocol.refused, protocol.done, protocol.open,
+                protocol.held, protocol.is_anywhere, protocol.unknown, record.generation,
+                record.position, self._stored_locations, self._lost)
+
+    def _changed(self) -> None:
+        self._allocation = self._elsewhere = None
+
+    def _set(self, protocol: MasterState) -> None:
+        self.record.protocol = protocol
+        self._changed()
+
+    # -- orders -----------------------------------------------------------------------------------
+
+    def _next_number(self) -> int:
+        return next_number(self.protocol, self._clock())
+
+    def extend(self, edges: Sequence[int], renew: bool = False) -> None:
+        """Lets the robot drive more edges; `renew`: under a new label (for another mission)."""
+        number = self._next_number()
+        if renew or not self.record.ahead or not self._label:
+            self._label = label_of(number)
+        if not self.record.ahead:
+            self.record.begins_with(edges[0])
+        self._set(give_route(self.protocol, number, (*self.record.ahead, *edges), self._label))
+
+    def shorten(self) -> bool:
+        """Asks the robot to stop at the end of its edge. Returns whether it may drive farther.
+
+        If the robot refuses because it cannot brake in time, the next call asks it to stop at the
+        end of the following edge.
+        """
+        self._take_back_unsent()
+        ahead = self.record.ahead
+        if len(ahead) <= 1:
+            return False
+        if self.takes_away or not self.is_heard or not self.protocol.commands:
+            return True
+        end = max(self.record.done, self._cut_refused) + 1
+        if end < self.record.end:
+            self._set(give_route(self.protocol, self._next_number(),
+                                 ahead[:end - self.record.done], self._label))
+        return True
+
+    def _take_back_unsent(self) -> None:
+        """Takes back the routes that never left this program: no robot can know of them."""
+        kept = tuple(order for order in self.protocol.open
+                     if not order.edges or order.number <= self.last_sent)
+        if len(kept) == len(self.protocol.open):
+            return
+        self._set(replace(self.protocol, open=kept))
+        if not self.record.ahead:
+            self.record.stand(self.record.position)
+
+    def halt(self) -> None:
+        """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
+        self._take_back_unsent()
+        number = self._next_number()
+        self._set(give_stop(self.protocol, number, label_of(number)))
+
+    def drop_stops(self) -> None:
+        """The robot has no topics here any more: nothing can be sent to it."""
+        protocol = self.protocol
+        self._set(replace(protocol, open=tuple(one for one in protocol.open if one.edges)))
+
+    def due(self, now: float) -> Optional[Sending]:
+        """The order to send now, if there is one."""
+        order = self.order
+        if order is None:
+            return None
+        number, at = self._sent
+        is_repeat = number == order.number and at > -math.inf
+        if is_repeat and now - at < REPEAT:
+            return None
+        self._sent = order.number, now
+        return Sending(order, is_repeat)
+
+    def begin_at(self, position: GraphPosition) -> None:
+        """The next route begins at this position; the robot may stand a little beside it."""
+        self._beside = self.location
+        self.record.stand(position)
+        self.record.begin_anew()
+        self._changed()
+
+    # -- reports ----------------------------------------------------------------------------------
+
+    def hear(self, report: Report) -> Heard:
+        """Updates the state from a report, and returns the results. Raises WrongReport."""
+        said, record = report.said, self.record
+        point = report.located(record.graph)
+        before, had_route = self.protocol, self.protocol.may_drive
+        is_stray = point is not None and not self._covers(
+            point, record.holds(), None if record.ahead else record.position)
+        is_covered = not is_stray or self._is_beside(report, point)
+        protocol, news = hear(before, said, ME, self._next_number(), point is not None)
+        if not news.is_new:
+            return Heard()
+        self._set(protocol)
+        is_first = not self.is_heard
+        self._told = self._told or (0.0, None)
+        record.pose = report.pose
+        self._off_graph = 0 if report.pose.edge else self._off_graph + 1
+        heard = Heard(news, record.passed(news.passed), news.cause if before.epoch else None,
+                      had_route)
+        if news.refused and news.was_shorter:
+            self._cut_refused = max((one.end for one in before.open
+                                     if protocol.order < one.number <= said.refused), default=0)
+        if news.cause is not None or news.failed or news.took and not said.edges:
+            record.begin_anew()
+        heard.is_off_graph = self._off_graph >= 2
+        heard.is_located = self._locate(report, point, is_covered, is_stray)
+        self.clock_is_off = report.is_ahead
+        if protocol.ahead:
+            self._beside = None
+            record.leave(report.age)
+        elif news.stands and (is_covered or is_first or self.is_confirmed):
+            heard.left = not (is_covered or is_first)
+            heard.is_near = self._is_near(report)
+            expected = self._expected(before)
+            self._stand(report)
+            if heard.left:
+                heard.expected = f'{expected}, but is {_place(record.position)}'
+        self._changed()
+        return heard
+
+    def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
+        """Does the robot count as where it may be, although it is not exactly there?
+
+        A standing robot may be a little beside the place where its route begins or ends. If nothing
+        was known of its place, it may be anywhere.
+        """
+        position = self.record.position
+        if position is None:
+            return not self.protocol.may_be_on
+        return report.motion is Motion.STANDING and point is not None and math.dist(
+            point, position.point(self.record.graph)) <= NEAR + TREMBLE
+
+    def _expected(self, before: MasterState) -> str:
+        """A clause that says where the robot may have been by its orders."""
+        edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
+                              if step.number >= self.record.cleared[0])
+        return (f'it was expected on the edges {listed(edges)}' if edges
+                else f'it was expected {_place(self.record.position)}')
+
+    def _is_near(self, report: Report) -> bool:
+        """Is the robot still on the edge on which it stood, or on one that leads to its vertex?"""
+        position, graph = self.record.position, self.record.graph
+        if position is None or not report.pose.edge:
+            return False
+        if position.vertex is None:
+            return abs(position.edge) == abs(report.pose.edge)
+        edge = graph.edge(report.pose.edge)
+        return position.vertex in (edge.origin, edge.destination)
+
+    def _locate(self, report: Report, point: Optional[Point], is_covered: bool,
+                is_stray: bool) -> bool:
+        """Keeps the location of a report. Returns whether it is a new one."""
+        told = report.stamp, point
+        if point is None or told == self._told and report.stamp:
+            return False
+        self._told = told
+        self.reach = 0.0
+        age = 0.0 if report.motion is Motion.STANDING else report.age
+        self.locations = (Located(point, age, is_stray), *self.locations[:1])
+        self._strays = 0 if is_covered else self._strays + 1
+        return True
+
+    def _stand(self, report: Report) -> None:
+        """The robot stands at the location of this report, and on nothing else."""
+        record = self.record
+        if self.protocol.order >= self._lost.until:
+            self._lost = NOT_LOST
+        if self._beside is not None and self.location is not None and (
+                math.dist(self._beside, self.location) <= TREMBLE):
+            record.stand(record.position)
+            return
+        self._beside = None
+        before, here = record.position, position_of(report.pose, record.graph, record.near)
+        if here != before:
+            here = self.position_at(report.pose)
+        if before is not None and here is not None and math.dist(
+                before.point(record.graph), here.point(record.graph)) <= TREMBLE:
+            here = before
+        record.stand(here)
+        self._strays = 0
+
+    def position_at(self, pose: Pose) -> Optional[GraphPosition]:
+        """Where the robot can begin a route if it is at this pose.
+
+        It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
+        still drive into it.
+        """
+        graph = self.record.graph
+        position = position_of(pose, graph, self.record.near)
+        return position_of(pose, graph, AT_VERTEX) if is_dock(position, graph) else position
+
+    # -- storing and restoring --------------------------------------------------------------------
+
+    @property
+    def _stored_locations(self) -> Tuple[Located, ...]:
+        """The locations that matter after a restart.
+
+        While another one moves the robot, a location is stored when it is in another square.
+        """
+        if self.protocol.is_anywhere:
+            return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
+                                  math.floor(y / _SQUARE) * _SQUARE + _SQUARE / 2), _SQUARE)
+                         for (x, y), *_ in self.locations[:1])
+        return self._locations_elsewhere
+
+    @property
+    def memory(self) -> Memory:
+        """The state for `restore` after a restart. It must be stored before an order is sent."""
+        return Memory(self.protocol, self.record.cleared, self.record.position,
+                      self._stored_locations, self._lost, self.is_absent)
+
+    def restore(self, memory: Memory, now: float = 0.0) -> None:
+        """Sets the state from before a restart."""
+        number = memory.protocol.number
+        self.record.protocol = memory.protocol
+        # No journal that this start has read knows the numbers between these two.
+        self.record.protocol = replace(memory.protocol, gap=(number, self._next_number()))
+        self.record.cleared = memory.cleared
+        self._sent = number, -math.inf
+        self.record.position = memory.position
+        self.locations, self._lost = memory.locations, memory.lost
+        self._absent_since = now if memory.is_absent else None
+        self.reach = MANUAL_REACH if memory.protocol.is_anywhere else 0.0
+        self._changed()
+
+    def lose(self, areas: Sequence[Area]) -> None:
+        """Adds areas of edges that the graph in force does not have, and stops the robot.
+
+        They end when the robot stands after that stop.
+        """
+        if not areas:
+            return
+        if not self.is_stopping:
+            self.halt()
+        self._lost = Lost((*self._lost.areas, *areas), self.protocol.number)
+        self._changed()
+
+    # -- other evidence ---------------------------------------------------------------------------
+
+    def grow(self, age: float) -> bool:
+        """Grows the area around a robot that another one moves. Returns whether it grew.
+
+        age -- s since its last location
+        """
+        if not self.protocol.is_anywhere or self.is_absent:
+            return False
+        reach = min((age + CLOCK_ERROR + _SOON) * self.record.kind.speed, MANUAL_REACH)
+        reach = min(math.ceil(reach / _STEP) * _STEP, MANUAL_REACH)
+        if reach <= self.reach:
+            return False
+        self.reach = reach
+        self._changed()
+        return True
+
+    def doubt(self) -> None:
+        """The restored state is that of an older journal: the robot may be anywhere.
+
+        That ends when the robot stands after a stop that is given from now on, because an order
+        that the journal does not know may still be on its way.
+        """
+        self._absent_since = None
+        self._set(replace(self.protocol, unknown=self._next_number()))
+
+    def settle(self, position: Optional[GraphPosition]) -> None:
+        """A person says that the robot stands at this position and holds nothing else."""
+        self._set(replace(self.protocol, behind=(), held=(), is_anywhere=False))
+        self.record.stand(position)
+        self.record.begin_anew()
+        self.locations, self._lost = self.locations[:1], NOT_LOST
+        self.reach, self._strays = 0.0, 0
+        self._beside = None
+        self._changed()
+
+    def declare_absent(self, now: float) -> None:
+        """A person declares that the robot is not on the site. `now` is the supervisor's time."""
+        self.settle(None)
+        self.locations = ()
+        self._set(replace(self.protocol, open=(), unknown=0))
+        self._absent_since = now
+
+    def is_back(self, report: Report, now: float) -> bool:
+        """Ends the absence of a robot if its location was taken later. Returns whether it does."""
+        if self._absent_since is None or not report.stamp or (
+                now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
+            return False
+        self._absent_since = None
+        self._changed()
+        return True
+
+
+def _place(position: Optional[GraphPosition]) -> str:
+    return 'off the graph' if position is None else f'at {position}'
+
+
+def is_dock(position: Optional[GraphPosition], graph: Graph) -> bool:
+    """Is this position a dock?"""
+    return (position is not None and position.vertex is not None
+            and graph.vertices[position.vertex].dock)
+
+
+def is_on(graph: Graph, edges: Sequence[int]) -> bool:
+    """Can a route over these edges be driven on this graph?"""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError:
+        return False
+    return True
+

@@ -1,0 +1,176 @@
+"""The route record of one robot: the edges that it was ordered to drive, and its progress on them.
+
+The edges are numbered as in `route_protocol.master`. This class adds the lengths, and from the
+reported pose what certainly lies behind the robot.
+"""
+from __future__ import annotations
+
+from collections import deque
+from typing import Deque, List, Optional, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.interlocking.allocation import Hold
+from fleet_core.interlocking.reports import (
+    CLOCK_ERROR,
+    GraphPosition,
+    Pose,
+    nearness,
+)
+from route_protocol.master import MasterState, Step, left
+from trajectory_graph import Graph
+
+# the fraction of an edge that is driven except for a tiny remainder
+_NOT_OVER = 1.0 - 1e-9
+_REMEMBERED = 100  # number of driven edges that are kept; far more than while the planner works
+
+
+class RouteRecord:
+    """One robot's route record.
+
+    kind  -- the robot's type; its speed bounds how far it may have moved since a location
+    slack -- m by which the robot may be behind its reported place
+    """
+
+    def __init__(self, graph: Graph, kind: RobotType, slack: float = 0.0) -> None:
+        self.graph = graph
+        self.kind = kind
+        self.protocol = MasterState()
+        """What the robot may still do by its orders."""
+        self.position: Optional[GraphPosition] = None
+        """Where the robot stands, or the vertex that it passed last; None: not known."""
+        self.pose = Pose()
+        """The last reported pose."""
+        self.generation = 0
+        """Number of times that the record was begun anew. A plan of an earlier generation is void.
+        """
+        self.cleared: Tuple[int, float] = (0, 0.0)
+        """Number and fraction of the edge before which all certainly lies behind the robot."""
+        self._slack = slack
+        self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
+
+    # -- state ------------------------------------------------------------------------------------
+
+    @property
+    def done(self) -> int:
+        """Number of the edge that is being driven."""
+        return self.protocol.done
+
+    @property
+    def end(self) -> int:
+        """Number behind the last edge that the robot may drive."""
+        return self.protocol.end
+
+    @property
+    def ahead(self) -> Tuple[int, ...]:
+        """The edges not yet complete, the one being driven first."""
+        return self.protocol.ahead
+
+    @property
+    def held(self) -> Tuple[int, ...]:
+        """The path of the robot: the edges that it has not certainly left, and those ahead."""
+        if not self.ahead:
+            return tuple(step.edge for step in (*self.protocol.behind, *self.protocol.held))
+        return (*(step.edge for step in self.protocol.behind), *self.ahead)
+
+    def holds(self) -> Tuple[Hold, ...]:
+        """All edges that other robots may not be granted, each with its cleared fraction."""
+        number, fraction = self.cleared
+        return tuple(Hold(step.edge, fraction if step.number == number else 0.0)
+                     for step in self.protocol.may_be_on if step.number >= number)
+
+    @property
+    def is_standing(self) -> bool:
+        """Has the robot nothing to drive?"""
+        return not self.protocol.may_drive
+
+    @property
+    def last_vertex(self) -> Optional[int]:
+        """The vertex where the record ends; None: it ends between vertices, or nowhere."""
+        if self.ahead:
+            return self.graph.end_vertex(self.ahead[-1]).id
+        return self.position.vertex if self.position else None
+
+    @property
+    def some_vertex(self) -> Optional[int]:
+        """A vertex from which edges lead to the robot's place; None: not known."""
+        if self.last_vertex is not None or self.position is None:
+            return self.last_vertex
+        return self.graph.end_vertex(self.position.edge).id
+
+    @property
+    def near(self) -> float:
+        """Distance (m) from a vertex within which the robot counts as standing on it."""
+        return nearness(self.kind)
+
+    def part(self, begin: int, end: int) -> Tuple[int, ...]:
+        """The edges from number `begin` to before `end`, as far as the record has them.
+
+        It still has the last edges that the robot has left: a plan was made before that.
+        """
+        path = (*self._driven, *(Step(number, edge)
+                                 for number, edge in enumerate(self.ahead, self.done)))
+        return tuple(step.edge for step in path if begin <= step.number < end)
+
+    def distance_ahead(self) -> float:
+        """Length (m) of the path that is still to be driven."""
+        edges = self.ahead
+        if not edges:
+            return 0.0
+        whole = sum(self.graph.curve(edge).length for edge in edges)
+        fraction = self.pose.fraction if self.pose.edge == edges[0] else 0.0
+        return whole - fraction * self.graph.curve(edges[0]).length
+
+    def begun(self, edge: int, position: Optional[GraphPosition]) -> float:
+        """The fraction of an edge behind a robot that stands there and would drive it that way."""
+        if position is None or position.vertex is not None or abs(edge) != abs(position.edge):
+            return 0.0
+        fraction = position.fraction if edge == position.edge else 1.0 - position.fraction
+        return min(max(fraction - self._slack / self.graph.curve(edge).length, 0.0), _NOT_OVER)
+
+    # -- changes ----------------------------------------------------------------------------------
+
+    def begins_with(self, edge: int) -> None:
+        """A standing robot is granted this edge first: what it has begun of it stays free."""
+        self.cleared = (self.done, self.begun(edge, self.position))
+
+    def stand(self, position: Optional[GraphPosition]) -> None:
+        """The robot stands there, and on nothing else."""
+        self.position = position
+        self.cleared = (self.done, 0.0)
+
+    def begin_anew(self) -> None:
+        """The robot lost its route, or another giver moved it: no plan fits any more."""
+        self.generation += 1
+        self._driven.clear()
+
+    def passed(self, edges: Tuple[int, ...]) -> List[int]:
+        """The robot has driven these edges to their ends. Returns the vertices, in order.
+
+        They are the last edges before the one under way.
+        """
+        begin = self.done - len(edges)
+        self._driven.extend(Step(begin + k, edge) for k, edge in enumerate(edges))
+        vertices = [self.graph.end_vertex(edge).id for edge in edges
+                    if abs(edge) in self.graph.edges]
+        if vertices:
+            self.position = GraphPosition(vertex=vertices[-1])
+        return vertices
+
+    def leave(self, age: float) -> None:
+        """Computes what certainly lies behind the robot from its pose, which is `age` s old."""
+        ahead = self.ahead
+        if not ahead or self.pose.edge != ahead[0]:
+            return
+        behind = {step.number: step.edge for step in self.protocol.behind}
+        number, arc = self.done, self.pose.fraction * self.graph.curve(ahead[0]).length
+        arc -= self.margin(age)
+        while arc < 0.0 and number - 1 in behind and number > self.cleared[0]:
+            number -= 1
+            arc += self.graph.curve(behind[number]).length
+        length = self.graph.curve(behind.get(number, ahead[0])).length
+        self.cleared = max(self.cleared, (number, min(max(arc / length, 0.0), _NOT_OVER)))
+        self.protocol = left(self.protocol, self.cleared[0])
+
+    def margin(self, age: float) -> float:
+        """Distance (m) that the robot may be away from a location that is `age` s old."""
+        return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed

@@ -1,0 +1,106 @@
+"""The planner as a service to the supervisor: it answers requests with plans on its graph.
+
+It keeps only what depends on the graph, so that a request needs no geometry. The same request has
+the same answer, regardless of earlier requests.
+"""
+from __future__ import annotations
+
+import time
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple, Union
+
+from fleet_core.fleet import Fleet
+from fleet_core.plan_requests import PlanRequest
+from fleet_core.planning.layers import Search
+from fleet_core.planning.parking import named_parking
+from fleet_core.planning.planner import FleetPlanner
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.safe_intervals import find_path
+from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, Task
+from trajectory_graph import Graph
+
+_PLANNERS_KEPT = 4  # planners for different closed edges and learned times
+
+
+class _Roadmap(NamedTuple):
+    """The closed edges and learned times for which a planner is made."""
+
+    closed: FrozenSet[int]
+    edge_times: FrozenSet[Tuple[Tuple[str, int], float]]
+
+
+class PlanService:
+    """Plans on one graph for the robot types of one fleet.
+
+    graph  -- the trajectory graph
+    fleet  -- robot types, clearance and dock approach; its robots are not used
+    search -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
+    seed   -- of all random choices for a request without a seed
+    """
+
+    def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_path,
+                 seed: int = 0) -> None:
+        self.graph = graph
+        self._fleet = fleet
+        self._search = search
+        self._seed = seed
+        self._open = RoadNetwork(graph, (), fleet.dock_approach)
+        self._planners: Dict[_Roadmap, FleetPlanner] = {}
+
+    def prepare(self) -> None:
+        """Computes in advance what depends only on the graph."""
+        self._planner(_Roadmap(frozenset(), frozenset())).prepare()
+
+    def parking_by_name(self) -> FrozenSet[int]:
+        """Ids of all vertices at which the graph allows parking, even if that cuts robots off."""
+        return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
+                         for vertex in named_parking(self._open, kind))
+
+    def answer(self, request: PlanRequest, received: Optional[float] = None) -> Outcome:
+        """Returns the plans. Limits count from `received` (monotonic s; default: now).
+
+        Raises CannotPlan for an invalid request.
+        """
+        begun = time.monotonic() if received is None else received
+        self._check(request)
+        planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
+        planner.parking = tuple(sorted(request.parking))
+        return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
+                            improve_until=begun + request.improvement, seed=request.seed)
+
+    def _check(self, request: PlanRequest) -> None:
+        robots: List[Union[Task, Obstacle]] = [*request.tasks, *request.obstacles]
+        names = [robot.name for robot in robots]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise CannotPlan(f'Robot {twice} stands in the request twice; name it once.')
+        for robot in robots:
+            if robot.type not in self._fleet.types:
+                raise CannotPlan(f'Robot {robot.name}: there is no robot type {robot.type.name}; '
+                                 'describe it in the fleet file.')
+        for obstacle in request.obstacles:
+            self._check_ids(f'Robot {obstacle.name}', obstacle.vertices, obstacle.edges)
+        self._check_ids('Parking', tuple(request.parking), ())
+        for (kind, edge), seconds in request.edge_times.items():
+            if not 0.0 < seconds < 1e6:
+                raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '
+                                 'must be above 0 and below 1e6 s; omit it.')
+
+    def _check_ids(self, asker: str, vertices: Tuple[int, ...], edges: Tuple[int, ...]) -> None:
+        for id in vertices:
+            if id not in self.graph.vertices:
+                raise CannotPlan(f'{asker}: the graph has no vertex {id}; choose another.')
+        for id in edges:
+            if abs(id) not in self.graph.edges:
+                raise CannotPlan(f'{asker}: the graph has no edge {id}; choose another.')
+
+    def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
+        """The planner for these closed edges and times, kept from an earlier request or new."""
+        planner = self._planners.pop(roadmap, None)
+        if planner is None:
+            network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))
+            planner = FleetPlanner(network, self._fleet.clearance, self._fleet.types,
+                                   search=self._search, seed=self._seed)
+            while len(self._planners) >= _PLANNERS_KEPT:
+                del self._planners[next(iter(self._planners))]
+        self._planners[roadmap] = planner
+        return planner

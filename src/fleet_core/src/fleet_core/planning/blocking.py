@@ -1,0 +1,122 @@
+"""The slots that a robot's drive or wait blocks for other robots, as the searches need them.
+
+The reservation table does not book places. It books the *beginnings of drives*. A robot may begin a
+drive only while no other robot holds a conflicting place, and early enough to be out of the way of
+the next robot. For each drive of one robot type, this module gives the slots of another type that
+it blocks:
+
+(slot, clear, lead): no robot may begin the drive `slot`, or (lead 0) wait there, from `lead`
+                     seconds before the drive begins until the fraction `clear` of it is driven
+
+`lead` is the time that the other robot needs to get out of the way of this drive.
+"""
+from __future__ import annotations
+
+from array import array
+from functools import cached_property
+from typing import Iterator, List, Mapping, NamedTuple, Tuple
+
+import numpy as np
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.exclusions import Conflicts
+from fleet_core.planning.road_network import RoadNetwork
+
+Block = Tuple[int, float, float]
+"""Slot, clear fraction, lead in s."""
+
+
+class _Blocks(NamedTuple):
+    """The blocks of all places, row by row.
+
+    The type is Python's array, not numpy's, because short rows are read number by number.
+    """
+
+    rows: List[slice]     # of each place
+    slots: array[int]
+    leads: array[float]   # s
+    clears: Tuple[array[float], array[float]]  # of an edge driven forward, and backward
+
+
+class Blocking:
+    """The slots that robots of type `moving` block for robots of type `observer`."""
+
+    def __init__(self, network: RoadNetwork, moving: RobotType, observer: RobotType,
+                 clearance: float) -> None:
+        self._network = network
+        self._distance = moving.reach + observer.reach + clearance
+        times = np.array(network.times(observer))
+        self._times = np.where(np.isfinite(times), times, 0.0)
+
+    @property
+    def conflicts(self) -> Conflicts:
+        """The places that exclude each other, and the fractions after which they are clear."""
+        return self._network.exclusions.at(self._distance)
+
+    def drive(self, drive: int) -> Iterator[Block]:
+        """The blocks of a drive."""
+        rows, slots, leads, clears = self._blocks
+        row = rows[self._network.vertices + (drive >> 1)]
+        return zip(slots[row], clears[drive & 1][row], leads[row])
+
+    def excluded(self, place: int) -> List[int]:
+        """The places (not slots) that an observer may not hold while the other robot holds `place`.
+        """
+        return self.conflicts.row(place)
+
+    def excludes(self, place: int, other: int) -> bool:
+        """Do these two places exclude each other for two robots?"""
+        return other in self.excluded(place)
+
+    def wait(self, place: int) -> Iterator[Tuple[int, float]]:
+        """(slot, lead) blocked by a robot that waits at a vertex, or anywhere on an edge."""
+        rows, slots, leads, _ = self._blocks
+        row = rows[place]
+        return zip(slots[row], leads[row])
+
+    def rest(self, drive: int, begun: float) -> List[int]:
+        """The places that an observer may not hold while the rest of a drive is driven."""
+        starts, other, forward, backward, _ = self.conflicts
+        edge = self._network.vertices + (drive >> 1)
+        row = slice(starts[edge], starts[edge + 1])
+        places: List[int] = other[row][(forward, backward)[drive & 1][row] > begun].tolist()
+        return places
+
+    def beside(self, near: Mapping[int, Tuple[float, float]]) -> List[Tuple[int, float]]:
+        """(slot, lead) blocked by a robot that stands too near to these places.
+
+        near -- for each edge the part of it that is too near
+        """
+        blocked: List[Tuple[int, float]] = []
+        for place, (low, high) in near.items():
+            edge = place - self._network.vertices
+            if edge < 0:
+                blocked.append((self._network.vertex_slot(place), 0.0))
+            else:
+                blocked += [(drive, clear * float(self._times[drive]))
+                            for drive, clear in ((2 * edge, high), (2 * edge + 1, 1.0 - low))]
+        return blocked
+
+    def prepare(self) -> None:
+        """Computes the blocks for `drive` and `wait`. Otherwise they are computed at first use."""
+        _ = self._blocks
+
+    @cached_property
+    def _blocks(self) -> _Blocks:
+        starts, other, forward, backward, mirrored = self.conflicts
+        is_edge = other >= self._network.vertices
+        # Each pair with an edge makes two blocks, one for each direction; with a vertex, one.
+        count = np.where(is_edge, 2, 1)
+        first = np.concatenate(([0], np.cumsum(count)))
+        pair = np.repeat(np.arange(len(other)), count)
+        slots = (other + self._network.drives)[pair]
+        leads = np.zeros(len(slots))
+        drive = 2 * (other[is_edge] - self._network.vertices)
+        for direction, clear in enumerate((forward, backward)):
+            at = first[:-1][is_edge] + direction
+            slots[at] = drive + direction
+            leads[at] = clear[mirrored[is_edge]] * self._times[drive + direction]
+        bounds = first[starts].tolist()
+        return _Blocks([slice(*ends) for ends in zip(bounds, bounds[1:])],
+                       array('q', slots.tobytes()), array('d', leads.tobytes()),
+                       (array('d', forward[pair].tobytes()), array('d', backward[pair].tobytes())))

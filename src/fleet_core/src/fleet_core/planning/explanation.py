@@ -1,0 +1,221 @@
+"""Explains in words which robots block which."""
+from __future__ import annotations
+
+import time
+from functools import partial
+from heapq import heappop, heappush
+from math import inf
+from operator import itemgetter
+from typing import (
+    Dict,
+    FrozenSet,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
+
+import numpy as np
+
+from fleet_core.fleet import RobotType
+from fleet_core.planning.agents import Agent
+from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
+from fleet_core.planning.road_network import RoadNetwork
+from trajectory_graph.id_lists import listed
+
+# s: the cost of a robot that stands in the way, so that nearly each detour is preferred
+_BESIDE_ONE = 1e6
+
+
+def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
+    """Why a robot cannot serve its errand even without traffic: what is unreachable from where."""
+    seconds_to, origin = agent.errand.seconds_to, _where(network, agent)
+    starts: Sequence[int] = ((agent.errand.vertex,) if agent.mid_edge is None else
+                             [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
+    for destination in agent.errand.destinations:
+        path = network.paths_to(agent.kind, (destination,))[0]
+        if seconds_to(path) == inf:
+            return (f'vertex {network.vertex_ids[destination]} cannot be reached from '
+                    f'{origin}{why_apart(network, agent.kind, starts, destination)}')
+        origin = f'vertex {network.vertex_ids[destination]}'
+        starts = (destination,)
+        seconds_to = partial(_entry, destination)
+    return 'it has nowhere to stay; give the graph more parking'
+
+
+def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
+              destination: int) -> str:
+    """Why no path of a robot type joins these vertices: a clause to follow `cannot be reached`."""
+    starts, times = tuple(starts), network.times(kind)
+
+    def docks_on_path(with_closed: bool) -> Optional[List[int]]:
+        """The docks that a path leads through, if docks were passable; None: there is no path."""
+        came: Dict[int, int] = dict.fromkeys(starts, -1)
+        waiting = list(starts)
+        for vertex in waiting:
+            for signed_id in network.graph.edges_from(network.vertex_ids[vertex]):
+                drive = network.drive(signed_id)
+                end = network.destination(drive)
+                is_open = with_closed or abs(signed_id) not in network.closed
+                if end not in came and times[drive] < inf and is_open:
+                    came[end] = vertex
+                    waiting.append(end)
+        if destination not in came:
+            return None
+        passed, vertex = [], came[destination]
+        while vertex >= 0 and came[vertex] >= 0:
+            passed += [network.vertex_ids[vertex]] if vertex in network.docks else []
+            vertex = came[vertex]
+        return passed
+
+    docks = docks_on_path(with_closed=False)
+    if docks:
+        return (f': each way leads through a dock, such as dock {docks[-1]}, and no route leads '
+                'through a dock')
+    if network.closed and docks_on_path(with_closed=True) is not None:
+        return f' while edges {listed(sorted(network.closed))} are closed'
+    return '; no edges lead there that it may drive'
+
+
+def _entry(vertex: int, path: np.ndarray) -> float:
+    return float(path[vertex])
+
+
+def _where(network: RoadNetwork, agent: Agent) -> str:
+    if agent.mid_edge is not None:
+        return f'edge {abs(network.signed_id(agent.mid_edge.drive))}'
+    return f'vertex {network.vertex_ids[agent.errand.vertex]}'
+
+
+def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) -> List[str]:
+    """The robots that would have to give way to a robot that is not booked.
+
+    These are
+
+    - the robots that stand for ever on its path, if it takes the path with the fewest of them, and
+    - the robots whose plans lead over its own place.
+
+    The search for that path ends at the deadline (monotonic s).
+    """
+    slots = reservations.slots[agent.kind]
+    drives, found = _fewest_blocked(reservations, agent, deadline)
+    for drive in drives:
+        for _, end, robot in slots.bookings[drive]:
+            if end == inf:
+                found[robot] = None
+    if agent.mid_edge is None:
+        for _, _, robot in slots.bookings[slots.drives + agent.errand.vertex]:
+            found[robot] = None
+    else:
+        for robot, _ in reservations.passing(agent.kind, agent.mid_edge):
+            found[robot] = None
+    return list(found)
+
+
+def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> str:
+    """Why a robot that is not booked finds no path past the others.
+
+    The search for the reason ends at the deadline (monotonic s).
+    """
+    network = reservations.network
+    others = in_the_way(reservations, agent, deadline) if time.monotonic() < deadline else []
+    destinations = agent.errand.destinations
+    goal = (f'vertex {network.vertex_ids[destinations[-1]]}' if destinations else 'parking')
+    if not others:
+        return f'no path to {goal} was found in the given time'
+    where = []
+    for name in others:
+        booked = reservations.booked.get(name)
+        if booked is None:
+            where.append(f'{name}, which cannot move')
+        elif booked.plan:
+            where.append(f'{name}, which will end at vertex '
+                         f'{network.vertex_ids[network.destination(booked.plan[-1].drive)]}')
+        elif booked.mid_edge is None:
+            where.append(f'{name}, which stands at vertex {network.vertex_ids[booked.vertex]}')
+        else:
+            where.append(f'{name}, which stands on edge '
+                         f'{abs(network.signed_id(booked.mid_edge.drive))}')
+    return f'on the way to {goal} it is blocked by {"; ".join(where)}'
+
+
+def _fewest_blocked(reservations: ReservationTable,
+                    agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
+    """The drives of its path over all destinations to a rest, past the fewest standing robots.
+
+    The path ends early if it cannot be continued. If the robot stands between two vertices, the
+    path begins at the next vertex. The second value has the robots that stand before that vertex.
+    """
+    errand = agent.errand
+    drives: List[int] = []
+    goals: List[FrozenSet[int]] = [frozenset((d,)) for d in errand.destinations]
+    if errand.rests:
+        goals.append(errand.rests)
+    starts: Dict[int, float] = {errand.vertex: 0.0}
+    standing: Dict[int, Dict[str, None]] = {}
+    if agent.mid_edge is not None:
+        starts, standing = _exits(reservations, agent, agent.mid_edge)
+    first = min(starts.items(), key=itemgetter(1), default=(-1, inf))[0]
+    for number, goal in enumerate(goals):
+        leg = (_shortest(reservations, agent, starts, goal) if time.monotonic() < deadline
+               else None)
+        if leg is None:
+            break
+        drives += leg.drives
+        first = first if number else leg.start
+        starts = {leg.end: 0.0}
+    return drives, dict(standing.get(first, {}))
+
+
+def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePosition
+           ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
+    """The vertices to which a robot between two vertices may drive.
+
+    Returns for each of them the cost, and the robots that stand in its way for ever.
+    """
+    costs: Dict[int, float] = {}
+    standing: Dict[int, Dict[str, None]] = {}
+    for drive, end, seconds in mid_edge.exits(reservations.network, agent.kind):
+        robots = {robot: None for _, over, robot in reservations.against_rest(
+            agent.kind, mid_edge, drive) if over == inf}
+        cost = seconds + _BESIDE_ONE * len(robots)
+        if cost < costs.get(end, inf):
+            costs[end], standing[end] = cost, robots
+    return costs, standing
+
+
+class _Leg(NamedTuple):
+    """A path from one of several vertices to one of several goals."""
+
+    start: int
+    drives: List[int]
+    end: int
+
+
+def _shortest(reservations: ReservationTable, agent: Agent, starts: Mapping[int, float],
+              goal: FrozenSet[int]) -> Optional[_Leg]:
+    bookings = reservations.slots[agent.kind].bookings
+    came: Dict[int, Tuple[int, int]] = {}
+    best: Dict[int, float] = dict(starts)
+    heap: List[Tuple[float, int]] = sorted((cost, vertex) for vertex, cost in starts.items())
+    while heap:
+        cost, end = heappop(heap)
+        if cost > best[end]:
+            continue
+        if end in goal:
+            drives, vertex = [], end
+            while vertex in came:
+                vertex, drive = came[vertex]
+                drives.append(drive)
+            return _Leg(vertex, drives[::-1], end)
+        for drive, further, seconds in agent.errand.roads[end]:
+            standing = {robot for _, over, robot in bookings[drive] if over == inf}
+            new = cost + seconds + _BESIDE_ONE * len(standing)
+            if new < best.get(further, inf):
+                best[further] = new
+                came[further] = end, drive
+                heappush(heap, (new, further))
+    return None

@@ -1,0 +1,35 @@
+"""Makes the planner's answer from the final plans."""
+from __future__ import annotations
+
+from typing import Iterable, Mapping
+
+from fleet_core.planning.agents import Agent
+from fleet_core.planning.plans import Plan
+from fleet_core.planning.precedence import precedence
+from fleet_core.planning.reservation_table import ReservationTable
+from fleet_core.planning.schedule import in_order, schedule
+from fleet_core.planning.tasks import Outcome, PlannedDrive
+
+
+def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
+               behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
+               rounds: int) -> Outcome:
+    """The plans, and the order of use that keeps them safe.
+
+    behind   -- each agent's plan behind its fixed drives; after improvement its drives begin as
+                early as their order allows
+    served   -- agents whose plans lead to all of their destinations
+    unserved -- the other agents, each with the reason
+    """
+    ids = reservations.network.signed_ids
+    plans = schedule(reservations, agents, in_order(behind)) if rounds else behind
+    whole = {name: agents[name].whole(plan) for name, plan in plans.items()}
+    constraints = precedence(reservations, whole, {name: t.kind for name, t in agents.items()},
+                             {name: len(t.fixed) for name, t in agents.items()})
+    errands = {name: agents[name].errand for name in served}
+    return Outcome(
+        {name: tuple([PlannedDrive(ids[drive], start, end) for drive, start, end, _ in plan])
+         for name, plan in whole.items()},
+        tuple(constraints), dict(unserved),
+        sum(errand.cost(plans[name]) for name, errand in errands.items()),
+        sum(errand.lower_bound for errand in errands.values()), rounds)

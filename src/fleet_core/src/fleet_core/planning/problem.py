@@ -1,0 +1,228 @@
+"""Turns the planner's input, in ids, into agents, and checks it."""
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from itertools import chain
+from math import hypot, inf
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.exclusions import ROUNDING
+from fleet_core.planning.agents import LATER, Agent, Errand
+from fleet_core.planning.plans import Drive
+from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.tasks import CannotPlan, Task
+
+
+class Problem:
+    """The agents of a list of tasks.
+
+    parking -- ids of the vertices at which robots may be parked; docks only for types that list
+               them
+    """
+
+    def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
+                 parking: Iterable[int]) -> None:
+        self._reservations = reservations
+        self._network: RoadNetwork = reservations.network
+        self._parking = frozenset(self._network.index[id] for id in parking)
+        self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
+        self._wanted = {name: frozenset(self._vertices(task.destinations))
+                        for name, task in self.tasks.items()}
+        self._robots_to = Counter(chain.from_iterable(self._wanted.values()))
+        for kind in reservations.kinds:  # all at once: one by one this takes several times as long
+            self._network.paths_to(kind, [vertex for name, task in self.tasks.items()
+                                          if task.type == kind for vertex in self._wanted[name]])
+        self._common: Dict[RobotType, FrozenSet[int]] = {
+            kind: self.rests(kind, frozenset(self._robots_to)) for kind in reservations.kinds}
+        """Where robots of a type may be parked and where no robot has a destination."""
+        self.agents: Dict[str, Agent] = {
+            name: self._agent(task) for name, task in self.tasks.items()}
+
+    def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
+        """Where robots of a type may be parked, without `unwanted` if enough vertices remain."""
+        docks = frozenset(self._network.index[id] for id in kind.docks or ()
+                          if id in self._network.index)
+        allowed = (self._parking - self._network.docks) | (self._parking & docks)
+        quiet = allowed - unwanted
+        return quiet if len(quiet) >= len(self.tasks) else allowed
+
+    def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
+        """The same agent, allowed to end at `rests`."""
+        task = self.tasks[agent.name]
+        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+                                                  rests))
+
+    def without_destinations(self, agent: Agent) -> Agent:
+        """The same agent without destinations, so that it is only parked."""
+        task = replace(self.tasks[agent.name], destinations=(), dwells=())
+        rests = agent.errand.rests
+        if rests is None:
+            rests = frozenset(range(self._network.vertices)) - self._network.docks
+        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+                                                  rests))
+
+    def _agent(self, task: Task) -> Agent:
+        fixed = self._fixed(task)
+        mid_edge = self._mid_edge(task)
+        if task.stays:
+            rests = None if task.destinations else (
+                frozenset(range(self._network.vertices)) - self._network.docks
+                | frozenset(self._vertices(() if task.vertex is None else (task.vertex,))))
+        else:
+            rests = self.rests(task.type, self._wanted_by_others(task.name))
+        start = -1
+        if task.vertex is not None:
+            start = self._network.index[task.vertex]
+        elif fixed:
+            start = self._network.origin[fixed[0].drive]
+        return Agent(task.name, task.type, start, fixed,
+                     self._errand(task, fixed, mid_edge, rests), task.priority, mid_edge)
+
+    def _wanted_by_others(self, name: str) -> FrozenSet[int]:
+        """The destinations of all robots except one."""
+        alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
+        return frozenset(self._robots_to.keys() - alone)
+
+    def _errand(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
+                rests: Optional[FrozenSet[int]]) -> Errand:
+        network = self._network
+        ready = (fixed[-1].end if fixed else 0.0) + task.ready
+        vertex = -1
+        origins: Dict[int, float] = {}
+        if mid_edge is not None:
+            for _, end, seconds in mid_edge.exits(network, task.type):
+                origins[end] = min(seconds, origins.get(end, inf))
+        else:
+            assert fixed or task.vertex is not None  # `check` guarantees this
+            vertex = (network.destination(fixed[-1].drive) if fixed
+                      else network.index[task.vertex or 0])
+            origins[vertex] = 0.0
+        later = 1.0 if task.stays else LATER
+        return Errand(network, task.type, vertex, origins, ready,
+                      self._vertices(task.destinations), task.dwells, rests, later,
+                      self._common[task.type])
+
+    def _fixed(self, task: Task) -> Tuple[Drive, ...]:
+        """The released drives, driven at once."""
+        times, now, drives = self._network.times(task.type), 0.0, []
+        for k, edge in enumerate(task.released):
+            begun = task.begun if k == 0 else 0.0
+            drive = self._network.drive(edge)
+            seconds = times[drive]
+            if seconds == inf:  # forbidden meanwhile, but already granted: at the robot's own speed
+                seconds = self._network.length(drive) / task.type.speed
+            drives.append(Drive(drive, now, now + seconds * (1.0 - begun), begun))
+            now = drives[-1].end
+        return tuple(drives)
+
+    def _mid_edge(self, task: Task) -> Optional[MidEdgePosition]:
+        if task.mid_edge is None:
+            return None
+        edge, fraction = task.mid_edge
+        curve = self._network.graph.curve(edge)
+        return MidEdgePosition(self._network.drive(edge), fraction,
+                               *curve.point_at(fraction * curve.length))
+
+    def _vertices(self, ids: Iterable[int]) -> Tuple[int, ...]:
+        return tuple(self._network.index[id] for id in ids)
+
+    # -- checks -----------------------------------------------------------------------------------
+
+    def too_near(self) -> List[Tuple[str, str]]:
+        """Pairs of robots that hold excluding places when planning begins."""
+        by_place: Dict[int, List[_Held]] = {}
+        held: List[_Held] = []
+        for agent in self.agents.values():
+            for one in _held_by(agent, self._network):
+                by_place.setdefault(one.place, []).append(one)
+                held.append(one)
+        found: Set[Tuple[str, str]] = set()
+        for one in held:
+            for kind in self._reservations.kinds:
+                for place in self._excluded(one, kind):
+                    for other in by_place.get(place, ()):
+                        if (other.name != one.name and other.kind == kind
+                                and self._is_near(one, other)
+                                and self._still_meets(one, other)
+                                and self._still_meets(other, one)):
+                            found.add((min(one.name, other.name), max(one.name, other.name)))
+        return sorted(found)
+
+    def _excluded(self, held: _Held, other: RobotType) -> List[int]:
+        if held.mid_edge is not None:
+            return list(self._reservations.places_near(held.kind, other, held.mid_edge))
+        return self._reservations.blocking[held.kind, other].excluded(held.place)
+
+    def _is_near(self, one: _Held, other: _Held) -> bool:
+        """Is a robot too near to another one that holds only a point between two vertices?"""
+        if other.mid_edge is None:
+            return True
+        if one.mid_edge is None:
+            return one.place in self._excluded(other, one.kind)
+        apart = self._reservations.apart(one.kind, other.kind)
+        return hypot(one.mid_edge.x - other.mid_edge.x,
+                     one.mid_edge.y - other.mid_edge.y) < apart - ROUNDING
+
+    def _still_meets(self, one: _Held, other: _Held) -> bool:
+        """Does the part of a drive ahead of a robot exclude a place, not only the part behind?"""
+        if one.begun == 0.0 or one.mid_edge is not None:
+            return True
+        blocks = self._reservations.blocking[one.kind, other.kind].drive(one.drive)
+        slot = (other.place + self._network.drives if other.place < self._network.vertices
+                else 2 * (other.place - self._network.vertices))
+        return any(clear > one.begun for s, clear, _ in blocks if s == slot)
+
+
+class _Held(NamedTuple):
+    """A place that a robot holds when planning begins."""
+
+    name: str
+    kind: RobotType
+    place: int
+    drive: int
+    begun: float
+    mid_edge: Optional[MidEdgePosition]
+
+
+def _held_by(agent: Agent, network: RoadNetwork) -> List[_Held]:
+    name, kind, mid_edge = agent.name, agent.kind, agent.mid_edge
+    if mid_edge is not None:
+        return [_Held(name, kind, network.vertices + (mid_edge.drive >> 1), mid_edge.drive, 0.0,
+                      mid_edge)]
+    if not agent.fixed:
+        return [_Held(name, kind, agent.vertex, -1, 0.0, None)]
+    return [_Held(name, kind, network.vertices + (drive.drive >> 1), drive.drive, drive.begun, None)
+            for drive in agent.fixed]
+
+
+def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
+    """Raises CannotPlan for ids that the graph lacks, and for robots without a place."""
+    for task in tasks:
+        places = (task.vertex is not None, bool(task.released), task.mid_edge is not None)
+        if places not in ((True, False, False), (True, True, False), (False, True, False),
+                          (False, False, True)):
+            raise CannotPlan(f'Robot {task.name} must stand on one vertex, drive, or stand on one '
+                             'edge; say which.')
+        for id in (*task.destinations, *(() if task.vertex is None else (task.vertex,))):
+            if id not in network.index:
+                raise CannotPlan(f'Robot {task.name}: the graph has no vertex {id}; choose '
+                                 'another.')
+        for id in (*task.released, *(() if task.mid_edge is None else task.mid_edge[:1])):
+            if abs(id) not in network.edge_index:
+                raise CannotPlan(f'Robot {task.name}: the graph has no edge {id}; choose another.')
+        for first, second in zip(task.released, task.released[1:]):
+            if (network.destination(network.drive(first))
+                    != network.origin[network.drive(second)]):
+                raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
+                                 f'{first} ends; correct its route.')
+        numbers = (task.begun, task.ready, *task.dwells,
+                   *(() if task.mid_edge is None else task.mid_edge[1:]))
+        if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:
+            raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers from 0 on, '
+                             'fractions below 1.')
+        if task.dwells and len(task.dwells) != len(task.destinations):
+            raise CannotPlan(f'Robot {task.name} has {len(task.destinations)} destinations but '
+                             f'{len(task.dwells)} dwells; give one for each.')

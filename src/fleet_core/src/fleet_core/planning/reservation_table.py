@@ -1,0 +1,282 @@
+"""The reservation table: what each robot with a plan blocks and when, for each robot type."""
+from __future__ import annotations
+
+from bisect import bisect_right
+from math import inf
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area
+from fleet_core.planning.blocking import Block, Blocking
+from fleet_core.planning.plans import Drive
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.slots import Booking, Busy, Slots, merge
+
+
+class MidEdgePosition(NamedTuple):
+    """A robot that stands at a fraction of a drive, at x, y (m), free to go on in both directions.
+    """
+
+    drive: int
+    fraction: float
+    x: float
+    y: float
+
+    def behind(self, drive: int) -> float:
+        """The fraction of `drive`, one of the drives on its edge, that lies behind the robot."""
+        return self.fraction if drive == self.drive else 1.0 - self.fraction
+
+    def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
+        """The drives by which it may leave, as (drive, vertex at its end, seconds to it).
+
+        A closed edge, and a drive into a dock, are allowed.
+        """
+        times = network.times(kind)
+        return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))
+                for drive in (self.drive, self.drive ^ 1) if times[drive] < inf]
+
+
+class Booked(NamedTuple):
+    """The booked state of one robot."""
+
+    kind: RobotType
+    vertex: int
+    plan: Sequence[Drive]
+    mid_edge: Optional[MidEdgePosition]
+    until: float
+    held: int
+
+
+class TakenOut(NamedTuple):
+    """The state of the reservation table before robots were taken out of it."""
+
+    booked: Dict[str, Booked]
+    touched: Dict[str, List[Tuple[Slots, Iterable[int]]]]
+    before: List[Tuple[Slots, Dict[int, Tuple[List[Booking], Optional[Busy]]]]]
+    """For all slots in which one of them is booked: the bookings, and the merged times."""
+
+
+class ReservationTable:
+    """Bookings of many robots. Each robot is booked by name and can be taken out again.
+
+    It answers for each robot type at which times a slot is blocked. All searches for paths use it.
+    """
+
+    def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
+        self.network = network
+        self.clearance = clearance
+        self.kinds: Tuple[RobotType, ...] = tuple(dict.fromkeys(kinds))
+        self.blocking: Dict[Tuple[RobotType, RobotType], Blocking] = {
+            (moving, observer): Blocking(network, moving, observer, clearance)
+            for moving in self.kinds for observer in self.kinds}
+        self.slots: Dict[RobotType, Slots] = {}
+        self.booked: Dict[str, Booked] = {}
+        self._touched: Dict[str, List[Tuple[Slots, Iterable[int]]]] = {}
+        self._placed: Dict[str, Dict[RobotType, List[Tuple[int, float]]]] = {}
+        self.clear()
+
+    def clear(self) -> None:
+        """Takes all robots out."""
+        self.slots = {kind: Slots(self.network.drives, self.network.vertices)
+                      for kind in self.kinds}
+        self.booked = {}
+        self._touched = {}
+        self._placed = {}
+
+    def prepare(self) -> None:
+        """Computes in advance what depends only on the graph and its closed edges."""
+        for kind in self.kinds:
+            self.network.prepared(kind)
+        for blocking in self.blocking.values():
+            blocking.prepare()
+
+    def book(self, robot: str, kind: RobotType, vertex: int, plan: Sequence[Drive],
+             mid_edge: Optional[MidEdgePosition] = None, until: float = inf, held: int = 0) -> None:
+        """Books a robot that stands at `vertex`, or `mid_edge`, and then follows its plan.
+
+        After the plan it stands where it is until `until`. It holds the first `held` drives from
+        now on: a robot that wants to pass there must come after it, even if it could pass earlier.
+        Nothing may be booked for it yet.
+        """
+        self.booked[robot] = Booked(kind, vertex, plan, mid_edge, until, held)
+        self._touched[robot] = []
+        for observer in self.kinds:
+            slots, blocking = self.slots[observer], self.blocking[kind, observer]
+            touched: List[int] = []
+            waits = None if mid_edge is None else self.at_point(kind, observer, mid_edge)
+            since, at = -inf, vertex
+            for number, (drive, start, end, begun) in enumerate(plan):
+                if start > since and (not begun or mid_edge):
+                    for slot, lead in blocking.wait(at) if waits is None else waits:
+                        slots.add(slot, since - lead, start, robot, touched)
+                blocks: Iterable[Block] = blocking.drive(drive)
+                if begun:
+                    blocks = _remainder_of(blocks, begun)
+                if number < held:
+                    for slot, clear, _ in blocks:
+                        slots.add(slot, -inf, start + clear * (end - start), robot, touched)
+                else:
+                    slots.add_drive(blocks, start, end - start, robot, touched)
+                waits, since, at = None, end, self.network.origin[drive ^ 1]
+            for slot, lead in blocking.wait(at) if waits is None else waits:
+                slots.add(slot, since - lead, until, robot, touched)
+            self._touched[robot].append((slots, touched))
+            slots.horizon = max(slots.horizon, since, until if until < inf else since)
+
+    def book_places(self, robot: str, kind: RobotType, places: Iterable[int],
+                    areas: Iterable[Area] = ()) -> None:
+        """Books for ever a robot that may be anywhere on these places and areas."""
+        self._touched[robot] = []
+        self._placed[robot] = {}
+        for observer in self.kinds:
+            blocking, slots = self.blocking[kind, observer], self.slots[observer]
+            touched: List[int] = []
+            blocked = [block for place in places for block in blocking.wait(place)]
+            for area in areas:
+                distance = kind.reach + observer.reach + self.clearance + area.radius
+                blocked += blocking.beside(self.network.exclusions.near(area.line, distance))
+            for slot, _ in blocked:
+                slots.add(slot, -inf, inf, robot, touched)
+            self._touched[robot].append((slots, touched))
+            self._placed[robot][observer] = blocked
+
+    def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
+        """The bookings of one robot, by slot, for an observer of a type."""
+        slots = self.slots[observer]
+        return {slot: [b for b in slots.bookings[slot] if b[2] == robot]
+                for of, touched in self._touched[robot] if of is slots for slot in touched}
+
+    def cancel(self, robot: str) -> None:
+        """Takes a robot out. Does nothing if it is not booked."""
+        self.booked.pop(robot, None)
+        self._placed.pop(robot, None)
+        for slots, touched in self._touched.pop(robot, ()):
+            bookings, merged = slots.bookings, slots.merged
+            for slot in touched:
+                bookings[slot] = [b for b in bookings[slot] if b[2] != robot]
+                merged[slot] = None
+
+    def take_out(self, robots: Sequence[str]) -> TakenOut:
+        """Takes out several robots, all of them booked, so that they can be put back quickly."""
+        gone = set(robots)
+        booked = {robot: self.booked.pop(robot) for robot in robots}
+        touched = {robot: self._touched.pop(robot) for robot in robots}
+        before = []
+        for slots in self.slots.values():
+            bookings, merged = slots.bookings, slots.merged
+            kept = {slot: (bookings[slot], merged[slot]) for per_robot in touched.values()
+                    for of, slots_of in per_robot if of is slots for slot in slots_of}
+            for slot, (old, _) in kept.items():  # new lists: the old ones stay unchanged
+                bookings[slot] = [b for b in old if b[2] not in gone]
+                merged[slot] = None
+            before.append((slots, kept))
+        return TakenOut(booked, touched, before)
+
+    def put_back(self, taken: TakenOut) -> None:
+        """Puts robots back as they were. Their bookings since then are dropped.
+
+        No other robot may have been booked or taken out since.
+        """
+        gone = set(taken.booked)
+        since = [entry for robot in gone for entry in self._touched.pop(robot, ())]
+        for slots, kept in taken.before:
+            bookings, merged = slots.bookings, slots.merged
+            for slot in {slot for of, slots_of in since if of is slots for slot in slots_of}:
+                if slot not in kept:
+                    bookings[slot] = [b for b in bookings[slot] if b[2] not in gone]
+                    merged[slot] = None
+            for slot, (old, busy) in kept.items():
+                bookings[slot] = old
+                merged[slot] = busy
+        self.booked.update(taken.booked)
+        self._touched.update(taken.touched)
+
+    def arrivals(self, kind: RobotType, mid_edge: MidEdgePosition,
+                 ready: float) -> List[Tuple[int, float, int, float]]:
+        """The first drives of a robot that is not booked and stands between two vertices.
+
+        For each drive by which it may leave, and each time in which that drive is free: (drive,
+        when it may begin, vertex at its end, when it arrives there). It must leave before another
+        robot passes its point.
+        """
+        found = []
+        leave = min((start for _, start in self.passing(kind, mid_edge)), default=inf)
+        for drive, vertex, seconds in mid_edge.exits(self.network, kind):
+            starts, ends = merge(self.against_rest(kind, mid_edge, drive))
+            gap, begin = bisect_right(ends, ready), ready
+            while begin <= leave:
+                if gap == len(ends) or begin <= starts[gap]:
+                    found.append((drive, begin, vertex, begin + seconds))
+                if gap == len(ends):
+                    break
+                begin = ends[gap]
+                gap += 1
+        return found
+
+    def against_rest(self, kind: RobotType, mid_edge: MidEdgePosition,
+                     drive: int) -> List[Booking]:
+        """The bookings that keep a robot between two vertices from driving to the end of a drive.
+
+        Bookings are made for whole drives. Those that concern only the part behind it are ignored.
+        """
+        found: List[Booking] = []
+        behind = mid_edge.behind(drive) * self.network.times(kind)[drive]
+        for robot, begin, end, blocks in self._activities(kind):
+            for slot, lead in blocks:
+                if slot == drive and lead > behind:
+                    found.append((begin - (lead - behind), end, robot))
+        return found
+
+    def passing(self, kind: RobotType,
+                mid_edge: MidEdgePosition) -> Iterator[Tuple[str, float]]:
+        """Robots that pass a robot's point, and when they begin each drive that does."""
+        for moving in self.kinds:
+            places = self.places_near(kind, moving, mid_edge)
+            for robot, booked in self.booked.items():
+                if booked.kind is moving or booked.kind == moving:
+                    for drive in booked.plan:
+                        if self.network.vertices + (drive.drive >> 1) in places:
+                            yield robot, drive.start
+
+    def _activities(self, observer: RobotType) -> Iterator[
+            Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
+        """Each wait and drive of each robot: robot, begin, end, and the (slot, lead) it blocks."""
+        for robot, (kind, vertex, plan, mid_edge, until, held) in self.booked.items():
+            blocking = self.blocking[kind, observer]
+            waits = (blocking.wait(vertex) if mid_edge is None
+                     else self.at_point(kind, observer, mid_edge))
+            since = -inf
+            for number, (drive, start, end, begun) in enumerate(plan):
+                if start > since and (not begun or mid_edge):
+                    yield robot, since, start, waits
+                begin = -inf if number < held else start
+                for slot, clear, lead in _remainder_of(blocking.drive(drive), begun):
+                    yield robot, begin, start + clear * (end - start), [(slot, lead)]
+                waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
+            yield robot, since, until, waits
+        for robot, placed in self._placed.items():
+            yield robot, -inf, inf, placed[observer]
+
+    def at_point(self, kind: RobotType, observer: RobotType,
+                 mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
+        """(slot, lead) blocked by a robot that stands between two vertices."""
+        return self.blocking[kind, observer].beside(self.places_near(kind, observer, mid_edge))
+
+    def places_near(self, kind: RobotType, other: RobotType,
+                    mid_edge: MidEdgePosition) -> Dict[int, Tuple[float, float]]:
+        """Places that robots of type `other` may not hold while one stands between vertices.
+
+        With each edge goes the part of it that is too near to the robot's point.
+        """
+        return self.network.exclusions.near(((mid_edge.x, mid_edge.y),),
+                                            self.apart(kind, other))
+
+    def apart(self, kind: RobotType, other: RobotType) -> float:
+        """Distance (m) that the curves of two robots must keep from each other."""
+        return kind.reach + other.reach + self.clearance
+
+
+def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:
+    """The blocks of the rest of a drive when a fraction of it lies behind."""
+    return [(slot, (clear - begun) / (1.0 - begun), lead)
+            for slot, clear, lead in blocks if clear > begun]

@@ -1,0 +1,210 @@
+"""TEA*: robots are planned one after the other; each plan is an obstacle in time for the next.
+
+The loop is that of the dissertation's path planner. First the fixed drives of all robots are
+booked. Then each robot looks for its path through time, past all paths found before. A robot that
+finds none comes first in a new order. Robots that are not in its way keep their paths, and only the
+others look again. If that does not help, all are planned again. While a robot has no plan yet, its
+place is an obstacle only for a moment, as in the first two layers of TEA*.
+"""
+from __future__ import annotations
+
+import time
+from math import inf
+from random import Random
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set
+
+from fleet_core.planning.agents import Agent
+from fleet_core.planning.layers import Search
+from fleet_core.planning.plans import Plan
+from fleet_core.planning.reservation_table import ReservationTable
+from fleet_core.planning.safe_intervals import Arrival, find_path
+from fleet_core.planning.slots import Booking
+
+PRESENT = 2.0
+"""Time for which a robot without a plan is an obstacle, in multiples of its shortest drive."""
+
+
+_TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
+
+
+class Path(NamedTuple):
+    """The path found for one robot: its cost, and the plan behind the fixed drives."""
+
+    cost: float
+    plan: Plan
+
+
+Paths = Dict[str, Path]
+
+
+class TeaStar:
+    """Plans agents against a reservation table, in which their paths are booked in the end."""
+
+    def __init__(self, reservations: ReservationTable, search: Search = find_path) -> None:
+        self.reservations = reservations
+        self.unfinished: Paths = {}
+        """The paths that the last `plan` had found when its time was over; none is booked."""
+        self._search = search
+
+    def path_of(self, agent: Agent, deadline: float, latest: float = inf) -> Optional[Path]:
+        """The best path of a robot that is not booked, past all that are.
+
+        None: there is none, or the deadline (monotonic s) came first.
+        """
+        arrivals: Sequence[Arrival] = ()
+        if agent.mid_edge:
+            arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
+                                                  agent.errand.ready)
+            if not arrivals:
+                return None
+        found = self._search(agent.errand, self.reservations.slots[agent.kind], latest,
+                             arrivals, deadline)
+        if found is None:
+            return None
+        cost, plan = found
+        if agent.mid_edge and plan:
+            plan[0] = plan[0]._replace(begun=agent.mid_edge.behind(plan[0].drive))
+        return Path(cost, plan)
+
+    def book(self, agent: Agent, path: Path, until: float = inf) -> None:
+        """Makes a path an obstacle for all others, and its end until the time `until`."""
+        self.reservations.book(agent.name, agent.kind, agent.vertex,
+                               agent.whole(path.plan), agent.mid_edge, until,
+                               len(agent.fixed))
+
+    def book_fixed(self, agent: Agent) -> None:
+        """Books only the fixed drives of a robot without a plan."""
+        self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
+                               agent.mid_edge, agent.errand.ready, len(agent.fixed))
+
+    def book_present(self, agent: Agent) -> None:
+        """Books the fixed drives of a robot without a plan, and its place for a moment."""
+        self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
+                               agent.mid_edge, self._moment(agent), len(agent.fixed))
+
+    def plan(self, agents: Sequence[Agent], deadline: float,
+             orders: int) -> Optional[Paths]:
+        """Paths for all, in at most `orders` orders; None: no order succeeded in time.
+
+        The given order is tried first. None of the agents may be booked.
+        """
+        order = list(agents)
+        paths: Paths = {}
+        self.unfinished = {}
+        put_first: Set[str] = set()
+        for _ in range(orders):
+            if not put_first:
+                paths.clear()
+                self.forget(order)
+                for agent in order:
+                    self.book_present(agent)
+            failed = self._plan_in(order, paths, deadline)
+            if failed is None:
+                return paths
+            if is_too_late(deadline, sum(len(path.plan) for path in paths.values())):
+                self.unfinished = paths
+                break
+            order.remove(failed)
+            order.insert(0, failed)
+            if failed.name in put_first:  # it lost its path again: all are planned anew
+                put_first.clear()
+            elif self._put_first(order, paths, deadline):
+                put_first.add(failed.name)
+            else:
+                break
+        self.forget(order)
+        return None
+
+    def forget(self, agents: Iterable[Agent]) -> None:
+        """Takes agents out of the reservation table."""
+        for agent in agents:
+            self.reservations.cancel(agent.name)
+
+    def _plan_in(self, order: Sequence[Agent], paths: Paths,
+                 deadline: float) -> Optional[Agent]:
+        """Plans the agents without a path in this order. Returns the first that finds none in time.
+        """
+        drives = sum(len(path.plan) for path in paths.values())
+        for agent in order:
+            if agent.name not in paths:
+                self.reservations.cancel(agent.name)
+                path = self.path_of(agent, deadline)
+                drives += len(path.plan) if path is not None else 0
+                if path is None or is_too_late(deadline, drives):
+                    return agent
+                paths[agent.name] = path
+                self.book(agent, path)
+        return None
+
+    def _put_first(self, order: Sequence[Agent], paths: Paths, deadline: float) -> bool:
+        """Plans the first of the order as if it came first; robots in its way lose their paths.
+
+        Returns False if it has no path even then.
+        """
+        first, planned = order[0], [t for t in order if t.name in paths]
+        taken = self.reservations.take_out([t.name for t in planned])
+        for agent in planned:
+            self.book_present(agent)
+        path = self.path_of(first, deadline)
+        self.reservations.put_back(taken)
+        if path is None:
+            return False
+        paths[first.name] = path
+        self.book(first, path)
+        booked = {kind: self.reservations.bookings_of(first.name, kind)
+                  for kind in self.reservations.kinds}
+        for agent in planned:
+            if self._meets(agent, paths[agent.name], booked[agent.kind]):
+                del paths[agent.name]
+                self.reservations.cancel(agent.name)
+                self.book_present(agent)
+        return True
+
+    def _meets(self, agent: Agent, path: Path,
+               booked: Mapping[int, Sequence[Booking]]) -> bool:
+        """Does a path run into another robot's bookings (by slot)?"""
+        if agent.mid_edge:
+            return True  # it does not stand on a vertex, so it is simply planned again
+        network = self.reservations.network
+        vertex, since = agent.errand.vertex, agent.errand.ready
+        for drive in path.plan:
+            if (_overlap(booked.get(network.vertex_slot(vertex)), since, drive.start)
+                    or _overlap(booked.get(drive.drive), drive.start, drive.start)):
+                return True
+            vertex, since = network.destination(drive.drive), drive.end
+        return _overlap(booked.get(network.vertex_slot(vertex)), since, inf)
+
+    def _moment(self, agent: Agent) -> float:
+        network = self.reservations.network
+        roads = (agent.mid_edge.exits(network, agent.kind) if agent.mid_edge
+                 else agent.errand.roads[agent.errand.vertex])
+        leaving = min((seconds for _, _, seconds in roads), default=0.0)
+        return agent.errand.ready + PRESENT * leaving
+
+
+def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
+    """Does any booking overlap the time from `begin` to `end`?"""
+    return bookings is not None and any(since < end and begin < until
+                                        for since, until, _ in bookings)
+
+
+def is_too_late(deadline: float, drives: int = 0) -> bool:
+    """Is the deadline (monotonic s) too near to book this many drives and to answer with them?"""
+    return time.monotonic() + _TO_ANSWER * drives > deadline
+
+
+def by_length(agents: Iterable[Agent]) -> List[Agent]:
+    """The first order: by priority, then the shortest path.
+
+    A robot that waits for others that are soon out of its way waits less than they would wait for
+    it. A robot with nothing to do comes last, because it is only in the way.
+    """
+    return sorted(agents, key=lambda t: (-t.priority, not t.errand.destinations,
+                                         t.errand.lower_bound))
+
+
+def shuffled(agents: Iterable[Agent], random: Random) -> List[Agent]:
+    """A random order that still respects priorities."""
+    order = list(agents)
+    random.shuffle(order)
+    return sorted(order, key=lambda t: -t.priority)

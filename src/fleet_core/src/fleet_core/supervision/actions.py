@@ -1,0 +1,62 @@
+"""The actions that the supervisor requests. The caller carries them out in the given order."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import FrozenSet, Tuple, Union
+
+from fleet_core.plan_requests import Times
+from fleet_core.planning.tasks import Obstacle, Task
+from fleet_core.supervision.missions import Status
+from route_protocol.master import Order
+
+
+@dataclass(frozen=True)
+class SendRoute:
+    """Publish an order. A repeated one is published with its former stamp.
+
+    An order with the number 0 is a stop past the supervisor.
+    """
+
+    robot: str
+    order: Order
+    repeated: bool = False
+
+    @property
+    def edges(self) -> Tuple[int, ...]:
+        """Signed ids of the edges to drive; empty: stop."""
+        return self.order.edges
+
+
+@dataclass(frozen=True)
+class TellStatus:
+    """Publish the status of a request."""
+
+    status: Status
+
+
+@dataclass(frozen=True)
+class AskPlanner:
+    """Ask the planner for a plan. Its answer returns this number.
+
+    edge_times -- learned driving times, in place of length / speed
+    seed       -- of the planner's random choices; it changes if a plan did not serve all robots
+    """
+
+    number: int
+    tasks: Tuple[Task, ...]
+    obstacles: Tuple[Obstacle, ...]
+    closed: FrozenSet[int]
+    edge_times: Times
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Note:
+    """Log a text for the operators."""
+
+    text: str
+    is_warning: bool = False
+
+
+Action = Union[SendRoute, TellStatus, AskPlanner, Note]
+"""Any action that the supervisor may request."""

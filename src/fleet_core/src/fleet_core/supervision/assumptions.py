@@ -1,0 +1,107 @@
+"""The assumptions of a plan about the fleet, and the check whether they still hold."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import FrozenSet, Mapping, NamedTuple, Optional, Tuple
+
+from fleet_core.geometry.areas import Area
+from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.supervision.duties import Duty, Errand
+from fleet_core.supervision.robots import ManagedRobot
+
+
+class Role(Enum):
+    """How a plan treats a robot."""
+
+    DRIVING = 'driving'     # it drives on along its granted edges
+    STANDING = 'standing'   # it stands, and will follow its plan
+    OBSTACLE = 'obstacle'   # it is not planned for, and blocks all places where it may be
+    ABSENT = 'absent'       # it is not at the site
+
+
+class Assumption(NamedTuple):
+    """The assumption of a plan about one robot.
+
+    generation -- generation of its route record
+    base, end  -- numbers in the record: the first edge of the plan, and the one behind its last
+    places     -- for an obstacle: the vertices, edges and areas where it may be
+    errand     -- key of its errand
+    reach      -- number of its mission's destinations that the plan includes; None: all
+    """
+
+    role: Role
+    generation: int
+    base: int
+    end: int
+    places: Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]
+    errand: Tuple[Duty, int, int, int]
+    reach: Optional[int] = None
+
+
+class World(NamedTuple):
+    """The present state of all that a plan depends on."""
+
+    robots: Mapping[str, ManagedRobot]
+    errands: Mapping[str, Errand]
+    network: RoadNetwork
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """The assumptions of a plan: role and errand of each robot, closed edges, and a seed."""
+
+    robots: Mapping[str, Assumption]
+    closed: FrozenSet[int]
+    seed: int
+
+    def still_useful(self, world: World) -> bool:
+        """Do the assumptions hold, at least so far that the plan is still useful?"""
+        return self.closed == world.network.closed and all(
+            self.holds(name, world) for name in world.robots)
+
+    def holds(self, name: str, world: World) -> bool:
+        """Does the assumption about one robot hold?"""
+        before, robot = self.robots.get(name), world.robots[name]
+        if before is None:
+            return False
+        now = assumption_of(robot, world.errands[name])
+        if before.errand != now.errand or before.generation != now.generation:
+            return False
+        if before.role in (Role.OBSTACLE, Role.ABSENT) or now.role in (Role.OBSTACLE, Role.ABSENT):
+            return before.role is now.role and all(
+                ours == theirs if now.errand[0] is Duty.STAND else ours <= theirs
+                for ours, theirs in zip(now.places, before.places))
+        return robot.record.end >= before.end and not self._is_used_up(before, world.errands[name])
+
+    @staticmethod
+    def _is_used_up(before: Assumption, errand: Errand) -> bool:
+        """Has the mission reached the last destination but one that the plan includes?"""
+        return before.reach is not None and errand.mission is not None and (
+            errand.mission.reached >= before.reach - 1)
+
+
+def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
+    """The present state of a robot, as an assumption."""
+    record, allocation = robot.record, robot.master.allocation
+    stands = errand.duty is Duty.STAND
+    if allocation.knowledge is not Knowledge.KNOWN:
+        role = Role.ABSENT
+    elif not robot.works or stands or (record.position is None and not record.held):
+        role = Role.OBSTACLE
+    else:
+        role = Role.DRIVING if record.ahead else Role.STANDING
+    places = _places(allocation) if role is Role.OBSTACLE else _NOWHERE
+    base = record.cleared[0] if record.held else record.end
+    return Assumption(role, record.generation, base, record.end, places, errand.key)
+
+
+def _places(allocation: Allocation) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:
+    vertices = () if allocation.vertex is None else (allocation.vertex,)
+    return (frozenset(vertices), frozenset(abs(hold.edge) for hold in allocation.holds),
+            frozenset(allocation.areas))
+
+
+_NOWHERE: Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]] = (
+    frozenset(), frozenset(), frozenset())

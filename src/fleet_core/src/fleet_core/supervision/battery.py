@@ -1,0 +1,51 @@
+"""The battery of one robot: its last reported charge, its thresholds, and the range left."""
+from __future__ import annotations
+
+import math
+
+from fleet_core.supervision.liveness import Liveness
+from fleet_core.supervision.settings import RobotSettings
+
+# s without a battery report, from a robot that reports otherwise, after which the charge is unknown
+MUTE = 60.0
+
+
+class Battery:
+    """A battery as its robot reports it. Times are those of the supervisor's clock.
+
+    charge -- the last reported state of charge, from 0 to 1; NaN: never reported
+    """
+
+    def __init__(self, settings: RobotSettings) -> None:
+        self.charge = math.nan
+        self._settings = settings
+        self._told = -math.inf
+
+    def tell(self, charge: float, now: float) -> None:
+        """The robot has reported its state of charge, from 0 to 1."""
+        self.charge, self._told = charge, now
+
+    def is_mute(self, liveness: Liveness, now: float) -> bool:
+        """Are there no battery reports any more, although the robot reports?"""
+        return now - max(self._told, liveness.since) > MUTE
+
+    @property
+    def is_low(self) -> bool:
+        """Is the charge below the threshold? A battery that was never reported counts as full."""
+        return self.charge < self._settings.charge_below
+
+    @property
+    def may_leave(self) -> bool:
+        """Is the battery charged enough to leave the dock?"""
+        return self.charge >= self._settings.leave_above
+
+    @property
+    def is_below_leaving(self) -> bool:
+        """Is the charge known, and too low to leave the dock?"""
+        return self.charge < self._settings.leave_above
+
+    def range_left(self) -> float:
+        """Distance (m) that the robot may drive before it needs its reserve."""
+        if math.isnan(self.charge):
+            return math.inf
+        return max(self.charge - self._settings.reserve, 0.0) * self._settings.endurance

@@ -1,0 +1,93 @@
+"""Charging: below one threshold a robot drives to a dock; above another it may leave the dock."""
+from __future__ import annotations
+
+import math
+from typing import AbstractSet, Dict, List, Mapping
+
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.supervision.assignment import time_to
+from fleet_core.supervision.battery import MUTE
+from fleet_core.supervision.robots import ManagedRobot
+
+_MUTE = f'a report of its battery, which has not come for {MUTE:.0f} s'
+
+
+class ChargeQueue:
+    """Gives docks to the robots that need them, the emptiest first. The other robots wait.
+
+    waiting -- for each robot that needs a dock and has none: what it waits for, in words
+    """
+
+    def __init__(self, robots: Mapping[str, ManagedRobot]) -> None:
+        self.waiting: Dict[str, str] = {}
+        self._robots = robots
+
+    def update(self, busy: AbstractSet[str], short: AbstractSet[str],
+               network: RoadNetwork, now: float) -> List[str]:
+        """Checks all batteries. Returns the robots that got a dock or gave one back.
+
+        busy  -- robots that serve a mission: they charge after it
+        short -- robots whose charge is too low for a mission that waits for them
+        """
+        before = {name: robot.dock for name, robot in self._robots.items()}
+        for name, robot in self._robots.items():
+            if robot.dock is not None and (name in busy or not _goes_on(robot, network, now)):
+                robot.dock = None
+        self.waiting = {}
+        free = [robot for name, robot in self._robots.items()
+                if robot.works and name not in busy and robot.dock is None]
+        for robot in sorted(free, key=_charge):
+            below = robot.battery.is_below_leaving
+            wants = robot.battery.is_low or (robot.name in short and below)
+            if not robot.battery.is_mute(robot.liveness, now):
+                if wants:
+                    self._look_for_dock(robot, network)
+            elif wants or (below and robot.stands_at(docks_of(robot, network))):
+                self.waiting[robot.name] = _MUTE
+        return [name for name, dock in before.items() if self._robots[name].dock != dock]
+
+    def _look_for_dock(self, robot: ManagedRobot, network: RoadNetwork) -> None:
+        docks = docks_of(robot, network)
+        times = {dock: time_to(dock, robot, network) for dock in docks}
+        free = [dock for dock in docks if times[dock] < math.inf and self._is_free(dock)]
+        if free:
+            robot.dock = min(free, key=lambda dock: times[dock])
+        elif not docks:
+            self.waiting[robot.name] = 'a dock: the fleet file and the graph have none for its type'
+        elif min(times.values()) == math.inf:
+            self.waiting[robot.name] = 'a dock: it can reach none'
+        else:
+            self.waiting[robot.name] = 'a free dock'
+
+    def _is_free(self, dock: int) -> bool:
+        """No robot has the dock, and no robot that cannot work stands on it."""
+        return not any(robot.dock == dock
+                       or (not robot.works and robot.record.position is not None
+                           and robot.record.position.vertex == dock)
+                       for robot in self._robots.values())
+
+
+def _charge(robot: ManagedRobot) -> float:
+    charge = robot.battery.charge
+    return math.inf if math.isnan(charge) else charge
+
+
+def _goes_on(robot: ManagedRobot, network: RoadNetwork, now: float) -> bool:
+    """Does a robot keep its dock, because it still charges or can still get there?
+
+    A robot that stands at its dock is not sent away by an outage. A robot that works, but whose
+    battery does not report any more, might stay for ever. It must give the dock up.
+    """
+    if robot.battery.may_leave or robot.dock not in docks_of(robot, network):
+        return False
+    if robot.works and robot.battery.is_mute(robot.liveness, now):
+        return False
+    if robot.dock is not None and robot.stands_at((robot.dock,)):
+        return True
+    return robot.works and time_to(robot.dock, robot, network) < math.inf
+
+
+def docks_of(robot: ManagedRobot, network: RoadNetwork) -> List[int]:
+    """The docks at which a robot may charge."""
+    return sorted(dock for dock in robot.type.docks or ()
+                  if dock in network.index and network.graph.vertices[dock].dock)

@@ -1,0 +1,46 @@
+"""Stops all robots while no supervisor can do it: before there is a graph, or while it hangs.
+
+Each robot gets a stop with the number 0: it begins a new epoch, so no order that is on its way is
+obeyed. As soon as the supervisor can, it stops the robots again by its own rules. If a supervisor
+hung and was killed, its successor stops the fleet when robots report such an epoch.
+"""
+from __future__ import annotations
+
+from math import inf
+from typing import Iterable, List, Sequence
+
+from fleet_core.supervision.actions import SendRoute
+from route_protocol.master import REPEAT, Order
+
+STOP = Order(0, 0, 0, ())
+"""A stop past the supervisor."""
+
+
+class EarlyStop:
+    """An empty route for every robot, repeated until a supervisor takes over."""
+
+    def __init__(self, robots: Iterable[str]) -> None:
+        self._robots = tuple(robots)
+        self._is_stopping = False
+        self._sent = -inf
+
+    def stop(self, now: float) -> List[SendRoute]:
+        """Begins to stop all robots. Returns the orders to send; `now` in s, monotonic."""
+        self._is_stopping, self._sent = True, now
+        return self._orders(repeated=False)
+
+    def due(self, now: float) -> Sequence[SendRoute]:
+        """The orders to repeat at `now`, for robots that were not connected yet; empty if none."""
+        if not self._is_stopping or now - self._sent < REPEAT:
+            return ()
+        self._sent = now
+        return self._orders(repeated=True)
+
+    def hand_over(self) -> bool:
+        """Ends the repetition, because a supervisor takes over. Returns whether it must stop the
+        fleet."""
+        is_stopped, self._is_stopping = self._is_stopping, False
+        return is_stopped
+
+    def _orders(self, repeated: bool) -> List[SendRoute]:
+        return [SendRoute(robot, STOP, repeated) for robot in self._robots]

@@ -1,0 +1,99 @@
+"""Driving times of edges, learned from the running fleet and kept only while it runs.
+
+A nominal time is length over speed. The cost of bends, turns, doors and people shows only during
+operation. The usual loss of a robot type on its edges is divided out: otherwise each edge on which
+no robot has driven yet would look faster than the known ones. Safety depends on the order of use,
+never on times.
+"""
+from __future__ import annotations
+
+from collections import deque
+from math import inf
+from statistics import median
+from types import MappingProxyType
+from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
+
+from fleet_core.interlocking.route_record import RouteRecord
+from fleet_core.plan_requests import Times
+
+KEPT = 9         # drives of an edge whose median is taken, so that one long wait does not count
+ENOUGH = 3       # number of drives after which the median replaces the nominal time
+# relative change of a time that justifies a new table, after which planners must prepare again
+WORTH_IT = 0.2
+PERIOD = 60.0    # s between two tables
+
+
+class Driven(NamedTuple):
+    """An edge that was driven from end to end, and the time that it took, in s."""
+
+    edge: int
+    seconds: float
+
+
+class EdgeTimer:
+    """Measures the time of each edge of one robot, from the moment when it may drive the edge.
+
+    Waiting before that moment does not count.
+    """
+
+    def __init__(self) -> None:
+        self._number: Optional[int] = None
+        self._edge = 0
+        self._since: Optional[float] = None
+        self._counts = False
+
+    def stop(self) -> None:
+        """Ignores the time of the edge that is being driven."""
+        self._counts, self._since = False, None
+
+    def follow(self, record: RouteRecord, now: float) -> Optional[Driven]:
+        """Evaluates a robot after its report. Returns the edge that it completed, if any."""
+        driven = None
+        if self._number is not None and self._since is not None and (
+                record.done == self._number + 1):
+            driven = Driven(self._edge, now - self._since)
+        if record.done != self._number:
+            # The start of a drive that is already under way is unknown.
+            self._counts = self._number is not None or record.is_standing
+            self._number, self._since = record.done, None
+        if self._counts and self._since is None and record.ahead:
+            if record.position is None or record.position.vertex is None:
+                self.stop()  # it begins in the middle of an edge
+            else:
+                self._edge, self._since = record.ahead[0], now
+        return driven
+
+
+class EdgeTimes:
+    """The times learned so far. Planner and assignment use `table`."""
+
+    def __init__(self) -> None:
+        self.table: Times = MappingProxyType({})
+        self._driven: Dict[Tuple[str, int], Deque[float]] = {}
+        self._looked = -inf
+
+    def learn(self, kind: str, driven: Driven) -> None:
+        """A robot of this type has driven an edge."""
+        if driven.seconds > 0.0:
+            self._driven.setdefault((kind, driven.edge), deque(maxlen=KEPT)).append(driven.seconds)
+
+    def renew(self, nominal: Callable[[str, int], float], now: float) -> bool:
+        """Makes a new table if the times have changed enough. Returns whether it did.
+
+        nominal -- seconds for a robot type's name and signed edge, by length and speed
+        """
+        if now - self._looked < PERIOD:
+            return False
+        self._looked = now
+        found = {key: median(times) for key, times in self._driven.items()
+                 if len(times) >= ENOUGH and nominal(*key) < inf}
+        learned: Dict[Tuple[str, int], float] = {}
+        for kind in {kind for kind, _ in found}:
+            own = {key: seconds for key, seconds in found.items() if key[0] == kind}
+            usual = median(seconds / nominal(*key) for key, seconds in own.items())
+            learned.update((key, seconds / usual) for key, seconds in own.items())
+        if all(abs(seconds - self.table.get(key, nominal(*key))) <= WORTH_IT * nominal(*key)
+               for key, seconds in learned.items()):
+            return False
+        self.table = MappingProxyType(learned)
+        return True

@@ -1,0 +1,178 @@
+"""The state of each robot, and its plan with the released part, as the fleet is published."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import List, Mapping, NamedTuple, Optional, Tuple
+
+from fleet_core.interlocking.allocation import Knowledge
+from fleet_core.interlocking.reports import Pose
+from fleet_core.supervision.duties import Duty, Errand
+from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.outages import Outage
+from fleet_core.supervision.plan_in_force import PlanInForce
+from fleet_core.supervision.restoring import RemovedRobot
+from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.supervisor import Supervisor
+
+
+class RobotState(IntEnum):
+    """The state of a robot, as in itrci_nav_msgs/FleetRobot."""
+
+    IDLE = 0
+    BUSY = 1
+    CHARGING = 2
+    OFFLINE = 3
+    STOPPED = 4
+    TAKEN_OVER = 5
+    FAILED = 6
+    OFF_GRAPH = 7
+    OUT_OF_SERVICE = 8
+    ABSENT = 9
+    UNKNOWN = 10
+
+
+_OF_OUTAGE = {
+    Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
+    Outage.LOST_LINK: RobotState.OFFLINE, Outage.DEAF: RobotState.OFFLINE,
+    Outage.CLOCK: RobotState.OFFLINE, Outage.ABSENT: RobotState.ABSENT,
+    Outage.STOPPED: RobotState.STOPPED, Outage.TOO_NEAR: RobotState.TAKEN_OVER,
+    Outage.TAKEN_OVER: RobotState.TAKEN_OVER, Outage.FAILED: RobotState.FAILED,
+    Outage.OFF_GRAPH: RobotState.OFF_GRAPH, Outage.OUT_OF_SERVICE: RobotState.OUT_OF_SERVICE}
+
+
+@dataclass(frozen=True)
+class RobotView:
+    """The published state of one robot.
+
+    seen        -- the supervisor's time of its last report; minus infinity: never
+    battery     -- state of charge; NaN: unknown
+    mission     -- request id of the mission that it serves
+    destination -- vertex to which it drives; None: none
+    """
+
+    name: str
+    type: str
+    state: RobotState
+    outage: Optional[Outage]
+    pose: Pose
+    seen: float
+    battery: float
+    mission: Optional[int]
+    destination: Optional[int]
+    waits_for: str
+
+
+class DriveView(NamedTuple):
+    """One planned edge. Times are those of the supervisor's clock."""
+
+    edge: int
+    start: float
+    end: float
+    released: bool
+
+
+def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
+    """All robots of the fleet, and those that left the fleet file but still block places."""
+    errands = supervisor.errands()
+    return [*(_view(robot, errands[name], supervisor, now)
+              for name, robot in supervisor.robots.items()),
+            *map(_removed_view, supervisor.removed.values())]
+
+
+def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> RobotView:
+    mission = errand.mission
+    if robot.knowledge is Knowledge.UNKNOWN:
+        state = RobotState.UNKNOWN
+    elif robot.outage is not None:
+        state = _OF_OUTAGE[robot.outage]
+    elif errand.duty is Duty.CHARGE:
+        state = RobotState.CHARGING
+    else:
+        state = RobotState.IDLE if errand.duty is Duty.IDLE else RobotState.BUSY
+    destination = errand.dock
+    if mission is not None and mission.left:
+        destination = mission.left[0]
+    charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
+    return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
+                     robot.liveness.seen, charge,
+                     None if mission is None else mission.request.id, destination,
+                     _waits_for(robot, errand, supervisor, now))
+
+
+def _removed_view(robot: RemovedRobot) -> RobotView:
+    record = robot.master.record
+    position, pose = record.position, Pose()
+    if position is not None:
+        pose = Pose(position.edge, position.fraction) if position.vertex is None else (
+            Pose(record.graph.edges_from(position.vertex)[0]))
+    return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
+                     math.nan, None, None, 'it is not in the fleet file any more; its places stay '
+                     f'blocked until `fleet absent {robot.name}`')
+
+
+def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> str:
+    """What a robot waits for, in words; empty: it drives, or has nothing to do."""
+    if robot.knowledge is Knowledge.UNKNOWN:
+        return (f'it has never reported, so no robot may drive: switch it on, or '
+                f'`fleet absent {robot.name}`')
+    if robot.outage is not None:
+        return robot.why or robot.outage.value
+    if supervisor.is_stopped:
+        return 'the fleet is stopped'
+    mission = errand.mission
+    if supervisor.trouble and errand.duty is not Duty.IDLE and (
+            robot.record.is_standing or robot.master.is_new_motion):
+        return f'the disk: {supervisor.trouble}'
+    if mission is not None and mission.state is MissionState.PAUSED:
+        return 'its mission is paused'
+    if robot.name in supervisor.charging.waiting:
+        return supervisor.charging.waiting[robot.name]
+    if errand.duty is Duty.IDLE:
+        return ''
+    if mission is not None and mission.dwell_until is not None:
+        if math.isinf(mission.dwell_until):
+            return 'the release of its mission'
+        return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
+    plan, trouble = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
+    if trouble and robot.record.is_standing:
+        return f'a plan: {trouble}'
+    if plan is not None and robot.name in plan.unserved:
+        return plan.unserved[robot.name]
+    waits_for = supervisor.plan_executor.waits_for.get(robot.name, '')
+    return waits_for if robot.record.is_standing else ''
+
+
+class PlanProgress(NamedTuple):
+    """A plan and its progress. Both stay unchanged while other threads read them.
+
+    robots -- by name, the numbers of the edge that it drives on, and behind the last one granted
+    """
+
+    plan: PlanInForce
+    robots: Mapping[str, Tuple[int, int]]
+
+
+def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
+    """The progress of the plan in force; None: there is none."""
+    plan = supervisor.plan_executor.plan
+    if plan is None:
+        return None
+    records = {name: supervisor.robots[name].record for name in plan.plans}
+    return PlanProgress(plan, {name: (record.done, record.end)
+                               for name, record in records.items()})
+
+
+def plan_views(progress: Optional[PlanProgress]) -> List[Tuple[str, List[DriveView]]]:
+    """The plan of each robot, from the edge that it drives on."""
+    if progress is None:
+        return []
+    plan, found = progress.plan, []
+    for name, own in plan.plans.items():
+        done, end = progress.robots[name]
+        first = max(done - own.base, 0)
+        found.append((name, [
+            DriveView(drive.edge, plan.made_at + drive.start, plan.made_at + drive.end, k < end)
+            for k, drive in enumerate(own.drives[first:], own.base + first)]))
+    return found

@@ -1,0 +1,428 @@
+"""The journal: an SQLite file of missions, robots and the counter of route ids for a restart.
+
+All data are on the disk before they are published, and before a robot is sent an order that depends
+on them: the supervisor stores once for each event and acts after that. The file also keeps the
+history of each mission.
+"""
+from __future__ import annotations
+
+import json
+import math
+import os
+import sqlite3
+import time
+from dataclasses import asdict, astuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
+from urllib.parse import quote
+
+from file_replacement import replace_file
+from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area
+from fleet_core.interlocking.reports import GraphPosition
+from fleet_core.interlocking.route_master import Located, Lost, Memory
+from fleet_core.supervision.journal_database import (
+    JournalDatabase,
+    JournalError,
+    JournalUnavailable,
+    UnknownLayout,
+)
+from fleet_core.supervision.mission_book import REMEMBERED
+from fleet_core.supervision.missions import Mission, MissionState, Request, Status
+from fleet_core.supervision.outages import Outage
+from route_protocol.master import MasterState, Order, Step
+from trajectory_graph import CurveType, Edge, Graph, Vertex
+
+STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
+_LONGEST_NUMBER = 30  # number of characters in the file beside the journal
+_PAGE = 1000  # number of missions that the history reads at a time
+OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
+"""The states of missions that have not ended, in SQL."""
+
+
+class RobotMemory(NamedTuple):
+    """The stored state of one robot."""
+
+    master: Memory
+    outage: Optional[Outage]
+    why: str
+    is_halted: bool
+    comes_to_rest: bool = False
+    dock: Optional[int] = None
+    charge: Optional[float] = None
+    kind: Optional[RobotType] = None
+
+
+class HistoryLine(NamedTuple):
+    """One mission in the history. Times are in s since 1970; None: it did not happen."""
+
+    request_id: int
+    destinations: Tuple[int, ...]
+    robot_type: str
+    priority: int
+    state: MissionState
+    robot: str
+    reached: int
+    accepted: float
+    started: Optional[float]
+    ended: Optional[float]
+    reason: str
+    requested_by: str = ''
+
+    @property
+    def waited(self) -> Optional[float]:
+        """s from acceptance to start, or to an end without a start; None: it still waits."""
+        begun = self.started if self.started is not None else self.ended
+        return None if begun is None else begun - self.accepted
+
+    @property
+    def took(self) -> Optional[float]:
+        """s from start to end; None: one of the two did not happen."""
+        return None if self.started is None or self.ended is None else self.ended - self.started
+
+
+HISTORY_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot',
+                   'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason',
+                   'requested_by')
+"""The columns of the history as CSV."""
+
+
+class Journal:
+    """The journal file, open for one supervisor. `clock` returns s since 1970."""
+
+    def __init__(self, path: str, clock: Callable[[], float] = time.time) -> None:
+        """Raises JournalUnavailable, or JournalError if the file can never be used."""
+        self._clock = clock
+        self._path = path
+        self._beside = f'{path}.run'
+        self._file = JournalDatabase(path)
+        self._db = self._file.database
+        try:
+            self.graph(), self.robots(), self.missions()
+        except (KeyError, ValueError, TypeError) as error:
+            self.close()
+            raise UnknownLayout(path, f'an entry cannot be read ({error!r})') from None
+        except JournalError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._file.close()
+
+    def milliseconds(self) -> int:
+        """ms since 1970, by the clock of the journal."""
+        return int(1000.0 * self._clock())
+
+    # -- writing ----------------------------------------------------------------------------------
+
+    def store(self, missions: Iterable[Mission] = (),
+              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
+              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
+              stays: Optional[Mapping[int, float]] = None) -> None:
+        """Stores all given data on the disk in one transaction.
+
+        missions -- the missions that have changed
+        robots   -- by name, what a robot may hold; None: it holds nothing any more
+        values   -- numbers by name
+        graph    -- the graph to which the robots' data refer
+        stays    -- by the serial of a mission, how long ago (s) it began to stay where it is
+
+        Raises JournalUnavailable; then nothing is stored.
+        """
+        with self._file.transaction():
+            for mission in missions:
+                self._write_mission(mission)
+            for serial, seconds in (stays or {}).items():
+                self._run('INSERT OR REPLACE INTO stay VALUES (?, ?)',
+                          (serial, self._clock() - seconds))
+            for name, memory in (robots or {}).items():
+                if memory is None:
+                    self._run('DELETE FROM robot WHERE name = ?', (name,))
+                else:
+                    self._run('INSERT OR REPLACE INTO robot VALUES (?, ?)',
+                              (name, _memory_text(memory)))
+            if graph is not None:
+                self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
+            for name, number in (values or {}).items():
+                self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
+
+    def _write_mission(self, mission: Mission) -> None:
+        """Stores the mission as it is now, and the change in the history."""
+        now = (int(mission.state), mission.robot, mission.reached, mission.reason)
+        request, moment = mission.request, self._clock()
+        self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)',
+                  (mission.serial, request.id, _request_text(request), *now, request.stamp, moment))
+        self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?, ?)',
+                  (moment, mission.serial, *now, mission.changed_by))
+        if mission.stays_since is None or not mission.state.is_open:
+            self._run('DELETE FROM stay WHERE serial = ?', (mission.serial,))
+
+    def forget(self, age: float, most: int = 200) -> int:
+        """Deletes at most `most` missions that ended more than `age` s ago. Returns how many.
+
+        The last mission stays, so that no serial is used twice. Raises JournalUnavailable.
+        """
+        serials = [row[0] for row in self._run(
+            f'SELECT serial FROM mission WHERE changed < ? AND state NOT IN {OPEN_STATES} '
+            'AND serial < (SELECT MAX(serial) FROM mission) ORDER BY changed LIMIT ?',
+            (self._clock() - age, most))]
+        if serials:
+            with self._file.transaction():
+                for table in ('change', 'mission'):
+                    for serial in serials:
+                        self._run(f'DELETE FROM {table} WHERE serial = ?', (serial,))
+        return len(serials)
+
+    def _run(self, statement: str, values: Tuple[object, ...] = ()) -> sqlite3.Cursor:
+        try:
+            return self._db.execute(statement, values)
+        except sqlite3.Error as error:
+            raise JournalUnavailable(self._path, error) from None
+
+    def write_beside(self, number: int) -> None:
+        """Writes a number into the file beside the journal. Raises JournalUnavailable."""
+        try:
+            replace_file(self._beside, f'{number}\n')
+        except OSError as error:
+            raise JournalUnavailable(self._beside, error) from None
+
+    # -- reading ----------------------------------------------------------------------------------
+
+    def value(self, name: str) -> int:
+        """A stored number; 0: there is none."""
+        row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
+        return int(row[0]) if row else 0
+
+    def number_beside(self) -> int:
+        """The number in the file beside the journal; 0: there is none; -1: it cannot be read."""
+        try:
+            with open(self._beside, encoding='ascii') as file:
+                return int(file.read(_LONGEST_NUMBER))
+        except FileNotFoundError:
+            return 0
+        except (OSError, ValueError):
+            return -1
+
+    def graph(self) -> Optional[Graph]:
+        """The graph to which the stored data of robots refer; None: there is none."""
+        row = self._run('SELECT elements FROM graph').fetchone()
+        return _graph(row[0]) if row else None
+
+    def missions(self) -> List[Mission]:
+        """The open missions and the last ended ones, in the order of their acceptance."""
+        rows = self._run(
+            'SELECT * FROM (SELECT serial, request, state, robot, reached, reason FROM mission '
+            f'WHERE state IN {OPEN_STATES} UNION SELECT * FROM (SELECT serial, request, state, '
+            f'robot, reached, reason FROM mission WHERE state NOT IN {OPEN_STATES} '
+            'ORDER BY serial DESC LIMIT ?)) ORDER BY serial', (REMEMBERED,))
+        return [_mission(row) for row in rows]
+
+    def stays(self) -> Dict[int, float]:
+        """By serial, how long (s) each mission stays where it is; at least 0."""
+        now = self._clock()
+        return {int(serial): max(now - began, 0.0)
+                for serial, began in self._run('SELECT serial, began FROM stay')}
+
+    def find(self, request: Request) -> Optional[Mission]:
+        """The last mission that exactly this request became, however long ago it ended.
+
+        Raises JournalUnavailable.
+        """
+        rows = self._run(
+            'SELECT serial, request, state, robot, reached, reason FROM mission '
+            'WHERE request_id = ? AND stamp = ? ORDER BY serial DESC', (request.id, request.stamp))
+        return next((mission for mission in map(_mission, rows)
+                     if mission.request.identity == request.identity), None)
+
+    def status(self, request_id: int, stamp: float) -> Optional[Status]:
+        """The stored status of the last mission with this id and stamp; stamp 0 means any stamp.
+
+        Raises JournalUnavailable.
+        """
+        row = self._run(
+            'SELECT serial, request, state, robot, reached, reason FROM mission WHERE '
+            'request_id = ? AND (? = 0.0 OR stamp = ?) ORDER BY serial DESC LIMIT 1',
+            (request_id, stamp, stamp)).fetchone()
+        return None if row is None else _mission(row).status
+
+    def last_serial(self) -> int:
+        """Serial of the last mission that was accepted; 0: there was none."""
+        return int(self._run('SELECT MAX(serial) FROM mission').fetchone()[0] or 0)
+
+    def robots(self) -> Dict[str, RobotMemory]:
+        """The stored state of each robot."""
+        return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
+
+
+def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
+    """All missions in the history, read page by page. The supervisor may write meanwhile.
+
+    Raises JournalError if there is no such file, or it is no journal.
+
+    since -- s since 1970: ended missions that have not changed since then are omitted
+    """
+    wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
+    if not os.path.isfile(path):
+        raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
+                           'computer, or it is kept elsewhere.')
+    try:
+        db, unchanged = _opened(path)
+        try:
+            last = 0
+            while True:
+                rows = db.execute(
+                    'SELECT m.serial, m.request, m.state, m.robot, m.reached, m.reason, '
+                    'MIN(c.time), MIN(CASE WHEN c.state = :active THEN c.time END), MAX(c.time) '
+                    f'FROM (SELECT * FROM mission WHERE serial > :last {wanted} '
+                    'ORDER BY serial LIMIT :page) m '
+                    'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
+                    {'active': int(MissionState.ACTIVE), 'last': last, 'since': since,
+                     'page': _PAGE}).fetchall()
+                if not unchanged():
+                    raise JournalError(f'The journal {path} was written while it was read: try '
+                                       'again.')
+                yield from (_history_line(*row[1:]) for row in rows)
+                if len(rows) < _PAGE:
+                    return
+                last = rows[-1][0]
+        finally:
+            db.close()
+    except sqlite3.Error as error:
+        raise JournalError(f'The journal {path} cannot be read ({error}).') from None
+
+
+def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
+    """Opens a journal to read it, and tells whether what was read is the content of one moment.
+
+    SQLite takes care of that with files beside the journal. In a folder that this process may not
+    write, SQLite cannot make them. If no supervisor has made them, the journal is read as it is.
+    """
+    address = f'file:{quote(os.path.abspath(path))}?mode=ro'
+    if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):
+        return sqlite3.connect(address, uri=True, timeout=2.0), lambda: True
+
+    def version() -> Tuple[int, int, int]:
+        status = os.stat(path)
+        return status.st_ino, status.st_size, status.st_mtime_ns
+    before = version()
+    return (sqlite3.connect(f'{address}&immutable=1', uri=True),
+            lambda: version() == before)
+
+
+def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
+                  started: Optional[float], last: float) -> HistoryLine:
+    request, state = _request(text), MissionState(number)
+    return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
+                       state, robot, reached, accepted, started, None if state.is_open else last,
+                       reason, request.requested_by)
+
+
+def _request_text(request: Request) -> str:
+    return json.dumps(asdict(request))
+
+
+def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
+    """The mission in a row of the columns serial, request, state, robot, reached, reason."""
+    serial, text, state, robot, reached, reason = row
+    return Mission(serial, _request(text), MissionState(state), robot, reached, reason=reason)
+
+
+def _request(text: str) -> Request:
+    """Reads a request. Version 0.2 stored a list, in the order of the fields of that version."""
+    stored = json.loads(text)
+    values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
+        ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
+    return Request(**{**values, 'destinations': tuple(values['destinations']),
+                      'dwells': tuple(values['dwells'])})
+
+
+def _graph_text(graph: Graph) -> str:
+    return json.dumps([[astuple(vertex) for vertex in graph.vertices.values()],
+                       [[*astuple(edge)[:3], edge.curve_type.value, *astuple(edge)[4:]]
+                        for edge in graph.edges.values()]])
+
+
+def _graph(text: str) -> Graph:
+    vertices, edges = json.loads(text)
+    return Graph((Vertex(*values) for values in vertices),
+                 (Edge(id, origin, destination, CurveType(curve), *numbers)
+                  for id, origin, destination, curve, *numbers in edges))
+
+
+def _position_values(position: Optional[GraphPosition]) -> Optional[Tuple[Any, ...]]:
+    return None if position is None else astuple(position)
+
+
+def _position(values: Optional[Sequence[Any]]) -> Optional[GraphPosition]:
+    return None if values is None else GraphPosition(*values)
+
+
+def _memory_text(memory: RobotMemory) -> str:
+    master, kind = memory.master, memory.kind
+    protocol = master.protocol
+    return json.dumps({
+        'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
+                     'held': protocol.held},
+        'cleared': master.cleared, 'place': _position_values(master.position),
+        'locations': master.locations,
+        'lost': [[area.line, area.radius] for area in master.lost.areas],
+        'lost_until': master.lost.until, 'absent': master.is_absent,
+        'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
+        'halted': memory.is_halted, 'resting': memory.comes_to_rest,
+        'dock': memory.dock, 'charge': memory.charge,
+        'type': None if kind is None else [kind.name, kind.radius, kind.speed, kind.play]})
+
+
+def _memory(text: str) -> RobotMemory:
+    stored: Dict[str, Any] = json.loads(text)
+    master = _of_version_1(stored) if 'track' in stored else Memory(
+        _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
+        tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
+        Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'])
+    outage, kind = stored['outage'], stored.get('type')
+    return RobotMemory(master, None if outage is None else Outage[outage], stored['why'],
+                       stored['halted'], stored.get('resting', False), stored.get('dock'),
+                       stored.get('charge'), None if kind is None else RobotType(*kind))
+
+
+def _protocol(stored: Dict[str, Any]) -> MasterState:
+    return MasterState(**{
+        **stored, 'gap': tuple(stored['gap']),
+        'open': tuple(Order(number, epoch, first, tuple(edges), route_id)
+                      for number, epoch, first, edges, route_id in stored['open']),
+        'behind': tuple(Step(*step) for step in stored['behind']),
+        'held': tuple(Step(*step) for step in stored['held'])})
+
+
+def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:
+    return tuple(Area(tuple((x, y) for x, y in line), radius) for line, radius in stored)
+
+
+def _of_version_1(stored: Dict[str, Any]) -> Memory:
+    """Reads an entry of 1.0 and earlier, which has no numbers of orders.
+
+    The robot holds all edges of that entry until it was told to stop, and stands.
+    """
+    outliers, lost, foreign, reach, location, is_absent, *_ = stored.get('evidence') or (
+        (), (), (), 0.0, None, False)
+    begin, fraction = stored.get('cleared', (0, 0.0))
+    edges = (*stored['track'][begin:], *stored.get('tail', ()), *foreign)
+    held = tuple(Step(number, edge) for number, edge in enumerate(edges))
+    locations = [Located((point[0], point[1]), age) for point, age in outliers]
+    if location is not None and reach:
+        locations.append(Located((location[0], location[1])))
+    return Memory(MasterState(held=held, is_anywhere=bool(reach)), (0, fraction),
+                  _position(stored['place']), tuple(locations[:2]), Lost(_areas(lost)),
+                  is_absent=is_absent)

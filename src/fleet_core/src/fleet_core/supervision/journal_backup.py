@@ -1,0 +1,53 @@
+"""Copies a journal while it is in use, and turns an old copy into the journal again."""
+from __future__ import annotations
+
+import os
+import sqlite3
+import time
+from contextlib import closing
+from typing import Callable
+from urllib.parse import quote
+
+from fleet_core.supervision.journal import OPEN_STATES
+from fleet_core.supervision.journal_database import JournalDatabase
+from fleet_core.supervision.missions import MissionState
+
+REASON = 'the journal was restored from a backup'
+
+
+def copy_database(path: str, copy: str) -> None:
+    """Copies an SQLite file as of one moment, also while a program writes it.
+
+    Raises sqlite3.Error.
+    """
+    address = f'file:{quote(os.path.abspath(path))}?mode=ro'
+    with closing(sqlite3.connect(address, uri=True, timeout=5.0)) as source, \
+            closing(sqlite3.connect(copy)) as target:
+        source.backup(target)
+
+
+def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
+    """Removes from an old journal all that may be outdated. Returns how many missions ended.
+
+    Robots and missions went on after the copy was made. So the fleet manager must begin as with a
+    lost journal: it knows no robot, route or open mission, and learns them from the robots'
+    reports. The history stays. Raises JournalError.
+    """
+    file = JournalDatabase(path)
+    try:
+        with file.transaction() as database:
+            serials = [row[0] for row in database.execute(
+                f'SELECT serial FROM mission WHERE state IN {OPEN_STATES}')]
+            now = clock()
+            for serial in serials:
+                database.execute(
+                    "UPDATE mission SET state = ?, reason = ?, changed = ? WHERE serial = ?",
+                    (int(MissionState.CANCELLED), REASON, now, serial))
+                database.execute(
+                    "INSERT INTO change SELECT ?, serial, state, robot, reached, reason, '' "
+                    'FROM mission WHERE serial = ?', (now, serial))
+            for table in ('robot', 'graph', 'stay', 'value'):
+                database.execute(f'DELETE FROM {table}')
+    finally:
+        file.close()
+    return len(serials)

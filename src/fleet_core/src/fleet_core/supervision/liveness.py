@@ -1,0 +1,59 @@
+"""Liveness of one robot: whether it reports, moves and answers, judged by when reports come."""
+from __future__ import annotations
+
+import math
+
+from fleet_core.interlocking.reports import TREMBLE, Pose, Report, distance
+from route_protocol.values import ANSWERED_WITHIN, Motion
+from trajectory_graph import Graph
+
+SILENCE = 5.0      # s without a report after which a robot counts as silent
+# s after which a robot that reports, but has not answered an order, counts as deaf
+ANSWER = ANSWERED_WITHIN + 1.0
+
+
+class Liveness:
+    """The signs of life of one robot. Times are those of the supervisor's clock."""
+
+    def __init__(self) -> None:
+        self.seen = -math.inf
+        """Time of its last report; minus infinity: never."""
+        self.since = -math.inf
+        """Time since which it has reported without a silence."""
+        self.stands = False
+        """Did the last report say that it stands?"""
+        self._pose = Pose()
+        self._moved = -math.inf      # when it was last seen to move from _pose, or first seen
+        self._answered = -math.inf   # when it last had no order to answer, or took one up
+
+    @property
+    def is_seen(self) -> bool:
+        """Has the robot reported since the fleet manager began?"""
+        return self.seen > -math.inf
+
+    def hear(self, report: Report, graph: Graph, now: float) -> None:
+        """Notes when a report came, and what has changed in it."""
+        if not self.is_seen:
+            self._answered = now
+        if now - self.seen > SILENCE:
+            self.since = now
+        self.seen = now
+        if distance(graph, report.pose, self._pose) > TREMBLE:
+            self._pose, self._moved = report.pose, now
+        self.stands = report.motion is Motion.STANDING
+
+    def is_silent(self, now: float) -> bool:
+        """Has the robot reported before, but not for SILENCE s?"""
+        return self.is_seen and now - self.seen > SILENCE
+
+    def stands_for(self, now: float) -> float:
+        """s since it was last seen to move, or first seen; 0: it does not report."""
+        return now - self._moved if self.is_seen and not self.is_silent(now) else 0.0
+
+    def nothing_to_answer(self, now: float) -> None:
+        """No order waits for an answer now."""
+        self._answered = now
+
+    def is_deaf(self, now: float) -> bool:
+        """Has the robot not answered an order for ANSWER s?"""
+        return now - self._answered > ANSWER

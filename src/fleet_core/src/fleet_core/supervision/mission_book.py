@@ -1,0 +1,185 @@
+"""The book of all missions: open missions, repeated requests, ended ones, and unstored changes."""
+from __future__ import annotations
+
+from collections import deque
+from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set
+
+from fleet_core.supervision.missions import (
+    Acceptance,
+    Change,
+    Mission,
+    MissionState,
+    Request,
+    RequestRefused,
+    Status,
+)
+from fleet_core.supervision.pending_missions import PendingMissions
+
+MOST_OPEN = 5000   # number of open missions; more are a mistake, and would delay what is urgent
+REMEMBERED = 1000  # number of ended missions whose ids are known as repeats
+
+
+class MissionBook:
+    """All open missions, and for each id the last one of those that ended lately.
+
+    stays -- by serial, the supervisor's time since which a mission stays at a destination
+    """
+
+    def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1,
+                 stays: Optional[Mapping[int, float]] = None) -> None:
+        self._by_serial: Dict[int, Mission] = {}
+        self._last: Dict[int, Mission] = {}
+        self._by_robot: Dict[str, Mission] = {}
+        self._ended: Deque[Mission] = deque()
+        self._next = next_serial
+        self.pending = PendingMissions()
+        """The missions that no robot serves."""
+        self.changed: Set[int] = set()
+        """Serials of missions whose status is to be stored and published."""
+        self._begun_stays: Set[int] = set()
+        for mission in missions:
+            mission.stored = mission.status
+            mission.stays_since = (stays or {}).get(mission.serial)
+            self._last[mission.request.id] = mission
+            if mission.state.is_open:
+                self._by_serial[mission.serial] = mission
+                if mission.state is MissionState.PENDING:
+                    self.pending.add(mission)
+                if mission.robot:
+                    self._by_robot[mission.robot] = mission
+            else:
+                self._ended.append(mission)
+
+    @property
+    def open(self) -> List[Mission]:
+        """The missions that have not ended, in the order of their acceptance."""
+        return [mission for mission in list(self._by_serial.values()) if mission.state.is_open]
+
+    @property
+    def serving(self) -> Dict[str, Mission]:
+        """The open missions that robots serve, by the robot's name."""
+        return {name: mission for name, mission in list(self._by_robot.items())
+                if mission.state.is_open}
+
+    def is_pending(self, serial: int) -> bool:
+        """Does a mission wait for a robot?"""
+        mission = self._by_serial.get(serial)
+        return mission is not None and mission.state is MissionState.PENDING
+
+    @property
+    def stored_open(self) -> List[Status]:
+        """The stored status of each mission that has not ended."""
+        return [mission.stored for mission in list(self._by_serial.values())
+                if mission.stored is not None and mission.stored.state.is_open]
+
+    def find(self, request_id: int) -> Optional[Mission]:
+        """The last mission with this id."""
+        return self._last.get(request_id)
+
+    def of_robot(self, name: str) -> Optional[Mission]:
+        """The open mission that a robot serves."""
+        mission = self._by_robot.get(name)
+        return mission if mission is not None and mission.state.is_open else None
+
+    def add(self, request: Request, acceptance: Acceptance) -> Optional[Mission]:
+        """Accepts a request. Returns None for a repeat. Raises RequestRefused."""
+        last = self._last.get(request.id)
+        if last is not None:
+            if request.is_repeat_of(last.request, last.state.is_open):
+                return None
+            if last.state.is_open:
+                raise RequestRefused(f'mission {request.id} is open with other content; choose '
+                                     'another id')
+        acceptance.check(request)
+        if len(self._by_serial) >= MOST_OPEN:
+            raise RequestRefused(f'{MOST_OPEN} missions are open; cancel some, or wait')
+        mission = Mission(self._next, request, changed_by=request.requested_by)
+        self._next += 1
+        self._by_serial[mission.serial] = self._last[request.id] = mission
+        self.pending.add(mission)
+        self.changed.add(mission.serial)
+        return mission
+
+    def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
+        """Removes a mission that could not be stored. `before` is the last mission with its id."""
+        self.changed.discard(mission.serial)
+        del self._by_serial[mission.serial]
+        if mission in self.pending:
+            self.pending.remove(mission)
+        del self._last[mission.request.id]
+        if before is not None:
+            self._last[mission.request.id] = before
+
+    def set(self, mission: Mission, state: MissionState, reason: str = '',
+            robot: Optional[str] = None) -> None:
+        """Changes a mission. A mission that has ended does not change any more."""
+        if not mission.state.is_open:
+            return
+        robot = mission.robot if robot is None else robot
+        if (mission.state, mission.reason, mission.robot) == (state, reason, robot):
+            return
+        if robot != mission.robot:
+            self._by_robot.pop(mission.robot, None)
+            if robot:
+                self._by_robot[robot] = mission
+        if (mission.state is MissionState.PENDING) != (state is MissionState.PENDING):
+            (self.pending.add if state is MissionState.PENDING else self.pending.remove)(mission)
+        mission.state, mission.reason, mission.robot = state, reason, robot
+        self.changed.add(mission.serial)
+
+    def change(self, mission: Mission, change: Change) -> None:
+        """Changes the priority, and the destinations from now on."""
+        is_pending = mission in self.pending
+        if is_pending:
+            self.pending.remove(mission)
+        mission.request, stays = mission.changed(change), mission.stays_since is not None
+        if is_pending:
+            self.pending.add(mission)
+        self.changed.add(mission.serial)
+        if change.destinations:
+            mission.changes += 1
+            if stays:
+                self.reach(mission)
+
+    def stay(self, mission: Mission, now: float) -> None:
+        """The mission stays at a destination from now on."""
+        mission.stays_since = now
+        self._begun_stays.add(mission.serial)
+
+    def reach(self, mission: Mission, count: int = 1) -> None:
+        """Counts `count` more destinations as visited."""
+        mission.reached += count
+        mission.stays_since = None
+        self._begun_stays.discard(mission.serial)
+        self.changed.add(mission.serial)
+        if not mission.left:
+            self.set(mission, MissionState.SUCCEEDED)
+
+    @property
+    def is_changed(self) -> bool:
+        """Is any change not stored yet?"""
+        return bool(self.changed or self._begun_stays)
+
+    @property
+    def changes(self) -> List[Mission]:
+        """The missions with changes that are not stored yet."""
+        return [self._by_serial[serial] for serial in sorted(self.changed)]
+
+    def new_stays(self, now: float) -> Dict[int, float]:
+        """By serial, how long ago (s) each stay began that is not stored yet."""
+        return {serial: now - since for serial in sorted(self._begun_stays)
+                for since in (self._by_serial[serial].stays_since,) if since is not None}
+
+    def stored(self) -> None:
+        """All changes are stored. Ended missions are kept only for their ids."""
+        self._begun_stays.clear()
+        changes, self.changed = self.changes, set()
+        for mission in changes:
+            mission.stored, mission.changed_by = mission.status, ''
+            if not mission.state.is_open:
+                self._by_serial.pop(mission.serial, None)
+                self._ended.append(mission)
+        while len(self._ended) > REMEMBERED:
+            old = self._ended.popleft()
+            if self._last.get(old.request.id) is old:
+                del self._last[old.request.id]

@@ -1,0 +1,79 @@
+"""The effect of a command on an open mission, and on the robot that serves it."""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Mapping
+
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import (
+    Acceptance,
+    Change,
+    Command,
+    CommandCode,
+    Mission,
+    MissionState,
+    Request,
+    RequestRefused,
+    Status,
+)
+from fleet_core.supervision.robots import ManagedRobot
+
+
+def carry_out(command: Command, mission: Mission, book: MissionBook,
+              robots: Mapping[str, ManagedRobot], requested_by: str = '') -> str:
+    """Cancels, pauses, resumes, or ends a dwell. Returns why it did not; empty: it did."""
+    name = mission.robot
+    if command is Command.CANCEL:
+        by = f' of {requested_by}' if requested_by else ''
+        book.set(mission, MissionState.CANCELLED, f'cancelled on request{by}')
+    elif command is Command.PAUSE:
+        book.set(mission, MissionState.PAUSED)
+    elif command is Command.RESUME:
+        if mission.state is not MissionState.PAUSED:
+            return f'Mission {mission.request.id} is not paused.'
+        book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
+        if name:
+            robots[name].comes_to_rest = False
+    elif command is Command.RELEASE:
+        if mission.stays_since is None:
+            return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
+        book.reach(mission)
+    if name and command in (Command.CANCEL, Command.PAUSE):
+        robots[name].comes_to_rest = True
+    return ''
+
+
+def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acceptance,
+           robots: Mapping[str, ManagedRobot]) -> str:
+    """Changes priority and destinations. Returns why it did not, as a clause; empty: it did.
+
+    A robot that drives to other destinations comes to rest, as for a cancelled mission. Then it
+    goes on by a plan for the new destinations.
+    """
+    try:
+        acceptance.check_change(mission, change)
+    except RequestRefused as refusal:
+        return str(refusal)
+    before = mission.left
+    book.change(mission, change)
+    if mission.robot and mission.state is MissionState.ACTIVE and mission.left != before:
+        robots[mission.robot].comes_to_rest = True
+    return ''
+
+
+def refused(request: Request, reason: str) -> Status:
+    """The status of a request that does not become a mission."""
+    return Status(request.id, MissionState.REFUSED, reason=reason, stamp=request.stamp)
+
+
+def not_done(before: Status, command: Command, trouble: str) -> Status:
+    """The status after a command that cannot be carried out: the mission is unchanged."""
+    return replace(before, command=command, command_code=CommandCode.NOT_DONE,
+                   reason=f'{command.name} is not done: {trouble}')
+
+
+def not_stored(before: Status, command: Command, trouble: str) -> Status:
+    """The status after a command that was carried out, but could not be stored on the disk."""
+    return replace(before, command=command, command_code=CommandCode.NOT_STORED,
+                   reason=f'{command.name} is carried out, but will be lost if the fleet '
+                          f'manager ends before it can be stored: {trouble}')

@@ -1,0 +1,273 @@
+"""Missions: requests, the rules for refusing them, and the progress of each mission."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
+
+from fleet_core.fleet import RobotType
+from trajectory_graph import Graph
+
+MOST_DESTINATIONS = 1000
+LONGEST_DWELL = 1e6  # s; more is a mistake
+
+
+class MissionState(IntEnum):
+    """The state of a mission, as in itrci_nav_msgs/MissionStatus."""
+
+    PENDING = 0
+    ACTIVE = 1
+    SUCCEEDED = 2
+    FAILED = 3
+    REFUSED = 4
+    CANCELLED = 5
+    PAUSED = 6
+
+    @property
+    def is_open(self) -> bool:
+        """Has the mission not ended?"""
+        return self in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED)
+
+
+class Command(IntEnum):
+    """A command for a mission, as in itrci_nav_msgs/MissionCommand."""
+
+    CANCEL = 0
+    PAUSE = 1
+    RESUME = 2
+    RELEASE = 3
+    MODIFY = 4
+
+
+class CommandCode(IntEnum):
+    """The result of a command in a status, as in itrci_nav_msgs/MissionStatus."""
+
+    NONE = 0
+    NOT_DONE = 1
+    NOT_STORED = 2
+
+
+@dataclass(frozen=True)
+class Request:
+    """A request for a mission: visit these vertices in order.
+
+    robot_type -- name; empty: any type
+    robot      -- the robot that must do it; empty: the robot in the best place
+    priority   -- the mission with the higher one is served first
+    dwells     -- s to stay at each destination; negative: until released; empty: no stays
+    stamp      -- s, when it was sent; 0: the sender did not give it
+    requested_by -- person or program, for the records; empty: the sender did not give it
+    """
+
+    id: int
+    destinations: Tuple[int, ...]
+    robot_type: str = ''
+    robot: str = ''
+    priority: int = 0
+    dwells: Tuple[float, ...] = ()
+    stamp: float = 0.0
+    requested_by: str = ''
+
+    def dwell(self, index: int) -> float:
+        """Seconds to stay at the destination number `index`."""
+        return self.dwells[index] if self.dwells else 0.0
+
+    @property
+    def identity(self) -> Tuple[object, ...]:
+        """The key by which two requests are the same request, sent twice.
+
+        Fields that are added to the message in later versions are not part of it. Otherwise an
+        update would repeat missions. If there is a stamp, it tells requests apart, also after
+        MODIFY. If there is none, all of the content counts.
+        """
+        asked = () if self.stamp else (self.destinations, self.priority, self.dwells)
+        return (self.id, self.stamp, self.robot_type, self.robot, *asked)
+
+    def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
+        """Is this the same request, sent again?"""
+        return self.identity == other.identity and (bool(self.stamp) or other_is_open)
+
+
+@dataclass(frozen=True)
+class Change:
+    """The changes that MODIFY makes to a request.
+
+    destinations -- to be visited from now on, without stays; empty: no change
+    """
+
+    priority: int
+    destinations: Tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Status:
+    """The published status of a request.
+
+    stamp        -- s, when the request was sent; it tells requests with the same id apart
+    command      -- the command to which `reason` and `command_code` refer; None: none
+    """
+
+    request_id: int
+    state: MissionState
+    robot: str = ''
+    reached: int = 0
+    reason: str = ''
+    stamp: float = 0.0
+    command: Optional[Command] = None
+    command_code: CommandCode = CommandCode.NONE
+
+
+@dataclass
+class Mission:
+    """An accepted request and its progress.
+
+    serial      -- number of the mission among all accepted ones; it is never used twice, unlike ids
+    reached     -- number of destinations visited, dwells included
+    stays_since -- the supervisor's time since which it stays at a destination; None: it does not
+                   stay
+    reason      -- why it ended, or what it waits for
+    changes     -- number of times that it got other destinations; earlier plans are then useless
+    stored      -- its status on the disk; None: it is not stored yet
+    changed_by  -- name of the giver of changes that are not stored yet; empty: none, or not given
+    """
+
+    serial: int
+    request: Request
+    state: MissionState = MissionState.PENDING
+    robot: str = ''
+    reached: int = 0
+    stays_since: Optional[float] = None
+    reason: str = ''
+    changes: int = 0
+    stored: Optional[Status] = None
+    changed_by: str = ''
+
+    @property
+    def status(self) -> Status:
+        """The status to be published."""
+        return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
+                      self.request.stamp)
+
+    @property
+    def dwell_until(self) -> Optional[float]:
+        """When the robot may leave the destination where it stays; infinite: when released.
+
+        None: it does not stay now.
+        """
+        if self.stays_since is None:
+            return None
+        dwell = self.request.dwell(self.reached)
+        return self.stays_since + dwell if dwell >= 0.0 else math.inf
+
+    @property
+    def left(self) -> Tuple[int, ...]:
+        """The destinations still to be visited, including that of a dwell under way."""
+        return self.request.destinations[self.reached:]
+
+    def changed(self, change: Change) -> Request:
+        """The request after a change. A stay under way counts as the end of its destination."""
+        request = replace(self.request, priority=change.priority)
+        if not change.destinations:
+            return request
+        kept = self.reached + (self.stays_since is not None)
+        dwells = (*request.dwells[:kept], *(0.0 for _ in change.destinations))
+        return replace(request, destinations=(*request.destinations[:kept], *change.destinations),
+                       dwells=dwells if request.dwells else ())
+
+    def visits(self, passed: Iterable[int]) -> int:
+        """Number of destinations that a path along these vertices visits.
+
+        The robot must come to rest at a destination with a dwell. So the count ends before such a
+        destination.
+        """
+        count, index = 0, self.reached
+        for vertex in passed:
+            while index < len(self.request.destinations) and (
+                    self.request.destinations[index] == vertex):
+                if self.request.dwell(index):
+                    return count
+                index += 1
+                count += 1
+        return count
+
+
+class RequestRefused(Exception):
+    """A request that is not accepted. Its text is a clause that says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """The data by which requests are checked.
+
+    robots -- type of each robot by its name
+    places -- vertices at which robots are, or from which they have driven, if known
+    able   -- robots for a request, by its robot, type and docks; filled on demand
+    """
+
+    graph: Graph
+    robots: Mapping[str, RobotType]
+    places: Mapping[str, int] = field(default_factory=dict)
+    able: Dict[Tuple[str, str, FrozenSet[int]], Tuple[str, ...]] = field(
+        default_factory=dict, compare=False, repr=False)
+
+    def check(self, request: Request) -> None:
+        """Raises RequestRefused for a request that no robot of the fleet can carry out."""
+        if not request.destinations:
+            raise RequestRefused('it has no destinations')
+        if len(request.destinations) > MOST_DESTINATIONS:
+            raise RequestRefused(f'it has more than {MOST_DESTINATIONS} destinations')
+        for vertex in request.destinations:
+            if vertex not in self.graph.vertices:
+                raise RequestRefused(f'the graph has no vertex {vertex}')
+        if request.dwells and len(request.dwells) != len(request.destinations):
+            raise RequestRefused(f'it has {len(request.destinations)} destinations but '
+                                 f'{len(request.dwells)} dwells; give one for each, or none')
+        if not all(math.isfinite(d) and d <= LONGEST_DWELL for d in request.dwells):
+            raise RequestRefused(f'a dwell must be a number up to {LONGEST_DWELL:.0f} s')
+        types = {kind.name for kind in self.robots.values()}
+        if request.robot_type and request.robot_type not in types:
+            raise RequestRefused(f'there is no robot of type {request.robot_type!r}; there are: '
+                                 f'{", ".join(sorted(types))}')
+        if request.robot and request.robot not in self.robots:
+            raise RequestRefused(f'there is no robot {request.robot!r}; there are: '
+                                 f'{", ".join(sorted(self.robots))}')
+        if request.robot and request.robot_type not in ('', self.robots[request.robot].name):
+            raise RequestRefused(f'robot {request.robot} is of type '
+                                 f'{self.robots[request.robot].name}, not {request.robot_type}')
+        robots = self.robots_for(request)
+        if not robots:
+            raise RequestRefused('no such robot may be sent to its dock')
+        self._check_part(request, robots)
+
+    def _check_part(self, request: Request, robots: Iterable[str]) -> None:
+        """Raises RequestRefused unless edges connect all destinations and one of the robots."""
+        first, *others = request.destinations
+        part = self.graph.part_of(first)
+        for other in others:
+            if other not in part:
+                raise RequestRefused(f'vertices {first} and {other} are in different parts of the '
+                                     'graph, which no edges join')
+        if all(self.places.get(name, first) not in part for name in robots):
+            raise RequestRefused(f'vertex {first} is in another part of the graph than '
+                                 f'{request.robot or "each of its robots"}')
+
+    def check_change(self, mission: Mission, change: Change) -> None:
+        """Raises RequestRefused if no robot, or not the serving robot, could carry out the rest."""
+        if not change.destinations:
+            return
+        self.check(replace(mission.request, priority=change.priority, dwells=(),
+                           destinations=change.destinations,
+                           robot=mission.robot or mission.request.robot))
+
+    def robots_for(self, request: Request) -> Tuple[str, ...]:
+        """The robots that may serve a request, judged by type, name and docks."""
+        vertices = self.graph.vertices
+        docks = frozenset(v for v in request.destinations if v in vertices and vertices[v].dock)
+        key = request.robot, request.robot_type, docks
+        if key not in self.able:
+            self.able[key] = tuple(
+                name for name, kind in self.robots.items()
+                if request.robot in ('', name) and request.robot_type in ('', kind.name)
+                and all(kind.may_dock(dock) for dock in docks))
+        return self.able[key]

@@ -1,0 +1,56 @@
+"""The graph as robots can drive it now: closed edges, and learned driving times."""
+from __future__ import annotations
+
+from math import inf
+from typing import Iterable
+
+from fleet_core.fleet import Fleet
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.supervision.edge_times import EdgeTimes
+from fleet_core.supervision.robots import ManagedRobot
+from trajectory_graph import Graph
+
+
+class Networks:
+    """One network with nominal times, and one with learned times.
+
+    rate -- the factor by which simulated robots are faster than the clock
+    """
+
+    def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0) -> None:
+        self.nominal = RoadNetwork(graph, (), fleet.dock_approach)
+        self.network = self.nominal
+        """The network with learned times."""
+        self.edge_times = EdgeTimes()
+        self._types = {kind.name: kind for kind in fleet.types}
+        self._rate = rate
+
+    def close(self, edges: Iterable[int]) -> bool:
+        """Closes exactly these edges, if the graph has them. Returns whether that changed anything.
+        """
+        graph = self.nominal.graph
+        closed = frozenset(abs(edge) for edge in edges) & frozenset(graph.edges)
+        if closed == self.nominal.closed:
+            return False
+        self.nominal = self.nominal.with_closed(closed)
+        self._renew()
+        return True
+
+    def learn(self, robot: ManagedRobot, now: float) -> None:
+        """Learns from the edges that a robot has driven. The next plan uses the new times."""
+        for driven in robot.driven:
+            self.edge_times.learn(robot.type.name, driven._replace(
+                seconds=driven.seconds * self._rate))
+        robot.driven.clear()
+        if self.edge_times.renew(self._nominal_time, now):
+            self._renew()
+
+    def _renew(self) -> None:
+        self.network = self.nominal.with_closed(self.nominal.closed, self.edge_times.table)
+
+    def _nominal_time(self, kind: str, edge: int) -> float:
+        graph = self.nominal.graph
+        driven = graph.edge(edge)
+        speed = self._types[kind].drives_at(
+            driven.velocity_forward if edge > 0 else driven.velocity_backwards)
+        return graph.curve(edge).length / speed if speed else inf

@@ -1,0 +1,156 @@
+"""The outbox: actions that follow an event, held back until their data are on the disk.
+
+While the disk cannot be written, only orders that stop robots or shorten their routes go out.
+Everything else waits for the disk.
+"""
+from __future__ import annotations
+
+import math
+from math import inf
+from typing import Dict, List, Mapping, Optional, Set
+
+from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
+from fleet_core.supervision.actions import Action, Note, SendRoute, TellStatus
+from fleet_core.supervision.journal import Journal, RobotMemory
+from fleet_core.supervision.journal_database import JournalUnavailable
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.robots import ManagedRobot
+from trajectory_graph import Graph
+
+AGAIN = 2.0             # s between two attempts to write while writing fails
+TOGETHER = 0.04         # s within which all changes by reports share one commit
+_JOURNAL = '/journal'   # key of the journal's state in `note_state`; no robot has such a name
+
+
+class Outbox:
+    """Collects the actions that follow an event. `take` first stores what has changed.
+
+    trouble -- why nothing can be stored, as a clause; empty: it can be stored
+    """
+
+    def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
+                 everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking) -> None:
+        self.trouble = ''
+        self._journal = journal
+        self._book = book
+        self._robots, self._everywhere = robots, everywhere
+        self._interlocking = interlocking
+        self._stale: Set[str] = set()
+        self._values: Dict[str, int] = {}
+        self._graph: Optional[Graph] = None
+        self._try_at = self._stored_at = -inf
+        self._is_sending = False
+        self._actions: List[Action] = []
+        self._wrong: Dict[str, str] = {}
+
+    # -- adding actions ---------------------------------------------------------------------------
+
+    def put(self, action: Action) -> None:
+        """Adds an action."""
+        self._actions.append(action)
+
+    def note(self, text: str, is_warning: bool = False) -> None:
+        """Adds a log text for the operators."""
+        self.put(Note(text, is_warning))
+
+    def note_state(self, subject: str, wrong: str, mended: str) -> None:
+        """Logs what is wrong with a subject when that changes, but not while it lasts.
+
+        wrong  -- what is wrong; empty: nothing
+        mended -- the text to log when nothing is wrong any more
+        """
+        before = self._wrong.get(subject, '')
+        self._wrong[subject] = wrong
+        if wrong != before:
+            self.note(wrong or mended, bool(wrong))
+
+    def robot_changed(self, name: str) -> None:
+        """The stored state of a robot is outdated."""
+        self._stale.add(name)
+
+    def value_changed(self, name: str, number: int) -> None:
+        """A number is to be stored."""
+        self._values[name] = number
+
+    def graph_changed(self, graph: Graph) -> None:
+        """From now on the stored data of robots refer to this graph."""
+        self._graph = graph
+
+    def send(self) -> None:
+        """All orders that are due are to be sent."""
+        self._is_sending = True
+
+    # -- taking actions ---------------------------------------------------------------------------
+
+    def take(self, now: float) -> List[Action]:
+        """All actions to be done now, orders to robots first. Their data are on the disk."""
+        self._store(now)
+        orders = self._orders(now) if self._is_sending else []
+        self._is_sending = False
+        actions, self._actions = self._actions, []
+        return [*orders, *actions]
+
+    def take_unless_due_later(self, now: float) -> List[Action]:
+        """Like `take`, if nothing is to be stored or orders are to be sent at once.
+
+        Otherwise all actions wait until `due`, so that many reports share one commit.
+        """
+        return self.take(now) if self._is_sending or not self._is_anything_new else []
+
+    @property
+    def due(self) -> Optional[float]:
+        """When to take the waiting actions; None: none wait, or the disk cannot be written.
+
+        A commit is due TOGETHER s after the last one.
+        """
+        if self.trouble or not self._is_anything_new:
+            return None
+        return self._stored_at + TOGETHER
+
+    @property
+    def _is_anything_new(self) -> bool:
+        return bool(self._stale or self._values or self._graph or self._book.is_changed)
+
+    def _store(self, now: float) -> None:
+        if now < self._try_at or not (self.trouble or self._is_anything_new):
+            return
+        self._stale.update(self._interlocking.to_store)
+        missions, stays = self._book.changes, self._book.new_stays(now)
+        values = dict(self._values)
+        try:
+            self._journal.store(missions, {name: self._memory(name)
+                                           for name in sorted(self._stale)}, values, self._graph,
+                                stays)
+        except JournalUnavailable as unavailable:
+            self.trouble, self._try_at = unavailable.reason, now + AGAIN
+            self._interlocking.trouble = self.trouble
+            self.note_state(_JOURNAL, f'{unavailable} Until then no mission is accepted and no '
+                            'robot gets anything new to drive; stops are sent.', '')
+            return
+        self.trouble = self._interlocking.trouble = ''
+        self._try_at, self._stored_at = -inf, now
+        self.note_state(_JOURNAL, '', 'The journal can be written again.')
+        self._interlocking.stored(self._stale)
+        self._stale.clear()
+        self._values.clear()
+        self._graph = None
+        self._book.stored()
+        for mission in missions:
+            self.put(TellStatus(mission.status))
+
+    def _orders(self, now: float) -> List[Action]:
+        """All orders that are due and that the interlocking lets pass."""
+        return [SendRoute(name, *sending) for name, sending in self._interlocking.orders(now)]
+
+    def _memory(self, name: str) -> Optional[RobotMemory]:
+        """The state of a robot to be stored; None: the robot left the fleet for good."""
+        known = self._everywhere.get(name)
+        if known is None:
+            return None
+        robot = self._robots.get(name)
+        if robot is None:
+            return RobotMemory(known.master.memory, None, '', False, kind=known.type)
+        return RobotMemory(robot.master.memory, robot.outage, robot.why, robot.is_halted,
+                           robot.comes_to_rest, robot.dock,
+                           None if math.isnan(robot.battery.charge) else robot.battery.charge,
+                           robot.type)

@@ -1,0 +1,109 @@
+"""The check whether an answer of the planner is a plan for the question.
+
+An answer is a message, and any program can send one. It is used only if
+
+- each robot, edge and drive in it exists,
+- the drives follow each other from where the robot is, and
+- no robots wait for each other for ever.
+
+The interlocking decides whether two robots may be at the places of the plan.
+"""
+from __future__ import annotations
+
+from collections import Counter
+from typing import Dict, List, Sequence
+
+from fleet_core.planning.precedence import Constraint
+from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
+from trajectory_graph import Graph
+
+_SHOWN = 40  # characters shown of a name that no robot has
+
+
+def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
+    """The first fault, as the end of a sentence about the plan; empty: there is none."""
+    asked = {task.name for task in tasks}
+    for name in (*outcome.drives, *outcome.unserved):
+        if name not in asked:
+            return f'names robot {name[:_SHOWN]!r}, which the question does not have'
+    for task in tasks:
+        drives = outcome.drives.get(task.name, ())
+        fault = _fault_of_drives(task, [drive.edge for drive in drives], graph)
+        if fault:
+            return fault
+        if task.name not in outcome.unserved and not _leads_over(task, drives, graph):
+            return f'does not lead {task.name} to its destinations'
+    for constraint in outcome.precedence:
+        if not _is_possible(constraint, outcome):
+            return (f'has an impossible order: drive {constraint.drive} of '
+                    f'{constraint.then[:_SHOWN]!r} waits for fraction {constraint.fraction:g} of '
+                    f'drive {constraint.before} of {constraint.first[:_SHOWN]!r}')
+    waiting = _ring(outcome)
+    return f'lets {waiting[0]} wait for itself' if waiting else ''
+
+
+def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
+    """Returns a fault unless each edge exists and begins where the one before it ends."""
+    name = task.name
+    for edge in edges:
+        if abs(edge) not in graph.edges:
+            return f'leads {name} over edge {abs(edge)}, which the graph does not have'
+    for before, edge in zip(edges, edges[1:]):
+        if graph.end_vertex(before).id != graph.start_vertex(edge).id:
+            return f'leads {name} from edge {before} to edge {edge}, which do not meet'
+    if not edges or not all(abs(edge) in graph.edges for edge in task.released):
+        return ''
+    if task.released:
+        begins_right = tuple(edges[:len(task.released)]) == task.released
+    elif task.mid_edge is not None:
+        begins_right = abs(edges[0]) == abs(task.mid_edge[0])
+    else:
+        begins_right = graph.start_vertex(edges[0]).id == task.vertex
+    return ('' if begins_right else
+            f'leads {name} over edge {edges[0]} first, but {name} is elsewhere')
+
+
+def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
+    """Do the drives visit all destinations in order? Some released drives may be done already."""
+    left = list(task.destinations)
+    vertices = [graph.end_vertex(drive.edge).id for drive in drives]
+    for vertex in ((task.vertex,) if task.vertex is not None else ()) + tuple(vertices):
+        while left and left[0] == vertex:
+            del left[0]
+    return not left
+
+
+def _is_possible(constraint: Constraint, outcome: Outcome) -> bool:
+    """Do both drives exist, and is the fraction a number from 0 to 1?"""
+    return (0 <= constraint.before < len(outcome.drives.get(constraint.first, ()))
+            and 0 <= constraint.drive < len(outcome.drives.get(constraint.then, ()))
+            and 0.0 <= constraint.fraction <= 1.0)
+
+
+def _ring(outcome: Outcome) -> List[str]:
+    """Robots that would wait for each other for ever.
+
+    A drive may begin after the drive before it, and all drives for which it waits, have begun. To
+    wait for fraction 0 of a drive means to wait for the drive before that.
+    """
+    first_node: Dict[str, int] = {}
+    robots: List[str] = []
+    for name, drives in outcome.drives.items():
+        first_node[name] = len(robots)
+        robots += [name] * len(drives)
+    behind: List[List[int]] = [[] for _ in robots]
+    for node in range(1, len(robots)):
+        if robots[node] == robots[node - 1]:
+            behind[node - 1].append(node)
+    for first, before, fraction, then, drive in outcome.precedence:
+        begun = before if fraction > 0.0 else before - 1
+        if begun >= 0:
+            behind[first_node[first] + begun].append(first_node[then] + drive)
+    waits = Counter(node for nodes in behind for node in nodes)
+    ready = [node for node in range(len(robots)) if not waits[node]]
+    for node in ready:  # the list grows in the loop
+        for later in behind[node]:
+            waits[later] -= 1
+            if not waits[later]:
+                ready.append(later)
+    return sorted({robots[node] for node, count in waits.items() if count})

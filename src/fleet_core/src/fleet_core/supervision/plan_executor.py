@@ -1,0 +1,233 @@
+"""The plan executor: asks the planner for plans, and has the edges granted that are due."""
+from __future__ import annotations
+
+from math import inf
+from typing import Dict, Mapping, NamedTuple, Optional
+
+from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision.actions import AskPlanner
+from fleet_core.supervision.assumptions import World
+from fleet_core.supervision.duties import Duty, goes_until
+from fleet_core.supervision.outbox import Outbox
+from fleet_core.supervision.plan_in_force import PlanInForce
+from fleet_core.supervision.questions import Question, question_of
+from fleet_core.supervision.release import due_edges, has_enough
+from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.switching import OrderSwitching
+
+PLANNER_PATIENCE = 10.0  # s without an answer after which the planner is asked again
+AGAIN = 2.0              # s between two plans while the plan does not serve all robots
+HOLD = 2.0               # s for which granting may be suspended while an answer is due
+HELD_UP = 5.0            # s for which a due edge may be refused before the plan counts as useless
+USELESS = 3              # number of useless plans in a row after which a person is called
+_OPEN = 3                # number of open questions whose answers are still accepted
+_PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
+_HELD_UP = '/held_up'
+
+
+class _Delay(NamedTuple):
+    """Since when a robot is refused an edge that is due, and why."""
+
+    since: float
+    refusal: Refusal
+
+
+class PlanExecutor:
+    """The plan in force, the open questions to the planner, and what each robot waits for.
+
+    `go_on` runs one step. It asks the interlocking for the edges that are due by the plan's order,
+    and asks the planner for a new plan if the present one is not useful any more.
+
+    switching -- looks for a better order while robots are late; None: the order stays
+    """
+
+    def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
+                 outbox: Outbox, switching: Optional[OrderSwitching] = None) -> None:
+        self.plan: Optional[PlanInForce] = None
+        self.waits_for: Dict[str, str] = {}
+        """What each robot waits for, in words; empty: nothing."""
+        self.trouble = ''
+        """Why the planner has not given the requested plan, in words; empty: it has."""
+        self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
+        self._switching = switching
+        self._open: Dict[int, Question] = {}
+        self._number = 0
+        self._asked_at = -inf
+        self._is_holding = False
+        """Grants during planning made the last answer useless, so the next answer is waited for."""
+        self._is_anew = False
+        self._failures = 0                     # in a row; each new question has another seed
+        self._delays: Dict[str, _Delay] = {}
+        # number of plans in a row by which a robot was held up
+        self._useless = 0
+        # serial of the mission for which each robot's route was given
+        self._missions: Dict[str, int] = {}
+
+    @property
+    def is_planning(self) -> bool:
+        """Is an answer of the planner due?"""
+        return bool(self._open)
+
+    def plan_anew(self) -> None:
+        """Asks the planner again in any case, and lets it drop the old plan."""
+        self._is_anew = True
+
+    # -- answers of the planner -------------------------------------------------------------------
+
+    def plan_made(self, number: int, outcome: Outcome, world: World) -> bool:
+        """Uses the planner's answer, even a late one, if it fits. Returns whether it was expected.
+        """
+        question = self._open.pop(number, None)
+        if question is None:
+            return False
+        fault = question.fault_of(outcome, world.network.graph)
+        if fault:
+            self._failures += 1
+            self.plan_anew()  # the plan that the planner was to keep may be the cause
+            self._tell(f'the planner sent a plan that {fault}')
+            return True
+        self._tell('')
+        plan = question.plan(outcome, world)
+        self._is_holding = plan is None
+        if plan is not None:
+            self.plan = plan
+            self._open = {later: one for later, one in self._open.items() if later > number}
+            self._failures = self._failures + 1 if plan.unserved else 0
+            self._delays.clear()
+        return True
+
+    def plan_failed(self, number: int, reason: str) -> None:
+        """The planner could not answer. The plan in force stays."""
+        if self._open.pop(number, None) is not None:
+            self._failures += 1
+            self.plan_anew()  # the plan that the planner was to keep may be the cause
+            self._tell(f'the planner found none: {reason}')
+
+    def _tell(self, trouble: str) -> None:
+        self.trouble = trouble
+        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. The planner '
+                                'is asked again until it gives one.', 'The planner answers again.')
+
+    # -- execution --------------------------------------------------------------------------------
+
+    def go_on(self, world: World, now: float) -> None:
+        """Has due edges granted, and asks for another plan if this one is not useful any more."""
+        is_useful = self._is_useful(world, now)
+        if self._switching is not None and self.plan is not None and is_useful and not self._open:
+            self.plan = self._switching.better(self.plan, world, now) or self.plan
+        if self.plan is not None and not self._is_held(now) and (
+                is_useful or self._open or self.trouble):
+            self._release(self.plan, world, is_useful, now)
+        if self._open and now - self._asked_at > PLANNER_PATIENCE:
+            self._tell('the planner does not answer')
+        self._ask(world, is_useful, now)
+
+    def _is_held(self, now: float) -> bool:
+        """Is granting suspended until the planner's answer is there?"""
+        return bool(self._open) and now - self._asked_at < HOLD and (
+            self._is_holding or bool(self._useless))
+
+    def _is_useful(self, world: World, now: float) -> bool:
+        """Is the plan in force still useful?"""
+        if self.plan is None or not self.plan.assumptions.still_useful(world):
+            return False
+        late = [name for name, delay in self._delays.items() if now - delay.since > HELD_UP]
+        if not late:
+            return True
+        self._useless += 1
+        if self._useless >= USELESS:
+            told = ', '.join(f'{name} waits for {_words(self._delays[name].refusal)}'
+                             for name in late)
+            self._outbox.note_state(_HELD_UP, f'{self._useless} plans in a row could not be '
+                                    f'carried out: {told}. Look at these robots.', '')
+        return False
+
+    def _release(self, plan: PlanInForce, world: World, is_useful: bool, now: float) -> None:
+        """Has the edges granted that are due.
+
+        If not all assumptions of the plan hold, it does so only for the robots whose assumption
+        holds.
+        """
+        records = {name: robot.record for name, robot in self._robots.items()}
+        agents = [name for name, errand in world.errands.items()
+                  if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
+        asked = plan.asked_to_move(agents, {name: record.end for name, record in records.items()})
+        for name, own in plan.plans.items():
+            robot, errand = self._robots[name], world.errands[name]
+            if not robot.works or robot.comes_to_rest or not (
+                    is_useful or plan.assumptions.holds(name, world)):
+                self._delays.pop(name, None)
+                continue
+            if has_enough(robot.record, robot.settings.release_ahead):
+                self.waits_for[name] = ''
+                self._delays.pop(name, None)
+                continue
+            until = goes_until(robot, errand, own, name in asked,
+                               plan.assumptions.robots[name].reach)
+            due = due_edges(name, plan, records, until, robot.settings.release_ahead)
+            self.waits_for[name] = due.waits_for
+            if not due.edges:
+                self._delays.pop(name, None)
+                continue
+            serial = errand.mission.serial if errand.mission is not None else 0
+            renews = bool(serial) and self._missions.get(name, serial) != serial
+            given = self._interlocking.grant(robot, due.edges, renews)
+            if given.edges:
+                self._missions[name] = serial or self._missions.get(name, 0)
+                self._outbox.robot_changed(name)
+            self._note_refusal(name, given.refusal, now)
+
+    def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:
+        if refusal is not None:
+            self.waits_for[name] = _words(refusal)
+        if refusal is None or refusal.gate not in _DELAYS:
+            if self._delays.pop(name, None) is not None or refusal is None:
+                self._useless = 0 if not self._delays else self._useless
+                if not self._delays:
+                    self._outbox.note_state(_HELD_UP, '', 'The plan is carried out again.')
+        elif name not in self._delays:
+            self._delays[name] = _Delay(now, refusal)
+
+    def _ask(self, world: World, is_useful: bool, now: float) -> None:
+        """Asks for another plan if this one does not fit the present errands."""
+        again = bool(self._failures or (self.plan and self.plan.unserved))
+        if is_useful and not self._is_anew and not (again and now - self._asked_at >= AGAIN):
+            return
+        if self._open and now - self._asked_at <= PLANNER_PATIENCE:
+            return
+        if self._failures and now - self._asked_at < AGAIN:
+            return
+        # A plan that cannot be carried out is not kept.
+        kept = None if self._useless or self._is_anew else self.plan
+        self._is_anew = False
+        question = question_of(world, kept, self._failures, now)
+        self._asked_at = now
+        self._number += 1
+        if not question.tasks:
+            self._open.clear()
+            self.plan = question.plan(Outcome({}, ()), world)
+            self._tell('')
+            return
+        self._open = {number: one for number, one in self._open.items()
+                      if number > self._number - _OPEN}
+        self._open[self._number] = question
+        self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
+                                    world.network.closed, world.network.learned,
+                                    question.assumptions.seed))
+
+
+_DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
+"""Refusals that last as long as the plan does."""
+
+
+def _words(refusal: Refusal) -> str:
+    """What a robot waits for after a refusal, in words."""
+    if refusal.gate is Gate.CLOSED_EDGE:
+        return f'edge {abs(refusal.edge)}, which is closed'
+    if refusal.gate is Gate.NOT_READY:
+        return refusal.other or 'a new location of its own'
+    if refusal.gate is Gate.UNKNOWN_ROBOT:
+        return (f'{refusal.other}, which has never reported: switch it on, or '
+                f'`fleet absent {refusal.other}`')
+    return refusal.other or refusal.gate.value

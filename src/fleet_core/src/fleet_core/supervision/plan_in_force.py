@@ -1,0 +1,78 @@
+"""The plan in force: the order in which robots use places, however late they are."""
+from __future__ import annotations
+
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
+
+from fleet_core.interlocking.route_record import RouteRecord
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision.assumptions import Assumptions
+from fleet_core.supervision.robot_plan import RobotPlan
+
+
+class _Turn(NamedTuple):
+    """`first` must have driven `fraction` of its drive number `before`."""
+
+    first: str
+    before: int
+    fraction: float
+
+
+class PlanInForce:
+    """The plans of all robots, and the order in which they use the places that they share.
+
+    Only the order counts, not the times. A robot's drive is due after each robot that the order
+    puts before it has driven far enough.
+
+    bases   -- number, in the robot's record, of the first drive of its plan
+    made_at -- the supervisor's time that is 0 in the plan's times
+    assumptions -- the conditions under which the plan is useful
+    """
+
+    def __init__(self, outcome: Outcome, bases: Mapping[str, int], made_at: float,
+                 assumptions: Assumptions) -> None:
+        self.plans: Dict[str, RobotPlan] = {
+            name: RobotPlan(drives, bases[name]) for name, drives in outcome.drives.items()}
+        self.unserved: Dict[str, str] = dict(outcome.unserved)
+        self.made_at = made_at
+        self.assumptions = assumptions
+        self._turns: Dict[Tuple[str, int], List[_Turn]] = {}
+        self._waited_for: Dict[str, List[Tuple[int, str]]] = {}
+        for first, before, fraction, then, drive in outcome.precedence:
+            self._turns.setdefault((then, drive), []).append(_Turn(first, before, fraction))
+            self._waited_for.setdefault(first, []).append((before, then))
+
+    def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
+        """Name of a robot that must drive on before this robot may begin its drive; empty: none."""
+        for turn in self._turns.get((name, drive), ()):
+            plan = self.plans.get(turn.first)
+            if plan is None:
+                return turn.first
+            number, fraction = records[turn.first].cleared
+            if (number - plan.base, fraction) < (turn.before, turn.fraction):
+                return turn.first
+        return ''
+
+    def asked_to_move(self, working: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
+        """Robots that must move because one of `working`, or another such robot, waits for them.
+
+        ends -- number behind the record of each robot: drives that are released need no request
+        """
+        moving = set(working)
+        asked: Set[str] = set()
+        grew = True
+        while grew:
+            grew = False
+            for first, waiting in self._waited_for.items():
+                plan = self.plans.get(first)
+                if plan is None or first in moving:
+                    continue
+                if any(then in moving and plan.base + before >= ends[first]
+                       for before, then in waiting):
+                    asked.add(first)
+                    moving.add(first)
+                    grew = True
+        return asked
+
+    def plan_of(self, name: str) -> Optional[RobotPlan]:
+        """The plan of one robot; None: it has none."""
+        return self.plans.get(name)

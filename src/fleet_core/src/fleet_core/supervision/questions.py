@@ -1,0 +1,116 @@
+"""Questions to the planner, and the assumptions of its answers."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Tuple
+
+from fleet_core.planning.tasks import Obstacle, Outcome, PlannedDrive, Task
+from fleet_core.supervision.assumptions import (
+    Assumption,
+    Assumptions,
+    Role,
+    World,
+    assumption_of,
+)
+from fleet_core.supervision.duties import Duty, Errand, to_visit
+from fleet_core.supervision.plan_check import fault_of
+from fleet_core.supervision.plan_in_force import PlanInForce
+from fleet_core.supervision.robot_plan import RobotPlan
+from fleet_core.supervision.robots import ManagedRobot
+from trajectory_graph import Graph
+
+_MID_EDGE = 1e-6  # the smallest fraction of an edge at which a robot counts as between its ends
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question to the planner, and the assumptions of the answer."""
+
+    tasks: Tuple[Task, ...]
+    obstacles: Tuple[Obstacle, ...]
+    assumptions: Assumptions
+    asked_at: float
+
+    def plan(self, outcome: Outcome, world: World) -> Optional[PlanInForce]:
+        """The plan in an answer; None: a robot was granted edges meanwhile that the plan lacks.
+
+        If a robot's errand has changed meanwhile, the plan still serves all other robots.
+        """
+        planned = {task.name for task in self.tasks}
+        bases = {name: known.base for name, known in self.assumptions.robots.items()
+                 if name in planned}
+        for name, base in bases.items():
+            record = world.robots[name].record
+            end = self.assumptions.robots[name].end
+            drives = outcome.drives.get(name, ())[end - base:record.end - base]
+            if tuple(d.edge for d in drives) != record.part(end, record.end):
+                return None  # it was granted other edges meanwhile, or more than the plan has
+        plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
+        return plan if self._is_in_turn(plan, world) else None
+
+    def fault_of(self, outcome: Outcome, graph: Graph) -> str:
+        """The first fault of an answer; empty: none. The planner may still be wrong in other ways.
+        """
+        return fault_of(outcome, self.tasks, graph)
+
+    def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
+        """Does the new plan's order allow all edges that were granted meanwhile?"""
+        records = {name: robot.record for name, robot in world.robots.items()}
+        return not any(plan.in_the_way(name, number - own.base, records)
+                       for name, own in plan.plans.items()
+                       for number in range(self.assumptions.robots[name].end, records[name].end))
+
+
+def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float) -> Question:
+    """The places and errands of all robots, as a question to the planner."""
+    tasks: List[Task] = []
+    obstacles: List[Obstacle] = []
+    assumed: Dict[str, Assumption] = {}
+    for name, robot in world.robots.items():
+        errand = world.errands[name]
+        assumption = assumption_of(robot, errand)
+        if assumption.role is Role.OBSTACLE:
+            vertices, edges, areas = assumption.places
+            obstacles.append(Obstacle(name, robot.type, tuple(sorted(vertices)),
+                                      tuple(sorted(edges)), tuple(areas)))
+        elif assumption.role is not Role.ABSENT:
+            own = plan.plan_of(name) if plan is not None else None
+            task, reach = _task(robot, errand, own, now)
+            tasks.append(task)
+            assumption = assumption._replace(reach=reach)
+        assumed[name] = assumption
+    return Question(tuple(tasks), tuple(obstacles),
+                    Assumptions(assumed, world.network.closed, seed), now)
+
+
+def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan],
+          now: float) -> Tuple[Task, Optional[int]]:
+    """The planner's task for a robot, and the number of its mission's destinations in that task."""
+    record, mission = robot.record, errand.mission
+    vertex: Optional[int] = None
+    mid_edge: Optional[Tuple[int, float]] = None
+    begun = 0.0
+    held, position = record.held, record.position
+    if held:
+        begun = record.cleared[1]
+    elif position is not None and position.vertex is None:
+        mid_edge = position.edge, min(max(position.fraction, _MID_EDGE), 1.0 - _MID_EDGE)
+    elif position is not None:
+        vertex = position.vertex
+    destinations: Tuple[int, ...] = ()
+    dwells: Tuple[float, ...] = ()
+    priority = 0
+    reach: Optional[int] = None
+    if errand.duty is Duty.MISSION and mission is not None:
+        destinations, dwells, reach = to_visit(robot, mission, now)
+        priority = mission.request.priority
+    elif errand.duty is Duty.CHARGE and errand.dock is not None:
+        destinations = (errand.dock,)
+    return Task(robot.name, robot.type, vertex, held, begun, mid_edge, 0.0, destinations, dwells,
+                errand.duty is Duty.CHARGE, _kept(own, record.end), priority), reach
+
+
+def _kept(own: Optional[RobotPlan], end: int) -> Optional[Tuple[PlannedDrive, ...]]:
+    if own is None or end > own.base + len(own.drives):
+        return None
+    return own.behind(end)

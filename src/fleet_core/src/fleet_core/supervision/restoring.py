@@ -1,0 +1,144 @@
+"""Restores the robots of a fleet after a restart, on a graph that may have changed."""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Dict, List, Mapping, Optional, Tuple
+
+from fleet_core.fleet import Fleet, RobotType
+from fleet_core.geometry.areas import Area, Point
+from fleet_core.interlocking.reports import GraphPosition
+from fleet_core.interlocking.route_master import Clock, Memory, RouteMaster
+from fleet_core.interlocking.route_record import RouteRecord
+from fleet_core.supervision.journal import RobotMemory
+from fleet_core.supervision.outages import Outage
+from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.settings import RobotSettings
+from trajectory_graph import Graph
+
+_STEP = 0.1  # m between two points of a curve that is kept as a line
+
+
+@dataclass(frozen=True)
+class RemovedRobot:
+    """A robot that is not in the fleet file any more. It keeps what it held."""
+
+    name: str
+    type: RobotType
+    master: RouteMaster
+
+    @property
+    def needs_person(self) -> bool:
+        """The robot is never given anything to drive."""
+        return True
+
+
+def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
+              memories: Mapping[str, RobotMemory], before: Optional[Graph],
+              now: float, clock: Clock) -> Dict[str, ManagedRobot]:
+    """All robots by name, each with its stored state.
+
+    settings -- a robot without an entry gets the defaults of RobotSettings
+    before   -- the other graph to which the stored states refer; None: they refer to this graph
+    """
+    robots: Dict[str, ManagedRobot] = {}
+    for robot in fleet.robots:
+        own = settings.get(robot.name, RobotSettings())
+        managed = ManagedRobot(robot.name, robot.type, own, RouteMaster(
+            RouteRecord(graph, robot.type, own.slack), clock))
+        memory = memories.get(robot.name)
+        if memory is not None:
+            _restore(managed, memory, graph, before, now)
+        else:  # a journal that was lost does not know its numbers
+            managed.master.restore(Memory(), now)
+        if robot.absent and managed.outage is not Outage.ABSENT:
+            managed.declare_absent(now)
+        robots[robot.name] = managed
+    return robots
+
+
+def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
+               before: Optional[Graph], now: float,
+               clock: Clock) -> Dict[str, RemovedRobot]:
+    """Robots that are stored, but are not in the fleet file any more."""
+    names = {robot.name for robot in fleet.robots}
+    removed: Dict[str, RemovedRobot] = {}
+    for name, memory in memories.items():
+        if name not in names and memory.kind is not None and not memory.master.is_absent:
+            master = RouteMaster(RouteRecord(graph, memory.kind), clock)
+            # It has no topics here any more, so that not even a stop can be sent to it.
+            kept, areas = on_graph(memory.master, graph, before)
+            master.restore(kept, now)
+            master.lose(areas)
+            master.drop_stops()
+            removed[name] = RemovedRobot(name, memory.kind, master)
+    return removed
+
+
+def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Optional[Graph],
+             now: float) -> None:
+    kept, areas = on_graph(memory.master, graph, before)
+    robot.master.restore(kept, now)
+    robot.master.lose(areas)
+    outage = memory.outage
+    if outage is not None and (outage.needs_person or outage is Outage.ABSENT):
+        robot.outage, robot.why = outage, memory.why
+    robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
+    robot.dock = memory.dock
+    if memory.charge is not None:
+        robot.battery.charge = memory.charge
+
+
+def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Memory, List[Area]]:
+    """The part of the stored state that is valid on a graph, and areas for the other part.
+
+    A robot may follow an order over an edge that the graph does not have: it is to be stopped.
+
+    before -- the other graph to which the memory refers; None: it refers to this graph
+    """
+    if before is None:
+        return memory, []
+    protocol = memory.protocol
+    kept = {step: _is_kept(abs(step.edge), graph, before) for step in protocol.may_be_on}
+    number, fraction = memory.cleared
+    areas = [Area(_line(before, step.edge, fraction if step.number == number else 0.0))
+             for step, is_kept in kept.items()
+             if not is_kept and step.number >= number and abs(step.edge) in before.edges]
+    orders = tuple(order for order in protocol.open
+                   if all(kept[step] for step in order.steps(protocol.done)))
+    held = [step for order in protocol.open if order not in orders
+            for step in order.steps(protocol.done)]
+    position = memory.position
+    if position is not None and not _is_there(position, graph, before):
+        if position.is_on(before) and not protocol.may_drive:
+            areas.append(Area((position.point(before),)))
+        position = None
+    return memory._replace(position=position, protocol=replace(
+        protocol, open=orders, behind=tuple(step for step in protocol.behind if kept[step]),
+        held=tuple(step for step in dict.fromkeys((*protocol.held, *held)) if kept[step]),
+    )), areas
+
+
+def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
+    """Is the curve of an edge the same in both graphs?
+
+    A robot may drive a route of another giver over an edge that the graph before did not have.
+    """
+    if not (edge in graph.edges and edge in before.edges):
+        return False
+    ends = [(one.edge(edge).curve_type, one.edge(edge).param_f, one.edge(edge).param_b, *(
+        (vertex.position, vertex.theta)
+        for vertex in (one.start_vertex(edge), one.end_vertex(edge)))) for one in (graph, before)]
+    return ends[0] == ends[1]
+
+
+def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
+    return position.is_on(graph) and position.point(graph) == position.point(before)
+
+
+def _line(graph: Graph, edge: int, begin: float) -> Tuple[Point, ...]:
+    """The curve of a signed edge from a fraction of it on."""
+    curve = graph.curve(edge)
+    first, rest = begin * curve.length, (1.0 - begin) * curve.length
+    steps = max(int(rest / _STEP), 1)
+    points = (curve.point_at(first + rest * k / steps) for k in range(steps + 1))
+    return tuple((float(x), float(y)) for x, y in points)

@@ -1,0 +1,570 @@
+"""The supervisor: takes missions and reports, and returns routes and statuses.
+
+It uses neither ROS, nor a planner, nor a clock. Each event comes with its time (s, monotonic), and
+each answer is a list of actions. The state that must survive a restart is on the disk before the
+answer is returned. While the disk cannot be written, only stops and shorter routes are returned.
+"""
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+
+from fleet_core.fleet import Fleet
+from fleet_core.interlocking.conformance import Conformance
+from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
+from fleet_core.interlocking.reports import (
+    Report,
+    check_report,
+    old_location,
+)
+from fleet_core.interlocking.stop_gate import StopGate
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision import mission_commands, mission_progress
+from fleet_core.supervision.actions import Action, TellStatus
+from fleet_core.supervision.assumptions import World
+from fleet_core.supervision.charging import ChargeQueue
+from fleet_core.supervision.duties import Errand, errand_of
+from fleet_core.supervision.journal import STOPPED, Journal
+from fleet_core.supervision.journal_database import JournalUnavailable
+from fleet_core.supervision.liveness import SILENCE
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import (
+    Acceptance,
+    Change,
+    Command,
+    Mission,
+    MissionState,
+    Request,
+    RequestRefused,
+    Status,
+)
+from fleet_core.supervision.networks import Networks
+from fleet_core.supervision.outage_watch import OutageWatch
+from fleet_core.supervision.outages import Outage, Sign
+from fleet_core.supervision.outbox import Outbox
+from fleet_core.supervision.plan_executor import PlanExecutor
+from fleet_core.supervision.restoring import (
+    RemovedRobot,
+    removed_of,
+    robots_of,
+)
+from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
+from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.switching import OrderSwitching
+from fleet_core.supervision.waiting_missions import WaitingMissions
+from route_protocol.messages import WrongReport
+from route_protocol.values import EpochCause
+from trajectory_graph import Graph
+from trajectory_graph.id_lists import listed
+
+
+class Supervisor:
+    """All robots and missions of one fleet.
+
+    Each public method handles one event (a request, a report, a command, a tick) and returns the
+    actions to be carried out. It passes the event to the module that is in charge:
+
+    - `book` keeps the missions, and `charging` gives docks to robots.
+    - `plan_executor` asks the planner, and requests grants by the plan's order.
+    - `interlocking` grants edges, and lets orders out.
+
+    settings -- of robots by name; a robot without an entry gets the defaults of RobotSettings
+    rate     -- the factor by which simulated robots are faster than the clock
+    switching -- looks for a better order while robots are late; None: the order stays
+    conformance -- checks each event against the model of allocations; None: nothing does
+    """
+
+    def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
+                 journal: Journal, now: float, rate: float = 1.0,
+                 gate: Optional[StopGate] = None,
+                 switching: Optional[OrderSwitching] = None,
+                 conformance: Optional[Conformance] = None) -> None:
+        self.gate = gate or StopGate()
+        self.networks = Networks(graph, fleet, rate)
+        memories, stored = journal.robots(), journal.graph()
+        is_same = graph.is_same(stored)
+        before = None if is_same else stored
+        self.robots = robots_of(fleet, settings, graph, memories, before, now,
+                                journal.milliseconds)
+        self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now,
+                                                           journal.milliseconds)
+        """Robots that are not in the fleet file any more, but may be on the site."""
+        self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
+        """The data by which requests are checked."""
+        self.charging = ChargeQueue(self.robots)
+        self.book = MissionBook(
+            journal.missions(), journal.last_serial() + 1,
+            {serial: now - seconds for serial, seconds in journal.stays().items()})
+        self._journal = journal
+        self._began = self._heard = now
+        self._is_starting = True
+        # after the loss of the journal: nothing is granted until all robots stand
+        self._is_recovering = False
+        self._waiting = WaitingMissions(self.book, self.robots)
+        self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
+        self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
+                                         self._everywhere, conformance)
+        self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
+        self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
+                                          switching)
+        self.interlocking.stored(self._everywhere)
+        self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
+        self._run = RunNumber(journal)
+        if self._run.is_wrong:
+            self._doubt_journal('it is not the one that the last run has left')
+        else:
+            journal.store(values={RUN_NUMBER: self._run.draw()})
+        self._outages = OutageWatch(self.book, self.robots, self._out)
+        if journal.value(STOPPED):
+            self._close_gate()
+            self._halt(robot for robot in self.robots.values() if not robot.is_halted)
+        if not is_same:
+            self._keep_graph(graph)
+        for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
+            self.book.set(mission, MissionState.FAILED, why)
+
+    @property
+    def network(self) -> RoadNetwork:
+        """The graph without closed edges, with learned times."""
+        return self.networks.network
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing can be stored, as a clause; empty: it can be stored.
+
+        While it lasts, no mission is accepted, and no robot gets anything new to drive.
+        """
+        return self._out.trouble
+
+    @property
+    def look_at(self) -> Optional[float]:
+        """Time of the next `tick`, perhaps earlier than usual; None: as usual.
+
+        That tick stores all changes by reports, with all their effects, in one commit.
+        """
+        return self._out.due
+
+    @property
+    def is_stopped(self) -> bool:
+        """Must each robot stand until the fleet is resumed?"""
+        return self.interlocking.is_stopped
+
+    # -- missions ---------------------------------------------------------------------------------
+
+    def request(self, request: Request, now: float) -> List[Action]:
+        """Accepts, refuses or repeats. An accepted mission is stored before it is confirmed."""
+        return self.requests((request,), now)
+
+    def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
+        """The same for several requests, with one commit of the journal."""
+        acceptance = replace(self.acceptance, places={
+            robot.name: vertex for robot in self.robots.values()
+            for vertex in [robot.record.some_vertex] if vertex is not None})
+        accepted: List[Tuple[Mission, Optional[Mission]]] = []
+        for request in requests:
+            before = self.book.find(request.id)
+            try:
+                mission = self._accept(request, before, acceptance)
+            except RequestRefused as refusal:
+                self._refuse(request, str(refusal))
+            except JournalUnavailable as unavailable:
+                self._refuse(request, unavailable.reason)
+            else:
+                if mission is not None:
+                    accepted.append((mission, before))
+        actions = self._actions(now)
+        if not (accepted and self.trouble):
+            return actions
+        for mission, before in accepted:
+            self.book.withdraw(mission, before)
+            self._refuse(mission.request, self.trouble)
+        return [*actions, *self._out.take(now)]
+
+    def _accept(self, request: Request, before: Optional[Mission],
+                acceptance: Acceptance) -> Optional[Mission]:
+        """Accepts a request. None: it is a repeat, and its status is published again.
+
+        before -- the last mission with its id
+        """
+        if request.stamp and (before is None or before.request.identity != request.identity):
+            ended = self._journal.find(request)
+            if ended is not None:  # the request was latched, or on its way for a long time
+                self._out.put(TellStatus(ended.status))
+                return None
+        mission = self.book.add(request, acceptance)
+        if mission is not None and request.requested_by:
+            self._out.note(f'{request.requested_by} requests mission {request.id} to '
+                           f'{listed(request.destinations)}.')
+        if mission is None and before is not None and before.serial not in self.book.changed:
+            self._out.put(TellStatus(before.status))
+        return mission
+
+    def _refuse(self, request: Request, reason: str) -> None:
+        self._out.put(TellStatus(mission_commands.refused(request, reason)))
+
+    def stored_status(self, request_id: int, stamp: float) -> Optional[Status]:
+        """The stored status of a mission (stamp 0: the last with this id); None: none is stored.
+
+        A stored status is never taken back. Raises JournalUnavailable.
+        """
+        return self._journal.status(request_id, stamp)
+
+    def command(self, request_id: int, command: Command, now: float,
+                change: Optional[Change] = None, requested_by: str = '') -> List[Action]:
+        """Cancels, pauses, resumes, ends a dwell, or modifies (by `change`) a mission."""
+        if requested_by:
+            self._out.note(f'{requested_by} requests {command.name} of mission {request_id}.')
+        mission = self.book.find(request_id)
+        if mission is None or not mission.state.is_open:
+            self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
+            return self._actions(now)
+        before = mission.stored or mission.status
+        if self.trouble and command in (Command.RESUME, Command.RELEASE, Command.MODIFY):
+            self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
+            return self._actions(now)
+        if change is None:
+            problem = mission_commands.carry_out(command, mission, self.book, self.robots,
+                                                 requested_by)
+        else:
+            refusal = mission_commands.modify(mission, change, self.book, self.acceptance,
+                                              self.robots)
+            problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
+            if refusal:
+                self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
+        if mission.serial in self.book.changed:
+            mission.changed_by = requested_by
+        if problem:
+            self._out.note(problem, change is not None)
+        if mission.robot:
+            self._out.robot_changed(mission.robot)
+        self._go_on(now)
+        actions = self._actions(now)
+        if self.trouble:
+            told = mission_commands.not_stored(before, command, self.trouble)
+            actions.append(TellStatus(told))
+        return actions
+
+    # -- robots -----------------------------------------------------------------------------------
+
+    def report(self, name: str, report: Report, now: float,
+               arrived: Optional[float] = None) -> List[Action]:
+        """Handles a robot's report of place and route. `arrived`: when the report came."""
+        robot, arrived = self.robots[name], now if arrived is None else arrived
+        before = robot.master.progress
+        try:
+            check_report(report, self.network.graph)
+            self._out.note_state(f'{name}/age', old_location(name, report),
+                                 f'The locations of {name} are new again.')
+            heard = robot.hear(report, arrived)
+        except WrongReport as wrong:
+            self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
+            return self._actions(now)
+        self._out.note_state(name, '', f'The reports of {name} make sense again.')
+        if heard.news.refused:  # during an emergency stop each attempt is refused
+            self._out.note_state(f'{name}/refusal',
+                                 f'{name} refused an order: {heard.news.refused}.', '')
+        if heard.news.is_older:
+            self._doubt_orders(robot, report)
+        elif heard.cause is EpochCause.STOP:
+            self._stop_as_well(robot)
+        beginning = robot.other_beginning()
+        if beginning is not None and self.interlocking.is_free(robot, beginning):
+            robot.master.begin_at(beginning)
+        if robot.needs_person and robot.master.protocol.ahead and not robot.master.is_stopping:
+            robot.master.halt()  # an order that is on its way must not let it drive
+            self._out.send()
+        self.networks.learn(robot, arrived)
+        if before != robot.master.progress:
+            self._out.robot_changed(name)
+            mission_progress.follow(self.book, robot, now)
+        self._separate()
+        self._outages.look_at(robot)
+        return self._checked(self._out.take_unless_due_later(now), now)
+
+    def _stop_as_well(self, robot: ManagedRobot) -> None:
+        """Stops the fleet because a robot got a stop that bypassed the supervisor."""
+        if self.is_stopped:
+            return
+        self._out.note(f'{robot.name} was stopped by a command that bypassed the fleet manager. '
+                       'The whole fleet is stopped until you resume it.', True)
+        self._stop()
+
+    def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
+        """A robot shows an order that the journal does not have: the journal is an older one."""
+        why = f'{robot.name} reports order {report.said.order}, which the journal does not know'
+        self._doubt_journal(why, robot.name)
+        if not self.is_stopped:
+            self._out.note(f'{why}: the journal was lost, or an older one was restored. All robots '
+                           'are stopped, and go on when all stand.', True)
+            self._is_recovering = True
+            self._halt(self.robots.values())
+            self._out.send()
+
+    def _doubt_journal(self, why: str, reporting: str = '') -> None:
+        """Counts the place of each robot as unknown until it has stopped once.
+
+        The run number stays wrong until all places are known, so that a restart doubts, too.
+
+        why       -- the reason as a clause
+        reporting -- the robot whose report is just being handled
+        """
+        doubted = [name for name in self._everywhere
+                   if name != reporting and name not in self._declared_absent]
+        for name in doubted:
+            self._everywhere[name].master.doubt()
+        self._run.is_wrong = True
+        self._out.value_changed(RUN_NUMBER, 0)
+        if doubted:
+            self._out.note(f'The journal is an old one: {why}. Nothing is granted until '
+                           f'{", ".join(doubted)} stand and have obeyed a stop, or are declared '
+                           'absent.', True)
+
+    def _believe_journal(self) -> None:
+        """Draws a new run number when the places of all robots are known again."""
+        if self._run.is_wrong and not self.trouble and not any(
+                robot.master.protocol.unknown for robot in self._everywhere.values()):
+            with suppress(JournalUnavailable):  # it is tried again
+                self._out.value_changed(RUN_NUMBER, self._run.draw())
+
+    def _separate(self) -> None:
+        """Lets the interlocking stop robots that exclude each other. They need a person then."""
+        for name in self.interlocking.separate(self._is_starting):
+            robot = self.robots[name]
+            robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
+            self._out.robot_changed(name)
+            self._outages.look_at(robot)
+            self._out.send()
+
+    def _too_near(self, subject: str, robot: ManagedRobot) -> str:
+        """A clause that names all robots to which this one is too near; empty: there is none."""
+        near = ' and '.join(self.interlocking.excluding(robot.name))
+        return near and f'{subject} is too near to {near}: move one of them by hand'
+
+    def _actions(self, now: float) -> List[Action]:
+        """All actions that follow an event. Robots that exclude each other now are stopped."""
+        self._separate()
+        return self._checked(self._out.take(now), now)
+
+    def _checked(self, actions: List[Action], now: float) -> List[Action]:
+        """Stops the fleet if the event did what the model of allocations does not allow."""
+        violations = self.interlocking.violations()
+        if not violations:
+            return actions
+        for violation in violations:
+            self._out.note(f'An error of the fleet manager: {violation}. The whole fleet is '
+                           'stopped. Please report it, with this log and the journal.', True)
+        if not self.is_stopped:
+            self._stop()
+        return [*actions, *self._out.take(now)]
+
+    def battery(self, name: str, charge: float, now: float) -> List[Action]:
+        """Handles a report of the state of charge, 0..1."""
+        self.robots[name].battery.tell(charge, now)
+        return self._out.take_unless_due_later(now)
+
+    # -- commands of people -----------------------------------------------------------------------
+
+    def take_out(self, name: str, now: float) -> List[Action]:
+        """Takes a robot out of service. It stops where it is."""
+        robot = self.robots[name]
+        robot.master.halt()
+        robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
+        self._out.robot_changed(name)
+        self._outages.look()
+        self._go_on(now)
+        return self._actions(now)
+
+    def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
+        """Puts a robot back into service where it is. Also returns why not; empty: done."""
+        robot = self.robots[name]
+        if self.is_stopped:
+            return 'the fleet is stopped: resume it first', self._actions(now)
+        # Without the disk, a restart would restore its old place, not the one where it stands.
+        problem = self.trouble or robot.not_back_yet(now)
+        if not problem and not robot.works and robot.master.protocol.unknown:
+            problem = self._stop_first(robot)
+        if not problem and not robot.works:
+            problem = robot.come_back() or self._still_too_near(robot)
+            self._out.robot_changed(name)
+            self._outages.look()
+            self._go_on(now)
+        return problem, self._actions(now)
+
+    def _stop_first(self, robot: ManagedRobot) -> str:
+        robot.master.halt()
+        self._out.robot_changed(robot.name)
+        self._out.send()
+        return (f'{robot.name} is told to stop first, because an old order may still reach it: try '
+                'again in a moment')
+
+    def _still_too_near(self, robot: ManagedRobot) -> str:
+        problem = self._too_near(robot.name, robot)
+        if problem:
+            robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
+        return problem
+
+    def declare_absent(self, name: str, now: float) -> Tuple[str, List[Action]]:
+        """A person says that a robot is not on the site. Also returns why not; empty: done."""
+        problem = ''
+        if name in self.robots:
+            problem = self.robots[name].declare_absent(now)
+        elif self.removed.pop(name, None) is not None:
+            del self._everywhere[name]
+            self.interlocking.forget(name)
+        if not problem:
+            self._out.robot_changed(name)
+            self._outages.look()
+            self._go_on(now)
+        return problem, self._actions(now)
+
+    @property
+    def unknown(self) -> List[str]:
+        """Robots whose place is unknown. While there is one, nothing is granted."""
+        return self.interlocking.unknown_robots
+
+    def stop_fleet(self, now: float) -> List[Action]:
+        """Sends an empty route to each robot at once, with or without a planner."""
+        self._stop()
+        return self._actions(now)
+
+    def _stop(self) -> None:
+        self._close_gate()
+        self._out.value_changed(STOPPED, 1)
+        self._halt(self.robots.values())
+        self._out.send()
+
+    def _close_gate(self) -> None:
+        self.interlocking.is_stopped = True
+        if not self.gate.is_closed:
+            self.gate.close()
+
+    def _halt(self, robots: Iterable[ManagedRobot]) -> None:
+        for robot in robots:
+            robot.master.halt()
+            robot.is_halted = True
+            self._out.robot_changed(robot.name)
+
+    def resume_fleet(self, now: float,
+                     ticket: Optional[int] = None) -> Tuple[str, List[Action]]:
+        """Lets each robot go on from where it is. Also returns why not; empty: done.
+
+        A robot that has not obeyed the stop yet goes on after it has. `who_goes_on` names
+        the robots that stay.
+
+        ticket -- the gate's ticket at the person's command; a later stop has precedence
+        """
+        if not self.gate.open(self.gate.ticket if ticket is None else ticket):
+            return 'the fleet was stopped again meanwhile', self._actions(now)
+        self.interlocking.is_stopped = False
+        self._out.value_changed(STOPPED, 0)
+        self._go_on(now)
+        return '', self._actions(now)
+
+    @property
+    def who_goes_on(self) -> str:
+        """After `resume_fleet`: which robots go on, and why others stay, as a sentence."""
+        staying = [f'{robot.name}: {robot.why or robot.outage.value}'
+                   for robot in self.robots.values()
+                   if robot.outage is not None and robot.outage is not Outage.ABSENT]
+        if self.trouble:
+            told = ('The stop is released, but robots go on only after this is stored: '
+                    + self.trouble)
+        elif self.unknown:
+            told = (f'The stop is released, but no robot goes on before {", ".join(self.unknown)} '
+                    'report where they are and stand, or are declared absent')
+        elif staying and len(staying) == len(self.robots):
+            told = f'The stop is released, but no robot goes on: {"; ".join(staying)}'
+        else:
+            told = 'The fleet goes on' + (f', except {"; ".join(staying)}' if staying else '')
+        return f'{told}.'
+
+    # -- the graph and the plan -------------------------------------------------------------------
+
+    def close_edges(self, edges: Iterable[int], now: float) -> List[Action]:
+        """Sets the closed edges. Edges that are granted already are driven to their end."""
+        if self.networks.close(edges):
+            self.interlocking.closed = self.network.closed
+            self._go_on(now)
+        return self._actions(now)
+
+    def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
+        """Handles the planner's answer. An answer that does not fit any more is ignored."""
+        if self.plan_executor.plan_made(number, outcome, self._world()):
+            self._go_on(now)
+        return self._actions(now)
+
+    def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
+        """The planner could not answer. The plan in force stays."""
+        self.plan_executor.plan_failed(number, reason)
+        return self._actions(now)
+
+    def _keep_graph(self, graph: Graph) -> None:
+        """Stores robots' data for this graph from now on. Former holds are kept as areas."""
+        self._out.graph_changed(graph)
+        for name in self._everywhere:
+            self._out.robot_changed(name)
+
+    # -- time -------------------------------------------------------------------------------------
+
+    def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
+        """Does what time requires. It is to be called ten to twenty times a second.
+
+        heard -- time until which all arrived reports were handled; silence is judged by it
+        """
+        self._heard = now if heard is None else heard
+        self._go_on(now)
+        return self._actions(now)
+
+    def errands(self) -> Dict[str, Errand]:
+        """The errand of each robot."""
+        missions = self.book.serving
+        return {name: errand_of(missions.get(name), robot.dock)
+                for name, robot in self.robots.items()}
+
+    def _world(self) -> World:
+        return World(self.robots, self.errands(), self.network)
+
+    def _go_on(self, now: float) -> None:
+        for robot in self.robots.values():
+            robot.look(now, self._heard)
+            mission_progress.follow(self.book, robot, now)
+            if not self.is_stopped and robot.goes_on(now):
+                self._out.robot_changed(robot.name)
+            if robot.master.needs_stop and robot.liveness.stands:
+                robot.master.halt()  # it does not count the orders of this fleet manager yet
+                self._out.robot_changed(robot.name)
+                self._out.send()
+        self._shorten()
+        self._outages.look()
+        self._believe_journal()
+        self._out.send()
+        if self._is_starting:
+            self._is_starting = (self._heard - self._began < SILENCE and not all(
+                robot.liveness.is_seen or robot.outage is Outage.ABSENT
+                for robot in self.robots.values()))
+        if self.is_stopped:
+            self._waiting.hold('the fleet is stopped')
+        self._is_recovering &= any(robot.is_halted and robot.outage is None
+                                   for robot in self.robots.values())
+        if self._is_starting or self._is_recovering or self.is_stopped or self.trouble:
+            return
+        busy = set(self.book.serving)
+        for name in self.charging.update(busy, self._waiting.short, self.network, now):
+            self._out.robot_changed(name)
+        for name in self._waiting.assign(self.acceptance, self.networks, now):
+            mission_progress.follow(self.book, self.robots[name], now)
+        self.plan_executor.go_on(self._world(), now)
+
+    def _shorten(self) -> None:
+        """Shortens the route of each robot that must come to rest to the end of its edge."""
+        if self.is_stopped:
+            return
+        for name, robot in self.robots.items():
+            if not robot.comes_to_rest or not (robot.works or robot.master.order):
+                continue  # an order that the robot has not received must not reach it unchanged
+            if not robot.master.shorten():
+                robot.comes_to_rest = False
+            self._out.robot_changed(name)

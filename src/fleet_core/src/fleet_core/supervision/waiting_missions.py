@@ -1,0 +1,82 @@
+"""Assigns waiting missions to free robots."""
+from __future__ import annotations
+
+from math import inf
+from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
+
+from fleet_core.supervision.assignment import assign
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import Acceptance, Mission, MissionState
+from fleet_core.supervision.networks import Networks
+from fleet_core.supervision.pending_missions import FIRST, Key, key_of
+from fleet_core.supervision.robots import ManagedRobot
+
+AGAIN = 1.0   # s after which waiting missions are examined although no robot became free
+AT_ONCE = 50  # number of missions that are examined beside those that robots could serve now
+
+
+class WaitingMissions:
+    """Gives each waiting mission a robot, or says why it has none.
+
+    At a time it examines as many missions as free robots could serve, and some more, in turn, to
+    find out what they wait for. So a mission for which no free robot is suitable does not keep the
+    others from a robot.
+    """
+
+    def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot]) -> None:
+        self._book = book
+        self._robots = robots
+        self._short: Dict[int, str] = {}
+        self._question: Optional[Tuple[object, ...]] = None
+        self._looked = -inf
+        self._left = 0  # number of missions that are still to be examined, in turn
+        self._last: Key = FIRST  # key of the last one examined
+
+    @property
+    def short(self) -> FrozenSet[str]:
+        """Robots that must charge before a mission that waits for them."""
+        return frozenset(self._short.values())
+
+    def hold(self, reason: str) -> None:
+        """Gives no mission to a robot now, and notes the reason."""
+        self._question = None
+        for mission in self._next():
+            self._book.set(mission, MissionState.PENDING, reason)
+
+    def assign(self, acceptance: Acceptance, networks: Networks, now: float) -> List[str]:
+        """Assigns waiting missions. Returns the robots that got one."""
+        pending, busy = self._book.pending, self._book.serving
+        if not pending:
+            self._short = {}
+            return []
+        free = {name: robot for name, robot in self._robots.items()
+                if robot.works and name not in busy and robot.is_charged
+                and (robot.record.held or robot.record.position is not None)}
+        question = (pending.changes, *free)
+        if question != self._question or now - self._looked >= AGAIN:
+            self._question, self._looked, self._left = question, now, len(pending)
+        elif not self._left:
+            return []
+        missions = {mission.serial: mission for mission in (
+            *pending.first({name: robot.type.name for name, robot in free.items()}),
+            *self._next())}
+        found = assign(list(missions.values()), free, self._robots, acceptance, networks, now)
+        for mission, name in found.assigned:
+            self._book.set(mission, MissionState.ACTIVE, '', name)
+        for serial, reason in found.waiting.items():
+            self._book.set(missions[serial], MissionState.PENDING, reason)
+        self._short = {serial: name for serial, name in {**self._short, **found.short}.items()
+                       if self._is_short(serial, missions, found.short)}
+        return [name for _, name in found.assigned]
+
+    def _next(self) -> List[Mission]:
+        missions = self._book.pending.behind(self._last, AT_ONCE)
+        if missions:
+            self._last = key_of(missions[-1])
+        self._left = max(self._left - len(missions), 0)
+        return missions
+
+    def _is_short(self, serial: int, looked_at: Mapping[int, Mission],
+                  short: Mapping[int, str]) -> bool:
+        """Does a mission still wait for a robot to be charged?"""
+        return serial in short if serial in looked_at else self._book.is_pending(serial)

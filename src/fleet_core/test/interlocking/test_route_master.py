@@ -1,0 +1,69 @@
+"""Sequences of one robot that the model of a yard has found."""
+from __future__ import annotations
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from fleet_core.interlocking.allocation import Knowledge
+from fleet_core.interlocking.reports import Report
+from fleet_core.interlocking.route_master import RouteMaster
+from fleet_core.interlocking.route_record import RouteRecord
+from route_protocol.values import EdgeState, Location, Motion, RouteReport, SymbolicPose
+
+GRAPH = corridor(4)
+C, P = EdgeState.COMPLETE, EdgeState.PROCESSING
+
+
+def master() -> RouteMaster:
+    """The master of a robot that has not reported yet. Its orders have the numbers from 1 on."""
+    return RouteMaster(RouteRecord(GRAPH, AGV), int)
+
+
+def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), order=0, age=0.0):
+    """A report of a robot in its first epoch."""
+    curve = GRAPH.curve(edge)
+    x, y = curve.point_at(percentage / 100.0 * curve.length)
+    return Report(RouteReport(
+        0, 0, edges, states, SymbolicPose(edge, percentage), location=Location(x, y, 0.0), epoch=1,
+        master='path_supervisor', order=order, first=1 if order else 0,
+        motion=motion, number=number), age)
+
+
+@pytest.mark.parametrize('age', [0.0, 3.0])
+def test_after_a_restart_a_robot_that_has_driven_there_and_back_holds_no_more_than_before(age):
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1, -1))
+    robot.hear(told(2, -1, 0.0, Motion.ON_ROUTE, (C, P), (1, -1), 1, age))
+    robot.hear(told(3, -1, 100.0, Motion.STANDING, (C, C), (1, -1), 1))
+    restored = master()
+    restored.restore(robot.memory)
+    assert robot.allocation == restored.allocation
+
+
+def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_obeys_a_newer_stop():
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.doubt()
+    robot.hear(told(2, 1, 0.0))
+    assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
+    robot.halt()
+    assert robot.order is not None
+    robot.hear(told(3, 1, 0.0, order=robot.order.number))
+    assert robot.allocation.knowledge is Knowledge.KNOWN
+
+
+@pytest.mark.parametrize('take_back', [RouteMaster.halt, RouteMaster.shorten])
+def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_sent_is_taken_back(
+        take_back):
+    """The journal could not be written, so the longer route waited (lives 61151)."""
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1, 2))
+    robot.due(0.0)
+    robot.hear(told(2, 1, 50.0, Motion.ON_ROUTE, (P, P), (1, 2), 1))
+    robot.extend((3,))
+    lost = (EdgeState.FAILED,) * 2
+    robot.hear(told(3, 1, 60.0, Motion.COMING_TO_REST, lost, (1, 2), 1))
+    take_back(robot)
+    assert {hold.edge for hold in robot.allocation.holds} == {1, 2}

@@ -1,0 +1,142 @@
+"""The planner as a service: its answer depends only on the request."""
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+from fleet_builders import AGV, corridor, graph_of
+
+from fleet_core.fleet import Fleet, RobotType
+from fleet_core.geometry.areas import Area
+from fleet_core.plan_requests import PlanRequest
+from fleet_core.plan_service import PlanService
+from fleet_core.planning import planner as planner_module
+from fleet_core.planning.tasks import CannotPlan, Obstacle, Task
+from fleet_core.planning.tea_star import TeaStar
+
+TRUCK = RobotType('truck', 0.6, 1.0)
+
+
+def square():
+    """Vertices 1 to 4 on a square of 4 m; edge 1 from 1 to 2, edges 2, 3, 4 the other way round."""
+    return graph_of({1: (0, 0), 2: (4, 0), 3: (4, 4), 4: (0, 4)},
+                    {1: (1, 2), 2: (1, 4), 3: (4, 3), 4: (3, 2)})
+
+
+def service(graph):
+    return PlanService(graph, Fleet((AGV, TRUCK), (), 0.1))
+
+
+def edges(outcome, robot):
+    return [drive.edge for drive in outcome.drives[robot]]
+
+
+def test_a_closed_edge_is_driven_round_and_open_again_used():
+    planner = service(square())
+    task = Task('r', AGV, 1, destinations=(2,), stays=True)
+    paths = [edges(planner.answer(PlanRequest((task,), closed=frozenset(closed))), 'r')
+             for closed in ((), (1,), ())]
+    assert paths == [[1], [2, 3, 4], [1]]
+
+
+def test_learned_times_replace_those_of_the_graph():
+    planner = service(square())
+    request = PlanRequest((Task('r', AGV, 1, destinations=(2,), stays=True),),
+                          edge_times={('agv', 1): 20.0})
+    assert edges(planner.answer(request), 'r') == [2, 3, 4]
+    slow_truck = PlanRequest(request.tasks, edge_times={('truck', 1): 20.0})
+    assert edges(planner.answer(slow_truck), 'r') == [1], 'the times of another type must not count'
+
+
+def test_robots_are_parked_where_the_request_says():
+    planner = service(square())
+    task = Task('r', AGV, 1, destinations=(2,))
+    ends = []
+    for parking in ((3,), (1,)):
+        last = planner.answer(PlanRequest((task,), parking=frozenset(parking))).drives['r'][-1]
+        ends.append(planner.graph.end_vertex(last.edge).id)
+    assert ends == [3, 1]
+
+
+def test_an_obstacle_is_passed_by_and_named_where_it_cannot_be():
+    planner = service(square())
+    task = Task('r', AGV, 1, destinations=(3,), stays=True)
+    out = Obstacle('dead', TRUCK, vertices=(2,))
+    assert edges(planner.answer(PlanRequest((task,), (out,))), 'r') == [2, 3]
+    both = PlanRequest((task,), (Obstacle('dead', TRUCK, vertices=(2,), edges=(3,)),))
+    assert 'dead, which cannot move' in planner.answer(both).unserved['r']
+
+
+def test_an_obstacle_blocks_what_is_near_its_areas():
+    planner = service(square())
+    task = Task('r', AGV, 1, destinations=(3,), stays=True)
+    beside = Obstacle('dead', TRUCK, areas=(Area(((4.0, -0.5), (4.5, -0.5)), 0.1),))
+    far = Obstacle('dead', TRUCK, areas=(Area(((9.0, -5.0),), 0.1),))
+    assert edges(planner.answer(PlanRequest((task,), (beside,))), 'r') == [2, 3]
+    near_by = Task('r', AGV, 1, destinations=(2,), stays=True)
+    assert edges(planner.answer(PlanRequest((near_by,), (far,))), 'r') == [1]
+    assert 'dead' in planner.answer(PlanRequest((near_by,), (beside,))).unserved['r']
+
+
+def test_the_answer_does_not_depend_on_what_was_asked_before():
+    request = PlanRequest((Task('a', AGV, 1, destinations=(5,), stays=True),
+                           Task('b', AGV, 5, destinations=(1,), stays=True)), closed=frozenset())
+    fresh = service(corridor(5, siding_at=3)).answer(request)
+    used = service(corridor(5, siding_at=3))
+    for closed in range(1, 5):
+        used.answer(PlanRequest(request.tasks[:1], closed=frozenset((closed,))))
+    assert used.answer(request) == fresh
+    assert not fresh.unserved, 'they must swap places through the siding'
+
+
+@pytest.mark.parametrize('seed, used', [(0, 5), (7, 7)])
+def test_the_seed_is_that_of_the_request_and_without_one_the_services_own(
+        monkeypatch, seed, used):
+    seeds = []
+    monkeypatch.setattr(planner_module, 'Random', lambda seed: seeds.append(seed) or Random(seed))
+    planner = PlanService(square(), Fleet((AGV,), (), 0.1), seed=5)
+    planner.answer(PlanRequest((Task('r', AGV, 1, destinations=(3,), stays=True),), seed=seed))
+    assert seeds == [used]
+
+
+def test_robots_are_planned_in_another_order_with_another_seed(monkeypatch):
+    orders = []
+    plan = TeaStar.plan
+    monkeypatch.setattr(TeaStar, 'plan', lambda self, agents, *limits: (
+        orders.append([agent.name for agent in agents]) or plan(self, agents, *limits)))
+    planner = service(square())
+    for seed in (0, 0, *range(1, 9)):
+        planner.answer(PlanRequest(tuple(Task(f'r{k}', AGV, k, destinations=(k % 4 + 1,))
+                                         for k in range(1, 4)), seed=seed))
+    assert orders[0] == orders[1]
+    assert len(set(map(tuple, orders))) > 3
+
+
+def test_time_is_only_spent_on_improvement_that_is_asked_for():
+    planner = service(corridor(7, siding_at=4))
+    swap = (Task('a', AGV, 1, destinations=(7,), stays=True),
+            Task('b', AGV, 7, destinations=(1,), stays=True))
+    assert planner.answer(PlanRequest(swap)).rounds == 0
+    assert planner.answer(PlanRequest(swap, improvement=0.2)).rounds > 0
+
+
+@pytest.mark.parametrize('request_, words', [
+    (PlanRequest((Task('r', AGV, 1), Task('r', AGV, 2))), 'Robot r stands in the request twice'),
+    (PlanRequest((Task('r', AGV, 1),), (Obstacle('r', AGV, (2,)),)), 'twice'),
+    (PlanRequest((Task('r', RobotType('boat', 1.0, 1.0), 1),)), 'no robot type boat'),
+    (PlanRequest((Task('r', AGV, 99),)), 'no vertex 99'),
+    (PlanRequest((), (Obstacle('r', AGV, (99,)),)), 'no vertex 99'),
+    (PlanRequest((), (Obstacle('r', AGV, (), (-99,)),)), 'no edge -99'),
+    (PlanRequest((), parking=frozenset((99,))), 'no vertex 99'),
+    (PlanRequest((), edge_times={('agv', 1): float('nan')}), 'learned time of agv on edge 1'),
+])
+def test_what_makes_no_sense_is_refused_in_a_sentence(request_, words):
+    with pytest.raises(CannotPlan) as refused:
+        service(square()).answer(request_)
+    assert words in str(refused.value)
+
+
+def test_closed_edges_that_the_graph_does_not_have_change_nothing():
+    planner = service(square())
+    task = Task('r', AGV, 1, destinations=(2,), stays=True)
+    assert edges(planner.answer(PlanRequest((task,), closed=frozenset((99,)))), 'r') == [1]

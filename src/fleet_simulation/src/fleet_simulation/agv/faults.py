@@ -1,0 +1,101 @@
+"""Faults of AGVs on demand, each one line of text. The table is also the help text."""
+from __future__ import annotations
+
+import math
+from typing import Callable, Dict, List, NamedTuple, Sequence
+
+from fleet_simulation.agv.vehicle import Vehicle
+from route_protocol.order_rules import RouteRefused
+from route_protocol.values import Reason, ReasonCode
+from trajectory_graph import UnknownVertex
+
+ON_DEMAND = Reason(ReasonCode.OTHER, 'fault on demand')
+
+
+class UnknownFault(ValueError):
+    """A line is not a valid fault. The text is a sentence that says why."""
+
+
+class Argument(NamedTuple):
+    """A number that a fault takes."""
+
+    name: str
+    minimum: float
+    maximum: float
+    default: float
+
+
+class Fault(NamedTuple):
+    """The effect of a word; `act` gets the vehicle and the arguments as numbers."""
+
+    meaning: str
+    arguments: Sequence[Argument]
+    act: Callable[..., None]
+
+
+_SECONDS = Argument('SECONDS', 0.0, 1e6, math.inf)
+
+FAULTS: Dict[str, Fault] = {
+    'stall': Fault('brakes and stands still for SECONDS (10); its route stays active',
+                   [_SECONDS._replace(default=10.0)], Vehicle.stall),
+    'slow': Fault('drives with FACTOR of its speed for SECONDS (for ever)',
+                  [Argument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], Vehicle.slow_down),
+    'silence': Fault('neither receives nor reports for SECONDS (for ever); 0 ends it',
+                     [_SECONDS], Vehicle.fall_silent),
+    'leave': Fault('is switched off', [], Vehicle.leave),
+    'join': Fault('is switched on, without memory of its route', [], Vehicle.join),
+    'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
+    'takeover': Fault('another program drives it: its route fails with "taken over"', [],
+                      Vehicle.take_over),
+    'drive_by_hand': Fault('another program drives it to the end of EDGE; its route fails',
+                           [Argument('EDGE', -2 ** 31, 2 ** 31, math.nan)],
+                           lambda vehicle, edge: vehicle.drive_by_hand(int(edge))),
+    'estop': Fault('emergency stop: brakes hard, the route fails', [],
+                   Vehicle.press_emergency_stop),
+    'release': Fault('ends the emergency stop', [], Vehicle.release_emergency_stop),
+    'offgraph': Fault('is pushed METRES (1) to its left, off every edge; its route fails',
+                      [Argument('METRES', -100.0, 100.0, 1.0)], Vehicle.push_off_graph),
+    'place': Fault('is put onto VERTEX', [Argument('VERTEX', 1, 2 ** 31, math.nan)],
+                   lambda vehicle, vertex: vehicle.put_on(int(vertex))),
+    'battery': Fault('has PERCENT of charge', [Argument('PERCENT', 0.0, 100.0, math.nan)],
+                     lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
+}
+
+
+def inject(vehicle: Vehicle, line: str) -> None:
+    """Injects the fault that a line describes, e.g. `stall 20`. Raises UnknownFault."""
+    word, *given = line.split() or ['']
+    fault = FAULTS.get(word.lower())
+    if fault is None:
+        raise UnknownFault(f"there is no fault '{word[:20]}'; there are: {', '.join(FAULTS)}")
+    if len(given) > len(fault.arguments):
+        raise UnknownFault(f'{word} takes {len(fault.arguments)} numbers, not {len(given)}')
+    try:
+        fault.act(vehicle, *_numbers(word, fault.arguments, given))
+    except (UnknownVertex, RouteRefused) as error:
+        raise UnknownFault(str(error)) from None
+
+
+def help_text() -> str:
+    """The help text: all faults, one per line."""
+    lines = []
+    for word, fault in FAULTS.items():
+        usage = ' '.join([word, *(argument.name if math.isnan(argument.default)
+                                  else f'[{argument.name}]' for argument in fault.arguments)])
+        lines.append(f'{usage:<22}{fault.meaning}')
+    return '\n'.join(lines)
+
+
+def _numbers(word: str, arguments: Sequence[Argument], given: Sequence[str]) -> List[float]:
+    numbers = []
+    for argument, text in zip(arguments, [*given, *[''] * len(arguments)]):
+        try:
+            value = float(text) if text else argument.default
+        except ValueError:
+            value = math.nan
+        if not (argument.minimum <= value <= argument.maximum
+                or (not text and value == argument.default)):
+            raise UnknownFault(f'{word}: {argument.name} must be a number from '
+                               f'{argument.minimum:g} to {argument.maximum:g}')
+        numbers.append(value)
+    return numbers

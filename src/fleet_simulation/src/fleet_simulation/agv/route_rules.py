@@ -1,0 +1,87 @@
+"""The rules of docs/reference/route_protocol.md that only a vehicle itself can judge."""
+from __future__ import annotations
+
+from typing import Tuple
+
+from fleet_simulation.agv.drive import Drive
+from route_protocol import order_rules
+from route_protocol.order_rules import RouteRefused, wrong_route
+from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
+from route_protocol.vehicle import VehicleState
+from trajectory_graph import TrajectoryGraphError, check_route
+from trajectory_graph.id_lists import listed
+
+
+def check_order(order: RouteOrder, drive: Drive) -> None:
+    """Raises RouteRefused for an order that is wrong regardless of the vehicle's place."""
+    order_rules.check_order(order, 'the vehicle')
+    try:
+        check_route(drive.graph, order.edges)
+    except TrajectoryGraphError as error:
+        raise wrong_route(error) from None
+    for edge in order.edges:
+        if not drive.speeds.may_drive(edge):
+            raise RouteRefused(Reason(
+                ReasonCode.WRONG_ROUTE,
+                f'edge {edge} is not for driving this way: its speed is 0'))
+
+
+def check_change(state: VehicleState, order: RouteOrder) -> None:
+    """Raises RouteRefused if an order without a number, with the route's id, cannot change it so.
+    """
+    if state.phase is Phase.FAILED:
+        raise RouteRefused(Reason(
+            ReasonCode.WRONG_CHANGE,
+            f'route {order.route_id} has failed: another one needs another id'))
+    kept = state.edges[:state.completed + 1]
+    if order.edges[:len(kept)] != kept:
+        raise RouteRefused(Reason(
+            ReasonCode.WRONG_CHANGE, f'route {order.route_id} must go on with the edges done and '
+                                     f'the current one: {listed(kept)}'))
+
+
+def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
+    """Does a new route without numbers begin with the edge that the vehicle has just left?
+
+    The order may have crossed with a report.
+    """
+    done = state.completed
+    return (state.is_running and done > 0 and edges[0] != state.edges[done]
+            and edges[:2] == state.edges[done - 1:done + 1])
+
+
+def find_start(edges: Tuple[int, ...], state: VehicleState, drive: Drive) -> float:
+    """Returns the m on the first edge at which a vehicle begins to drive these edges.
+
+    They may begin at the first vertex of the first edge, or on that edge. Raises RouteRefused.
+    """
+    first = edges[0]
+    going_on = drive.arc if first == drive.edge and not drive.at_end else None
+    if going_on is not None:
+        _check_braking(edges, drive, going_on)
+        return going_on
+    if not drive.at_rest:
+        what_to_do = 'stop it first, or let it end its route' if state.is_running else (
+            'let it come to rest first')
+        raise _elsewhere(f'the vehicle drives on edge {drive.edge}, with which the route does not '
+                         f'begin: {what_to_do}')
+    if drive.vertex is not None:
+        if drive.graph.start_vertex(first).id == drive.vertex:
+            return 0.0
+        ends = drive.graph.end_vertex(first).id == drive.vertex
+        raise _elsewhere(f'edge {first} does not start where the vehicle is'
+                         + (', but ends there' if ends else '') + f', at vertex {drive.vertex}')
+    if drive.edge is not None and first == -drive.edge:
+        return drive.graph.curve(first).length - drive.arc
+    raise _elsewhere(f'edge {first} does not start where the vehicle is: on edge {drive.edge}')
+
+
+def _check_braking(edges: Tuple[int, ...], drive: Drive, arc: float) -> None:
+    if not drive.can_follow(edges, 0, arc):
+        raise RouteRefused(Reason(
+            ReasonCode.CANNOT_BRAKE, f'at {drive.speed:.2f} m/s the vehicle cannot stop where the '
+                                     'route demands it'))
+
+
+def _elsewhere(text: str) -> RouteRefused:
+    return RouteRefused(Reason(ReasonCode.STARTS_ELSEWHERE, text))
