@@ -9,8 +9,8 @@ from typing import Dict, Iterator, List, NamedTuple, Tuple
 from measuring.tables import Row
 
 from fleet_core.fleet import DOCK_APPROACH, Fleet, RobotType
-from fleet_core.plan_requests import PlanRequest
-from fleet_core.plan_service import PlanService
+from fleet_core.planning.plan_requests import PlanRequest
+from fleet_core.planning.plan_service import PlanService
 from fleet_core.planning.tasks import PlannedDrive, Task
 from load_bench.site import grid, starts
 

@@ -8,9 +8,9 @@ from fleet_builders import AGV, corridor, graph_of
 
 from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.areas import Area
-from fleet_core.plan_requests import PlanRequest
-from fleet_core.plan_service import PlanService
 from fleet_core.planning import planner as planner_module
+from fleet_core.planning.plan_requests import PlanRequest
+from fleet_core.planning.plan_service import PlanService
 from fleet_core.planning.tasks import CannotPlan, Obstacle, Task
 from fleet_core.planning.tea_star import TeaStar
 

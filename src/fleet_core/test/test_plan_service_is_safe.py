@@ -17,8 +17,8 @@ from plan_checker import World, faults
 
 from fleet_core.files.plan_file import solved_plan
 from fleet_core.fleet import Fleet
-from fleet_core.plan_requests import PlanRequest
-from fleet_core.plan_service import PlanService
+from fleet_core.planning.plan_requests import PlanRequest
+from fleet_core.planning.plan_service import PlanService
 from fleet_core.planning.tasks import Obstacle
 from trajectory_graph import GraphError
 

@@ -12,9 +12,9 @@ import pytest
 from fleet_builders import AGV, graph_of, ladder
 
 from fleet_core.fleet import Fleet
-from fleet_core.plan_requests import PlanRequest
-from fleet_core.plan_service import PlanService
 from fleet_core.planning.layers import layered
+from fleet_core.planning.plan_requests import PlanRequest
+from fleet_core.planning.plan_service import PlanService
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path

@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 GLOSSARY = ROOT / 'docs' / 'glossary.md'
-PACKAGE = ROOT / 'src' / 'graph_fleet_manager' / 'src' / 'graph_fleet_manager'
+PACKAGES = [ROOT / 'src' / name / 'src' / name for name in ('fleet_core', 'graph_fleet_manager')]
 
 
 class Row(NamedTuple):
@@ -40,13 +40,14 @@ def plain(identifier: str) -> str:
 def identifiers() -> Dict[str, Set[str]]:
     """Plain identifiers, with names of modules, and the files in which they occur."""
     found: Dict[str, Set[str]] = {}
-    for path in PACKAGE.rglob('*.py'):
-        names = {*path.relative_to(PACKAGE).with_suffix('').parts}
+    for package, path in ((folder, path) for folder in PACKAGES
+                          for path in folder.rglob('*.py')):
+        names = {*path.relative_to(package).with_suffix('').parts}
         source = io.StringIO(path.read_text(encoding='utf-8'))
         names.update(token.string for token in tokenize.generate_tokens(source.readline)
                      if token.type == tokenize.NAME)
         for name in names:
-            found.setdefault(plain(name), set()).add(str(path.relative_to(PACKAGE)))
+            found.setdefault(plain(name), set()).add(str(path.relative_to(package.parent)))
     return found
 
 

@@ -3,41 +3,153 @@ from __future__ import annotations
 
 import ast
 from pathlib import Path
-from typing import Iterator, Set
+from typing import Dict, FrozenSet, Iterator, NamedTuple, Set
 
 import pytest
 
 SOURCES = Path(__file__).resolve().parents[2]
-OURS = ('omron_arcl', 'omron_map', 'route_protocol', 'trajectory_graph', 'omron_ld90',
-        'omron_ld90_sim')
-ROS = {'rospy', 'actionlib', 'tf2_ros', 'rosgraph', 'diagnostic_updater', 'genpy', 'roslib'}
-SOCKETS = {'socket', 'socketserver', 'selectors', 'asyncio'}
+PACKAGES = {file.parent.name: file.parent for file in SOURCES.glob('*/src/*/__init__.py')}
+ROS = {'actionlib', 'diagnostic_updater', 'genpy', 'interactive_markers', 'rosgraph', 'roslaunch',
+       'roslib', 'rospkg', 'rospy', 'std_srvs', 'tf2_ros'}
+SOCKETS = {'asyncio', 'selectors', 'socket', 'socketserver'}
 
-# layer -> the packages and layers of ours that it may import besides itself
-ALLOWED = {
-    'omron_arcl': set(),
-    'omron_map': set(),
-    'route_protocol': set(),
-    'trajectory_graph': set(),
-    'omron_ld90.bridge': {'omron_arcl', 'omron_map', 'route_protocol', 'trajectory_graph',
-                          'omron_ld90'},
-    'omron_ld90.converter': {'omron_arcl', 'omron_map', 'trajectory_graph', 'omron_ld90'},
-    'omron_ld90.operator': {'omron_arcl', 'omron_map', 'route_protocol', 'trajectory_graph',
-                            'omron_ld90'},
-    'omron_ld90_sim.motion': {'omron_map'},
-    'omron_ld90_sim.devices': {'omron_map', 'omron_ld90_sim', 'omron_ld90_sim.motion'},
-    'omron_ld90_sim.behaviour': {'omron_map', 'omron_ld90_sim', 'omron_ld90_sim.motion',
-                                 'omron_ld90_sim.devices'},
-    'omron_ld90_sim.interface': {'omron_map', 'omron_ld90_sim', 'omron_ld90_sim.motion',
-                                 'omron_ld90_sim.devices', 'omron_ld90_sim.behaviour'},
+
+class Layer(NamedTuple):
+    """What a layer may import besides itself and Python's and other libraries.
+
+    ours    -- packages and layers of this workspace; a package also stands for its modules outside
+               all layers
+    ros     -- whether it may import ROS
+    sockets -- modules of the layer that may import sockets
+    """
+
+    ours: FrozenSet[str]
+    ros: bool = False
+    sockets: FrozenSet[str] = frozenset()
+
+
+def layer(ours: str = '', ros: bool = False, sockets: str = '') -> Layer:
+    return Layer(frozenset(ours.split()), ros, frozenset(sockets.split()))
+
+
+# a folder of a package is a layer of its own; '*': each module
+LAYERS: Dict[str, Layer] = {
+    # libraries
+    'browser_guard': layer(sockets='*'),
+    'file_replacement': layer(),
+    'trajectory_graph': layer('file_replacement'),
+    'route_protocol': layer(),
+    'omron_map': layer('file_replacement'),
+    'omron_arcl': layer('browser_guard omron_arcl.replies',
+                        sockets='connection transport client listener'),
+    'omron_arcl.replies': layer(),
+    'node_program': layer(),
+    'xmlrpc_guard': layer('browser_guard', ros=True),
+    'node_lifecycle': layer('node_program xmlrpc_guard', ros=True, sockets='*'),
+    'node_host': layer('node_program', ros=True, sockets='*'),
+    'graph_topic': layer('node_lifecycle trajectory_graph', ros=True),
+    # the fleet
+    'fleet_core': layer(),
+    'fleet_core.geometry': layer('fleet_core trajectory_graph'),
+    'fleet_core.planning': layer('fleet_core fleet_core.geometry trajectory_graph'),
+    'fleet_core.interlocking': layer(
+        'fleet_core fleet_core.geometry route_protocol trajectory_graph'),
+    'fleet_core.supervision': layer(
+        'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
+        'file_replacement route_protocol trajectory_graph'),
+    'fleet_core.files': layer(
+        'fleet_core fleet_core.planning fleet_core.supervision file_replacement trajectory_graph'),
+    'fleet_core.site': layer(
+        'fleet_core fleet_core.files fleet_core.planning file_replacement trajectory_graph'),
+    'fleet_simulation': layer(
+        'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
+        'fleet_core.supervision fleet_simulation.agv file_replacement node_program route_protocol '
+        'trajectory_graph'),
+    'fleet_simulation.agv': layer('fleet_core browser_guard route_protocol trajectory_graph',
+                                  sockets='control_socket'),
+    'graph_fleet_manager': layer(),
+    'graph_fleet_manager.messages': layer(
+        'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
+        'fleet_core.site fleet_core.supervision route_protocol trajectory_graph', ros=True),
+    'graph_fleet_manager.multimaster': layer(sockets='*'),
+    'graph_fleet_manager.commands': layer(
+        'fleet_core fleet_core.files fleet_core.geometry fleet_core.planning '
+        'fleet_core.supervision graph_fleet_manager.messages graph_fleet_manager.multimaster '
+        'file_replacement node_lifecycle node_program trajectory_graph', ros=True, sockets='*'),
+    'graph_fleet_manager.nodes': layer(
+        'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
+        'fleet_core.supervision fleet_simulation.agv graph_fleet_manager.commands '
+        'graph_fleet_manager.messages graph_fleet_manager.multimaster graph_topic node_lifecycle '
+        'route_protocol trajectory_graph', ros=True),
+    'fleet_page': layer(),
+    'fleet_page.core': layer('fleet_core.supervision node_program trajectory_graph'),
+    'fleet_page.door': layer('fleet_page.core', sockets='*'),
+    'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
+    'fleet_page.nodes': layer(
+        'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web '
+        'graph_fleet_manager.commands graph_fleet_manager.messages graph_fleet_manager.nodes '
+        'graph_topic node_lifecycle trajectory_graph', ros=True, sockets='*'),
+    'fleet_bringup': layer(
+        'fleet_core fleet_core.files fleet_core.planning omron_ld90.converter omron_map '
+        'trajectory_graph', ros=True, sockets='*'),
+    'fleet_services': layer(
+        'fleet_bringup fleet_core.files fleet_core.supervision trajectory_graph', ros=True),
+    'fleet_services.nodes': layer('fleet_services node_lifecycle', ros=True, sockets='*'),
+    # graphs
+    'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '
+                          'trajectory_graph'),
+    'graph_editor.making': layer('graph_editor trajectory_graph'),
+    'graph_editor.checking': layer('graph_editor graph_editor.making trajectory_graph'),
+    'graph_editor.editor': layer('trajectory_graph'),
+    'graph_editor.nodes': layer(
+        'graph_editor graph_editor.checking graph_editor.editor graph_editor.making '
+        'node_lifecycle omron_map trajectory_graph', ros=True),
+    # the LD-90
+    'omron_ld90': layer('trajectory_graph'),
+    'omron_ld90.bridge': layer('omron_arcl omron_ld90 route_protocol trajectory_graph'),
+    'omron_ld90.converter': layer('omron_ld90 omron_map trajectory_graph'),
+    'omron_ld90.operator': layer(
+        'omron_arcl omron_arcl.replies omron_ld90 omron_map route_protocol'),
+    'omron_ld90.nodes': layer(
+        'file_replacement graph_topic node_lifecycle omron_arcl omron_arcl.replies omron_ld90 '
+        'omron_ld90.bridge omron_ld90.converter omron_ld90.operator omron_map route_protocol '
+        'trajectory_graph', ros=True),
+    'omron_ld90_sim': layer('omron_ld90_sim.interface'),
+    'omron_ld90_sim.motion': layer('omron_map'),
+    'omron_ld90_sim.devices': layer('omron_ld90_sim omron_ld90_sim.motion'),
+    'omron_ld90_sim.behaviour': layer(
+        'omron_map omron_ld90_sim omron_ld90_sim.motion omron_ld90_sim.devices'),
+    'omron_ld90_sim.interface': layer(
+        'browser_guard omron_map omron_ld90_sim omron_ld90_sim.motion omron_ld90_sim.devices '
+        'omron_ld90_sim.behaviour', sockets='*'),
+    # VDA 5050
+    'vda5050_vehicle': layer(),
+    'vda5050_vehicle.protocol': layer(),
+    'vda5050_vehicle.mqtt': layer(sockets='*'),
+    'vda5050_vehicle.drivers': layer('route_protocol trajectory_graph vda5050_vehicle.protocol'),
+    'vda5050_vehicle.core': layer('vda5050_vehicle.drivers vda5050_vehicle.protocol'),
+    'vda5050_vehicle.conformance': layer(
+        'trajectory_graph vda5050_vehicle.mqtt vda5050_vehicle.protocol'),
+    'vda5050_vehicle.nodes': layer(
+        'file_replacement graph_topic node_lifecycle route_protocol trajectory_graph '
+        'vda5050_vehicle.core vda5050_vehicle.drivers vda5050_vehicle.mqtt '
+        'vda5050_vehicle.protocol', ros=True),
 }
-WITH_LAYERS = ('omron_ld90', 'omron_ld90_sim')
-TRANSPORTS = {'connection.py', 'transport.py', 'client.py', 'listener.py'}  # modules of omron_arcl
 
 
-def files_of(layer: str) -> Iterator[Path]:
-    package = layer.split('.')[0]
-    return (SOURCES / package / 'src' / Path(*layer.split('.'))).rglob('*.py')
+def layer_of(module: str) -> str:
+    """`omron_ld90.bridge` for `omron_ld90.bridge.motions.Motion`, `omron_map` for its modules."""
+    package, _, rest = module.partition('.')
+    folder = rest.split('.')[0]
+    is_folder = bool(folder) and (PACKAGES[package] / folder / '__init__.py').exists()
+    return f'{package}.{folder}' if is_folder else package
+
+
+def files_of(name: str) -> Iterator[Path]:
+    package, _, folder = name.partition('.')
+    if folder:
+        return (PACKAGES[package] / folder).rglob('*.py')
+    return PACKAGES[package].glob('*.py')
 
 
 def imported_by(file: Path) -> Set[str]:
@@ -51,43 +163,36 @@ def imported_by(file: Path) -> Set[str]:
     return names
 
 
-def layer_of(module: str) -> str:
-    """`omron_ld90.bridge` for `omron_ld90.bridge.motions.Motion`, `omron_map` for its modules."""
-    package, _, rest = module.partition('.')
-    layer = f'{package}.{rest.split(".")[0]}'
-    has_layers = package in WITH_LAYERS and (
-        layer in ALLOWED or layer == 'omron_ld90.nodes')
-    return layer if has_layers else package
-
-
-@pytest.mark.parametrize('layer', ALLOWED)
-def test_a_layer_imports_no_upper_one_and_no_ros(layer: str):
+@pytest.mark.parametrize('name', LAYERS)
+def test_a_layer_imports_only_what_it_may(name: str) -> None:
+    may = LAYERS[name]
     found = {}
-    for file in files_of(layer):
-        wrong = {module for module in imported_by(file)
-                 if module.split('.')[0] in ROS or module.split('.')[0].endswith('_msgs')
-                 or module.split('.')[0] in OURS
-                 and layer_of(module) not in {layer, *ALLOWED[layer]}}
+    for file in files_of(name):
+        wrong = set()
+        for module in imported_by(file):
+            top = module.split('.')[0]
+            if top in PACKAGES:
+                is_wrong = layer_of(module) not in {name, *may.ours}
+            elif top in SOCKETS:
+                is_wrong = not may.sockets & {'*', file.stem}
+            else:
+                is_wrong = not may.ros and (top in ROS or top.endswith('_msgs'))
+            if is_wrong:
+                wrong.add(module)
         if wrong:
             found[file.name] = sorted(wrong)
     assert found == {}
 
 
-@pytest.mark.parametrize('layer', [layer for layer in ALLOWED if layer not in (
-    'omron_arcl', 'omron_ld90_sim.interface')])
-def test_sockets_are_in_the_transports_only(layer: str):
-    assert [file.name for file in files_of(layer) if imported_modules(file) & SOCKETS] == []
+@pytest.mark.parametrize('name', LAYERS)
+def test_a_layer_uses_all_that_it_may(name: str) -> None:
+    """So the table says what is so, and no line of it is left over."""
+    used = {layer_of(module) for file in files_of(name) for module in imported_by(file)
+            if module.split('.')[0] in PACKAGES}
+    assert LAYERS[name].ours <= used
 
 
-def test_of_arcl_only_the_transports_know_sockets():
-    with_sockets = {file.name for file in files_of('omron_arcl')
-                    if imported_modules(file) & SOCKETS}
-    assert with_sockets <= TRANSPORTS
-
-
-def imported_modules(file: Path) -> Set[str]:
-    return {name.split('.')[0] for name in imported_by(file)}
-
-
-def test_every_layer_is_there():
-    assert [layer for layer in ALLOWED if not list(files_of(layer))] == []
+def test_every_folder_of_every_package_is_in_the_table() -> None:
+    folders = {layer_of('.'.join(file.relative_to(home.parent).with_suffix('').parts))
+               for home in PACKAGES.values() for file in home.rglob('*.py')}
+    assert folders == set(LAYERS)

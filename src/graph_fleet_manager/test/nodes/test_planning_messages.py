@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
-from fleet_core.plan_requests import PlanRequest
+from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
 from graph_fleet_manager.messages.planning import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
-from fleet_core.plan_requests import Times
+from fleet_core.planning.plan_requests import Times
 from fleet_core.planning.tasks import Obstacle, Task
 from fleet_core.supervision.missions import Status
 from route_protocol.master import Order

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
 
 from fleet_core.interlocking.route_record import RouteRecord
-from fleet_core.plan_requests import Times
+from fleet_core.planning.plan_requests import Times
 
 KEPT = 9         # drives of an edge whose median is taken, so that one long wait does not count
 ENOUGH = 3       # number of drives after which the median replaces the nominal time

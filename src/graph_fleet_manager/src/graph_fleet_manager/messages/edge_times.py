@@ -10,7 +10,7 @@ from __future__ import annotations
 from random import SystemRandom
 from typing import Dict, List, Optional, Tuple
 
-from fleet_core.plan_requests import Times
+from fleet_core.planning.plan_requests import Times
 from itrci_nav_msgs import msg
 
 _VERSIONS = 2 ** 32

@@ -12,7 +12,7 @@ import genpy
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
-from fleet_core.plan_requests import PlanRequest, Times
+from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
 from itrci_nav_msgs import msg

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 import rospy
 
 from fleet_core.interlocking.stop_gate import StopGate
-from fleet_core.plan_requests import PlanRequest, Times
+from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.supervision.actions import (
     Action,
     AskPlanner,

@@ -30,9 +30,9 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from fleet_core.plan_requests import Times
-from fleet_core.plan_service import PlanService
 from fleet_core.planning.layers import layered
+from fleet_core.planning.plan_requests import Times
+from fleet_core.planning.plan_service import PlanService
 from fleet_core.planning.safe_intervals import find_path
 from fleet_core.planning.tasks import CannotPlan
 from graph_fleet_manager.messages.edge_times import TimesKept

@@ -9,9 +9,9 @@ import time
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple, Union
 
 from fleet_core.fleet import Fleet
-from fleet_core.plan_requests import PlanRequest
 from fleet_core.planning.layers import Search
 from fleet_core.planning.parking import named_parking
+from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path
