@@ -44,11 +44,13 @@ class Launch:
 
     @staticmethod
     def _edit(launch: Path, folder: Path) -> None:
-        """Changes the launch file in three points.
+        """Changes the launch file in four points.
 
         - The supervisor checks each event against the model of allocations.
         - The planner publishes its answers on TRUE_ANSWERS; the soak forwards them.
         - Bridges keep their routes in files, as on real robots.
+        - The simulated AGVs run outside the node host, because the soak kills that host: a robot
+          does not end with a program of the fleet manager.
         """
         manager = folder / 'fleet_manager.launch'
         original = Path(rospkg.RosPack().get_path('graph_fleet_manager'),
@@ -69,6 +71,9 @@ class Launch:
                     name = next(other.get('value') for other in include.iter('arg')
                                 if other.get('name') == 'robot_name')
                     argument.set('value', str(folder / f'{name}_route.json'))
+        for node in tree.iter('node'):
+            if node.get('name') == 'agv_sim':
+                del node.attrib['launch-prefix']
         tree.write(launch)
 
     @property

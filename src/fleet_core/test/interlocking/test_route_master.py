@@ -19,13 +19,14 @@ def master() -> RouteMaster:
     return RouteMaster(RouteRecord(GRAPH, AGV), int)
 
 
-def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), order=0, age=0.0):
-    """A report of a robot in its first epoch."""
+def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), order=0, age=0.0,
+         epoch=1):
+    """A report of a robot."""
     curve = GRAPH.curve(edge)
     x, y = curve.point_at(percentage / 100.0 * curve.length)
     return Report(RouteReport(
-        0, 0, edges, states, SymbolicPose(edge, percentage), location=Location(x, y, 0.0), epoch=1,
-        master='path_supervisor', order=order, first=1 if order else 0,
+        0, 0, edges, states, SymbolicPose(edge, percentage), location=Location(x, y, 0.0),
+        epoch=epoch, master='path_supervisor', order=order, first=1 if order else 0,
         motion=motion, number=number), age)
 
 
@@ -67,3 +68,28 @@ def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_
     robot.hear(told(3, 1, 60.0, Motion.COMING_TO_REST, lost, (1, 2), 1))
     take_back(robot)
     assert {hold.edge for hold in robot.allocation.holds} == {1, 2}
+
+
+def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it():
+    """The robot counts its edges from where that stop was given (walk 2 in the yard)."""
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1,))
+    robot.halt()
+    robot.hear(told(2, 1, 0.0, order=2))
+    robot.hear(told(3, 1, 0.0, epoch=2))
+    robot.extend((1,))
+    robot.hear(told(4, 1, 0.0, order=2, epoch=2))  # it has obeyed the copy, and refuses order 3
+    robot.extend((2, 3))
+    robot.hear(told(5, 1, 0.0, Motion.ON_ROUTE, (P, P, P), (1, 2, 3), 4, epoch=2))
+    assert {hold.edge for hold in robot.allocation.holds} == {1, 2, 3}
+
+
+def test_a_robot_that_stands_elsewhere_is_given_no_route_until_a_second_location_tells_where():
+    """Else the route would begin where the robot is not (walk 1011 in the yard)."""
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.hear(told(2, 3, 0.0, epoch=2))
+    assert not robot.is_ready
+    robot.hear(told(3, 3, 0.0, epoch=2))
+    assert robot.is_ready and robot.record.last_vertex == 3

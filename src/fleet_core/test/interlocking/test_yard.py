@@ -83,6 +83,25 @@ def test_nothing_that_can_happen_in_a_small_yard_brings_robots_too_near(name, ca
     assert not found.flaw, str(found)
 
 
+WALKS = 200 if LONG else 6
+WIDE = Bounds(grants=40, faults=12, acts=8)
+RING = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0), 4: (4.8, 2.4), 5: (2.4, 2.4), 6: (0, 2.4),
+                 7: (7.2, 0)},
+                {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (5, 6), 6: (6, 1), 7: (2, 5),
+                 8: (3, 7)})
+
+
+def yard_to_walk_in(kind: Type[Yard] = Yard) -> Yard:
+    return kind(RING, AGV, {'a': 1, 'b': 4, 'c': 7}, frozenset({7}))
+
+
+def test_no_random_walk_in_a_larger_yard_brings_robots_too_near():
+    yard = yard_to_walk_in()
+    for seed in range(WALKS):
+        found = yard.walk(WIDE, seed, 400)
+        assert not found.flaw, f'walk {seed}: {found}'
+
+
 LIVE = {
     'faults': Search(LINE, at_once(1, 1, 0, Fault.ROUTE, Fault.REFUSAL, Fault.RESTART, Fault.DISK,
                                    Fault.CLOCK)),
@@ -190,6 +209,11 @@ YARDS: Dict[Type[Yard], Search] = {
 @pytest.mark.parametrize('kind', YARDS)
 def test_a_fleet_manager_with_a_planted_fault_is_found(kind):
     assert YARDS[kind].of(kind).flaw
+
+
+def test_a_planted_fault_is_found_by_a_random_walk():
+    yard = yard_to_walk_in(DrawsNumbersWithoutAClock)
+    assert any(yard.walk(WIDE, seed, 400).flaw for seed in range(WALKS))
 
 
 CHANGES: Dict[str, Tuple[Callable[[MasterState, MasterState], MasterState], Search]] = {

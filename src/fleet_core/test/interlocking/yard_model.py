@@ -12,7 +12,8 @@ Events
     * A robot drives half an edge, takes or refuses an order, loses its route, comes to rest on its
       edge or on the next one, or restarts without its memory. (With it nothing changes.) Another
       giver takes it and drives it to the end of an edge. A person stops it past the fleet manager.
-      Its clock is ahead.
+      Its clock is ahead: then its reports arrive at once or never, because nobody could tell how
+      old a late one is.
     * An order arrives: any that was sent, at any time, again and again, or never.
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
       arrives at any time, again and again, before or after newer ones.
@@ -36,8 +37,9 @@ Properties
                a person may have to move one by hand.)
 
 A search is complete for its bounds: the number of grants, faults and acts of people. The number of
-reports has no bound. Distances between robots have no reserve: a robot is `SLACK` short of a vertex
-that it passes, and counts as exactly on its edge.
+reports has no bound. A walk follows one random way, with far wider bounds. Distances between robots
+have no reserve: a robot is `SLACK` short of a vertex that it passes, and counts as exactly on its
+edge.
 
 Not in this model: robots beside their edges, other beginnings of a route, other masters (for one
 robot in `test_master.py` of route_protocol), changes of the graph, robots that are declared absent.
@@ -47,6 +49,8 @@ from __future__ import annotations
 import copy
 import gc
 import math
+import random
+import re
 import sys
 from collections import deque
 from dataclasses import replace
@@ -125,6 +129,8 @@ HELPS = ('the disk is freed', 'the fleet is resumed', 'drives', 'obeys or refuse
          'a person brings it back', 'the journal is believed again')
 """The events that help robots to drive again, in the order in which they are tried."""
 
+_NUMBERS = re.compile(r'[-\d]+')
+
 # What follows a change of one robot
 HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
 
@@ -134,11 +140,13 @@ class Said(NamedTuple):
     content -- number of the report without its own number
     number  -- that number
     moved   -- half edges that the robot has driven since
+    ahead   -- its stamp is of a clock that is ahead
     """
 
     content: int
     number: int
     moved: int = 0
+    ahead: bool = False
 
 
 class Side(NamedTuple):
@@ -338,6 +346,8 @@ class Yard:
         if id is not None:
             return id
         given = side
+        if side.short and not (side.vehicle.route or side.vehicle.rolling):
+            side = side._replace(short=0)  # it tells where it stands
         protocol = self._beliefs[side.belief].master.protocol
         vehicle, kept = side.vehicle, side.kept
         stored = self._memories[side.memory].master.protocol.report
@@ -464,7 +474,7 @@ class Yard:
             yield from self._arrives(side, order)
         after, said = self._report(side)
         yield ('reports, which is heard at once', *self._hear(after, said))
-        if self._bounds.kept and (
+        if self._bounds.kept and not side.ahead and (
                 side.kept is None or side.kept.content != said.content or side.kept.moved):
             yield 'reports, which is kept on its way', self._put(after._replace(kept=said)), 0, 0, 0
         if side.kept is not None:
@@ -558,7 +568,7 @@ class Yard:
             MASTER if vehicle.master == ME else '', vehicle.order, vehicle.refused,
             NO if vehicle.refused else values.NO_REASON, first, self._motion(vehicle))
         return (side._replace(vehicle=vehicle._replace(sequence=number)),
-                Said(_number(report, self._contents, self._content_ids), number))
+                Said(_number(report, self._contents, self._content_ids), number, 0, side.ahead))
 
     @staticmethod
     def _motion(vehicle: Vehicle) -> values.Motion:
@@ -575,7 +585,7 @@ class Yard:
 
     def _hear(self, side: Side, said: Said) -> Tuple[int, int, int, int]:
         """The fleet manager hears a report."""
-        key = 'hear', side.belief, said, side.drawn, side.ahead
+        key = 'hear', side.belief, said, side.drawn
         if key not in self._known:
             self._known[key] = self._heard(side, said)
         belief, is_stale, is_located, follows, flaw = self._known[key]
@@ -589,7 +599,7 @@ class Yard:
         robot = self._robot(side)
         before = robot.master.progress, robot.outage
         report = Report(replace(self._contents[said.content], number=said.number),
-                        said.moved * self._half / self.kind.speed - AHEAD * side.ahead)
+                        said.moved * self._half / self.kind.speed - AHEAD * said.ahead)
         try:
             check_report(report, self.graph)
             heard = robot.hear(report, NOW)
@@ -1103,6 +1113,38 @@ class Yard:
                     return Found(len(came_from), flaw, self._way(came_from, after))
                 waiting.append(after)
         return Found(len(came_from))
+
+    def walk(self, bounds: Bounds, seed: int, events: int) -> Found:
+        """Follows one random way through the states, until one of them is wrong.
+
+        It reaches what a search cannot: many grants, faults and acts of people, one after another.
+        About every tenth event is a fault or an act. Each kind of event is as likely as any other,
+        however many orders may arrive.
+        """
+        draw = random.Random(f'walk {seed}')
+        state = self.begin(bounds)
+        way: List[str] = []
+        while len(way) < events:
+            left = self._left(state)
+            kinds: Dict[bool, Dict[str, List[Tuple[str, State]]]] = {True: {}, False: {}}
+            for event, after in self.steps(state):
+                kinds[self._left(after) < left].setdefault(
+                    _NUMBERS.sub('', event), []).append((event, after))
+            is_trouble = draw.random() < 0.1
+            drawn = kinds[is_trouble] or kinds[not is_trouble]
+            if not drawn:
+                break
+            event, state = draw.choice(drawn[draw.choice(sorted(drawn))])
+            way.append(event)
+            flaw = self.flaw(state)
+            if flaw:
+                return Found(len(way), flaw, tuple(way))
+        return Found(len(way))
+
+    def _left(self, state: State) -> int:
+        """How many faults and acts of people may still happen."""
+        site = self._sites[state[0]]
+        return site.faults + site.acts
 
     def _way(self, came_from: Dict[State, Optional[State]], end: State) -> Tuple[str, ...]:
         way: List[str] = []

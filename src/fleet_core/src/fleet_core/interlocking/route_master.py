@@ -211,8 +211,12 @@ class RouteMaster:
 
     @property
     def is_ready(self) -> bool:
-        """May the robot be given a route now?"""
-        return self.protocol.is_ready and not self._lost.areas
+        """May the robot be given a route now?
+
+        If it stands elsewhere than expected, the next location must confirm that.
+        """
+        return self.protocol.is_ready and not self._lost.areas and not (
+            self._strays and self.record.is_standing)
 
     @property
     def is_heard(self) -> bool:
@@ -318,7 +322,7 @@ class RouteMaster:
         self._allocation = self._elsewhere = None
 
     def _set(self, protocol: MasterState) -> None:
-        self.record.protocol = protocol
+        self.record.follow(protocol)
         self._changed()
 
     # -- orders -----------------------------------------------------------------------------------

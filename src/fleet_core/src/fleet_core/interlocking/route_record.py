@@ -129,6 +129,16 @@ class RouteRecord:
 
     # -- changes ----------------------------------------------------------------------------------
 
+    def follow(self, protocol: MasterState) -> None:
+        """What the robot may still do by its orders has changed.
+
+        A late copy of a stop from before the epoch takes the count of its edges back to where that
+        stop was given. Then none of the edges that are counted from there lies behind it.
+        """
+        self.protocol = protocol
+        if self.cleared[0] > self.done:
+            self.cleared = (self.done, 0.0)
+
     def begins_with(self, edge: int) -> None:
         """A standing robot is granted this edge first: what it has begun of it stays free."""
         self.cleared = (self.done, self.begun(edge, self.position))
