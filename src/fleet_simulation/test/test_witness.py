@@ -5,7 +5,7 @@ from typing import Dict, Sequence, Tuple
 
 import pytest
 
-from fleet_simulation.witness import State, Witness, growth
+from world.witness import State, Witness, growth
 
 GRACE = 2.0
 VERTICES = {1: (0.0, 0.0), 2: (5.0, 0.0), 3: (5.0, 5.0)}

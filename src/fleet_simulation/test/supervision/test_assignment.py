@@ -8,7 +8,7 @@ from fleet_builders import AGV, ladder
 
 from fleet_core.supervision.assignment import assign
 from fleet_core.supervision.missions import Mission, Request
-from fleet_simulation.supervised_fleet import SupervisedFleet
+from world.supervised_fleet import SupervisedFleet
 
 TRUCK = replace(AGV, name='truck')
 

@@ -17,8 +17,9 @@ from fleet_core.supervision.actions import Action, AskPlanner
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import Rhythm, SupervisedFleet
+from fleet_simulation.virtual_fleet import Rhythm
 from route_protocol.values import TAKEN_OVER
+from world.supervised_fleet import SupervisedFleet
 
 FAR = RobotSettings(release_ahead=100.0)
 NEAR = RobotSettings(release_ahead=3.0)

@@ -13,8 +13,8 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet, blocked
 
 FAR = RobotSettings(release_ahead=8.0)
 

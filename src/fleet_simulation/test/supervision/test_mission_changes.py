@@ -12,7 +12,7 @@ from fleet_core.supervision.missions import (
     MissionState,
     Request,
 )
-from fleet_simulation.supervised_fleet import SupervisedFleet
+from world.supervised_fleet import SupervisedFleet
 
 
 def modify(fleet, mission, priority=0, *destinations):

@@ -17,9 +17,9 @@ from fleet_core.supervision.fleet_view import (
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, SymbolicPose
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet
 
 
 def with_dock(graph, dock):

@@ -10,8 +10,8 @@ from fleet_core.interlocking.reports import Report
 from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from route_protocol.values import EdgeState, Reason, ReasonCode, SymbolicPose
+from world.supervised_fleet import SupervisedFleet, blocked
 
 
 @pytest.fixture

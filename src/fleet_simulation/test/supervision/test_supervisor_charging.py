@@ -11,8 +11,8 @@ from fleet_core.supervision.battery import MUTE
 from fleet_core.supervision.fleet_view import RobotState, robot_views
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet
 
 
 def with_docks(graph, *docks):

@@ -9,8 +9,8 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.plain_agv import LOST_LINK
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from world.plain_agv import LOST_LINK
+from world.supervised_fleet import SupervisedFleet, blocked
 
 
 def carry(agv, edge, arc):

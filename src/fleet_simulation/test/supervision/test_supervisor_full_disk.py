@@ -10,7 +10,7 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet
+from world.supervised_fleet import SupervisedFleet
 
 AHEAD = RobotSettings(release_ahead=8.0)
 

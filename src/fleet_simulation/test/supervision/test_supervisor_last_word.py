@@ -10,8 +10,7 @@ from fleet_core.interlocking.reports import Report
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.plain_agv import LOST_LINK
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked, route_order
+from fleet_simulation.virtual_fleet import route_order
 from route_protocol.values import (
     TAKEN_OVER,
     EdgeState,
@@ -21,6 +20,8 @@ from route_protocol.values import (
     RouteReport,
 )
 from trajectory_graph import Graph
+from world.plain_agv import LOST_LINK
+from world.supervised_fleet import SupervisedFleet, blocked
 
 FAR = RobotSettings(release_ahead=8.0)
 

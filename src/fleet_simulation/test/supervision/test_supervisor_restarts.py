@@ -14,10 +14,11 @@ from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage, Sign
 from fleet_core.supervision.restoring import robots_of
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked, route_order
+from fleet_simulation.virtual_fleet import route_order
 from route_protocol.master import Order
 from route_protocol.values import EdgeState, Motion
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet, blocked
 
 
 def cut_short(graph, length):

@@ -9,8 +9,8 @@ from fleet_builders import AGV, graph_of, ladder
 
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.standstills import Standstills
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet
 
 
 def crossing() -> Graph:

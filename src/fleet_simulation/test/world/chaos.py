@@ -8,10 +8,11 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tu
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.missions import Command, Mission, MissionState, Request
 from fleet_core.supervision.outbox import AGAIN
-from fleet_simulation.promises import Promises
-from fleet_simulation.supervised_fleet import STEP, SupervisedFleet
+from fleet_simulation.virtual_fleet import STEP
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from trajectory_graph import Edge, Graph, Vertex
+from world.promises import Promises
+from world.supervised_fleet import SupervisedFleet
 
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)

@@ -18,8 +18,9 @@ from fleet_core.interlocking.reports import CLOCK_ERROR
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.outages import Outage
-from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked, route_order
+from fleet_simulation.virtual_fleet import STEP, route_order
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet, blocked
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
 _EXACT = 0.06  # m: the length of an arc that a standing robot may be beside its place
