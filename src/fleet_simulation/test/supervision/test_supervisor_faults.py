@@ -244,7 +244,7 @@ def test_an_emergency_stop_makes_orders_void_and_what_they_gave_is_held_until_th
     if how == 'it reports':
         fleet.run(2.0)
     else:
-        fleet.run_until(lambda: bool(fleet._to_robots))
+        fleet.run_until(lambda: bool(fleet.to_robots))
     held = robot.master.protocol.may_be_on
     agv.emergency = True
     fleet.step()
@@ -340,7 +340,7 @@ def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_
     fleet.agvs['a'].forget()
     fleet.deaf['a'], fleet.silent['a'] = 0.0, 0.0
     fleet.hangs = True  # the repetition comes before the supervisor hears of the restart
-    fleet._to_robots = fleet.sent[-1:]
+    fleet.to_robots = fleet.sent[-1:]
     fleet.step()
     fleet.hangs = False
     fleet.run(10.0)
@@ -454,7 +454,7 @@ def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_e
     stopped.emergency = True
     fleet.run(0.5)
     stopped.emergency = False
-    fleet.run_until(lambda: any(order.robot == 'a' and order.edges for order in fleet._to_robots))
+    fleet.run_until(lambda: any(order.robot == 'a' and order.edges for order in fleet.to_robots))
     fleet.lose_link('a')
     fleet.run(1.6)
     fleet.find_link('a')

@@ -45,7 +45,7 @@ def test_a_stop_that_gets_lost_is_repeated_although_nothing_can_be_stored():
     fleet = driving()
     fleet.disk_fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
-    fleet._to_robots.clear()
+    fleet.to_robots.clear()
     fleet.run(2.0)
     assert not fleet.agvs['a'].is_driving
 
@@ -96,7 +96,7 @@ def test_who_cancels_what_no_robot_was_told_of_moves_no_robot():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
     fleet.run(1.0)
     fleet.request(1, 8)
-    fleet.run_until(lambda: bool(fleet._answers))
+    fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
     fleet.disk_fails()  # before the plan comes, so that its first edges are not sent
     fleet.run(5.0)
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
@@ -245,7 +245,7 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
     fleet.run(1.0)
     fleet.request(1, 8)
-    fleet.run_until(lambda: bool(fleet._answers))
+    fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
     fleet.disk_fails()
     fleet.run(10.0)
     robot = fleet.supervisor.robots['a']
@@ -263,7 +263,7 @@ def test_a_robot_that_does_not_answer_is_deaf_5_s_after_its_order_was_sent():
     fleet.run(1.0)
     fleet.deaf['a'] = 1e9
     fleet.request(1, 8)
-    fleet.run_until(lambda: bool(fleet._answers))
+    fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
     fleet.disk_fails()
     fleet.run(10.0)
     fleet.disk_fails(False)

@@ -102,7 +102,7 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)
     fleet.run_until(lambda: len(robot(fleet).record.ahead) > 1)
-    fleet._to_robots, orders = [], fleet._to_robots  # the order that makes the route longer
+    fleet.to_robots, orders = [], fleet.to_robots  # the order that makes the route longer
     assert len(orders[-1].edges) == 2 and fleet.agvs['a'].current == 0
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.do(fleet.supervisor.report('a', Report(fleet.agvs['a'].report(fleet.now)), fleet.now))
@@ -171,8 +171,8 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     agv = fleet.agvs['a']
     fleet.request(2, 8, robot='a')
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    fleet.run_until(lambda: any(o.order.number > agv.taken for o in fleet._to_robots))
-    order = fleet._to_robots.pop()
+    fleet.run_until(lambda: any(o.order.number > agv.taken for o in fleet.to_robots))
+    order = fleet.to_robots.pop()
     agv.fail(TAKEN_OVER)
     fleet.run(0.1)
     assert robot(fleet).outage is Outage.TAKEN_OVER
@@ -201,7 +201,7 @@ def taken_over_as_it_was_let_go_on():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 6, robot='a')
-    fleet.run_until(lambda: bool(fleet._to_robots) and fleet.agvs['a'].arc > 0.5)
+    fleet.run_until(lambda: bool(fleet.to_robots) and fleet.agvs['a'].arc > 0.5)
     fleet.agvs['a'].fail(TAKEN_OVER)
     fleet.run(2.0)
     assert robot(fleet).outage is Outage.TAKEN_OVER
@@ -261,16 +261,12 @@ def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(to
         fleet.deaf['a'] = fleet.now + 2.0
         fleet.run_until(lambda: robot(fleet).master.order is not None)
     assert len(fleet.agvs['a'].visited) > 2 and fleet.agvs['a'].is_driving
-    graph = fleet.graph
-    fleet.graph = Graph([v for v in graph.vertices.values() if v.id > 1],
-                        [e for e in graph.edges.values() if e.id > 1])
-    fleet._planners.clear()
-    fleet._parking = tuple(fleet.graph.vertices)
     ahead = robot(fleet).record.ahead
     fleet.agvs['a'].stalled = 10.0
     if told == 'no longer':
         fleet.silent['a'] = fleet.now + 15.0
-    fleet.restart()
+    fleet.restart(Graph([v for v in fleet.graph.vertices.values() if v.id > 1],
+                        [e for e in fleet.graph.edges.values() if e.id > 1]))
     fleet.run(1.0)
     assert robot(fleet).record.ahead == ahead
     fleet.request(2, 4, robot='b')

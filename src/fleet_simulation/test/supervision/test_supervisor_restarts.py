@@ -27,21 +27,13 @@ def cut_short(graph, length):
                  [e for e in graph.edges.values() if e.destination <= length])
 
 
-def restart_on(fleet, graph):
-    """The fleet manager ends and restarts with another graph."""
-    fleet.graph = graph
-    fleet._planners.clear()
-    fleet._parking = tuple(graph.vertices)
-    fleet.restart()
-
-
 def test_a_mission_to_a_vertex_that_the_graph_lost_has_failed_and_the_others_go_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.request(1, 6)
     fleet.request(2, 3)
     fleet.run(3.0)
-    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.restart(cut_short(fleet.graph, 4))
     fleet.run(3.0)
     assert fleet.state(1) is MissionState.FAILED
     assert fleet.statuses[-1].reason == 'the graph has no vertex 6'
@@ -105,7 +97,7 @@ def test_a_robot_whose_place_the_graph_lost_stays_out_of_service():
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.run(1.0)
     fleet.silent['a'] = 1e9
-    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.restart(cut_short(fleet.graph, 4))
     fleet.request(1, 3)
     fleet.run_until_done(1)
     assert fleet.robot_of(1) == 'b'
@@ -119,7 +111,7 @@ def test_a_robot_whose_track_the_graph_lost_stays_out_of_service():
     fleet.run(2.0)
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.run(1.0)
-    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.restart(cut_short(fleet.graph, 4))
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
 
@@ -131,7 +123,7 @@ def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
     fleet.silent['a'] = 1e9
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.agvs['a'].stalled = 10.0
-    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.restart(cut_short(fleet.graph, 4))
     fleet.run(1.0)
     fleet.silent.clear()
     fleet.run(3.0)
@@ -162,7 +154,7 @@ def test_who_drives_a_route_of_another_master_may_be_far_from_its_last_place_aft
     fleet.run(1.0)
     x, y = fleet.agvs['a'].position
     fleet.silent['a'] = 1e9
-    restart_on(fleet, whole)
+    fleet.restart(whole)
     allocation = fleet.supervisor.robots['a'].master.allocation
     assert any(area.radius >= MANUAL_REACH and math.dist(area.line[0], (x, y)) <= 1.0
                for area in allocation.areas), allocation
@@ -176,9 +168,9 @@ def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
     fleet.request(1, 8)
     fleet.run(3.0)
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    orders, fleet._to_robots = fleet._to_robots, []
+    orders, fleet.to_robots = fleet.to_robots, []
     fleet.restart()
-    fleet._to_robots = orders if crash else []  # the order may or may not have reached the robot
+    fleet.to_robots = orders if crash else []  # the order may or may not have reached the robot
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.CANCELLED
     assert fleet.agvs['a'].travelled < 6.1
@@ -254,7 +246,7 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
     fleet.run(4.0)
     assert fleet.agvs['a'].edge == 3
     fleet.silent['a'] = 1e9
-    restart_on(fleet, Graph(fleet.graph.vertices.values(),
+    fleet.restart(Graph(fleet.graph.vertices.values(),
                             [e for e in fleet.graph.edges.values() if e.id not in (1, 2)]))
     held = blocked(fleet, 'a')[1]
     assert set(fleet.agvs['a'].edges[2:]) <= set(held)

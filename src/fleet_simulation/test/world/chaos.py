@@ -120,8 +120,8 @@ class Chaos:
         if event.robot != SAME:
             self._robot = sorted(ROBOTS, key=lambda r: not fleet.agvs[r].is_driving)[event.robot]
         if event.moment == 'order':
-            self._until(lambda: bool(fleet._to_robots), 3.0)
-            self._robot = next((order.robot for order in fleet._to_robots), self._robot)
+            self._until(lambda: bool(fleet.to_robots), 3.0)
+            self._robot = next((order.robot for order in fleet.to_robots), self._robot)
         elif event.moment == 'plan':
             self._until(lambda: fleet.supervisor.plan_executor.is_planning, 1.5)
         ACTS[event.act](self, self._robot, event.number)
@@ -344,11 +344,9 @@ class Chaos:
 
     def use(self, graph: Graph) -> None:
         """Puts a graph into force. The supervisor then begins as after a restart."""
-        self.fleet.graph = graph
         for agv in self.fleet.agvs.values():
             agv.graph = graph
-        self.fleet._planners.clear()
-        self.fleet.restart()
+        self.fleet.restart(graph)
 
     def stop_all(self, _: str, __: int) -> None:
         """Lets a person stop the fleet."""
@@ -402,7 +400,7 @@ class Chaos:
             robot.master.protocol.epoch for robot in fleet.supervisor.robots.values())
         fleet.hangs = True
         if is_stopped:
-            fleet._to_robots += EarlyStop(ROBOTS).stop(fleet.now)
+            fleet.to_robots += EarlyStop(ROBOTS).stop(fleet.now)
         self.run(2.0)
         fleet.hangs = False
         if is_killed:

@@ -508,7 +508,7 @@ class Agv:
         knows = self.knows
         knows['report'] += 1
         self._notice_motion()
-        pose = self._pose()
+        pose = self.pose
         return RouteReport(
             stamp - (self.old or 0), self.route_id, self.edges, self._states(),
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
@@ -568,9 +568,6 @@ class Agv:
     @property
     def pose(self) -> Pose:
         """The place on the graph that it reports."""
-        return self._pose()
-
-    def _pose(self) -> Pose:
         if self.off_graph:
             return Pose()
         fraction = min(self.arc / self.graph.curve(self.edge).length, 1.0)
@@ -619,7 +616,7 @@ class LostLink:
         self._agv.knows['report'] += 1
         said = replace(self._said, number=self._agv.knows['report'])
         if self._commands_only:
-            pose = self._agv._pose()
+            pose = self._agv.pose
             said = replace(said, stamp=stamp, pose=SymbolicPose(pose.edge, 100.0 * pose.fraction),
                            location=Location(*self._agv.position, math.nan))
         return said

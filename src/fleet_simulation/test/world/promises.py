@@ -5,7 +5,6 @@ allocations must always include all places that a robot can really occupy or rea
 """
 from __future__ import annotations
 
-import os
 import sqlite3
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
@@ -75,7 +74,7 @@ class Promises:
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
         self._told: Dict[Tuple[int, float], Status] = {}
         self._well_since = dict.fromkeys(fleet.agvs, 0.0)
-        self._db = sqlite3.connect(os.path.join(fleet._folder.name, 'journal.sqlite'))
+        self._db = sqlite3.connect(fleet.journal_path)
         fleet.watcher = self
 
     # -- commands of people -----------------------------------------------------------------------
