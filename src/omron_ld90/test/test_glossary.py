@@ -1,6 +1,10 @@
-"""The glossary defines the names: each term occurs once, and replaced words no longer occur."""
+"""The glossary defines the names: each term occurs once, and replaced words no longer occur.
+
+A class name stands for one thing in all packages.
+"""
 from __future__ import annotations
 
+import ast
 import io
 import re
 import tokenize
@@ -11,7 +15,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 GLOSSARY = ROOT / 'docs' / 'glossary.md'
-PACKAGES = [ROOT / 'src' / name / 'src' / name for name in ('fleet_core', 'graph_fleet_manager')]
+MODULES = sorted(ROOT.glob('src/*/src/**/*.py'))
+FLEET = ('fleet_core', 'fleet_page', 'fleet_simulation', 'graph_fleet_manager')
+FLEET_ONLY = {'attempts', 'between', 'dispatcher', 'joining', 'track', 'way'}
+"""Replaced words that have another meaning, and so may stand, outside these packages."""
 
 
 class Row(NamedTuple):
@@ -38,16 +45,16 @@ def plain(identifier: str) -> str:
 
 
 def identifiers() -> Dict[str, Set[str]]:
-    """Plain identifiers, with names of modules, and the files in which they occur."""
+    """Plain identifiers, with names of modules, and the packages in which they occur."""
     found: Dict[str, Set[str]] = {}
-    for package, path in ((folder, path) for folder in PACKAGES
-                          for path in folder.rglob('*.py')):
-        names = {*path.relative_to(package).with_suffix('').parts}
+    for path in MODULES:
+        package, *module = path.relative_to(ROOT / 'src').with_suffix('').parts[2:]
+        names = {package, *module}
         source = io.StringIO(path.read_text(encoding='utf-8'))
         names.update(token.string for token in tokenize.generate_tokens(source.readline)
                      if token.type == tokenize.NAME)
         for name in names:
-            found.setdefault(plain(name), set()).add(str(path.relative_to(package.parent)))
+            found.setdefault(plain(name), set()).add(package)
     return found
 
 
@@ -68,4 +75,33 @@ def test_a_meaning_is_one_sentence(row):
 
 @pytest.mark.parametrize('word', sorted(word for row in rows() for word in row.replaced))
 def test_a_replaced_word_is_no_identifier(word):
-    assert IDENTIFIERS.get(plain(word), set()) == set()
+    found = IDENTIFIERS.get(plain(word), set())
+    if word in FLEET_ONLY:
+        assert found and found.isdisjoint(FLEET)
+    else:
+        assert found == set()
+
+
+# -- class names -----------------------------------------------------------------------------------
+
+AMBIGUOUS = set(re.findall(r'\w+', """
+Acceptance Act Action Activity Argument Battery Call Cause Change Clock Command CommandError
+Configuration ConfigurationError Connection Content ControlServer Course Docking DockingState
+Drive EStop Edge Entry Errand EventLoop Failure Fate Fault Field Finding Floor Host JournalFile
+Kind Level Link Listener Localizing Located Location Master Memory Motion Motors Note Notice
+Odometer Options Order Outcome Parameter Parking Part Peer Phase Place Plan Pose Progress Record
+Reference Refused Robot RobotView Role Route RouteRecord Rule Section Session SessionLog
+SetUpError Settings Severity Sign Site Size Standstill State Stopped Task Text Track UnknownFault
+Vehicle VehicleState Way
+"""))
+"""Class names that still stand for two or more things. Rename one of them instead of adding here.
+"""
+
+
+def test_a_class_name_stands_for_one_thing():
+    modules: Dict[str, Set[Path]] = {}
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith('_'):
+                modules.setdefault(node.name, set()).add(path)
+    assert {name for name, paths in modules.items() if len(paths) > 1} == AMBIGUOUS
