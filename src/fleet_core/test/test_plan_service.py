@@ -199,40 +199,35 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
     assert seconds < 2.0  # 0.5 s; when it grew with the square of the drives, 3 to 5 s
 
 
-def test_robots_that_have_a_path_when_time_is_over_keep_it(monkeypatch):
-    late, planned = [0.0], []
-    now = time.monotonic
+@pytest.fixture
+def plan_until(monkeypatch):
+    """A function that plans in a row of vertices for each robot; the time ends in a given search,
+    which finds nothing."""
+    def plan(count, last, *tasks):
+        late, planned, now = [0.0], [], time.monotonic
 
-    def search(errand, *others):
-        planned.append(errand.vertex)
-        if len(planned) == 3:
-            late[0] = 1000.0
-            return None
-        return find_path(errand, *others)
-    graph = rows(3)
-    planner = FleetPlanner(RoadNetwork(graph), 0.1, [AGV], search=search)
-    monkeypatch.setattr(time, 'monotonic', lambda: now() + late[0])
-    tasks = [Task(f'r{k}', AGV, 100 * k + 1, destinations=(100 * k + 5,), stays=True)
-             for k in range(3)]
-    outcome = planner.plan(tasks, deadline=now() + 100.0, rounds=0)
+        def search(errand, *others):
+            planned.append(errand.vertex)
+            if len(planned) == last:
+                late[0] = 1000.0
+                return None
+            return find_path(errand, *others)
+        planner = FleetPlanner(RoadNetwork(rows(count)), 0.1, [AGV], search=search)
+        monkeypatch.setattr(time, 'monotonic', lambda: now() + late[0])
+        return planner.plan(tasks, deadline=now() + 100.0, rounds=0)
+    return plan
+
+
+def test_robots_that_have_a_path_when_time_is_over_keep_it(plan_until):
+    outcome = plan_until(3, 3, *(
+        Task(f'r{k}', AGV, 100 * k + 1, destinations=(100 * k + 5,), stays=True)
+        for k in range(3)))
     assert outcome.unserved == {'r2': 'no path to vertex 205 was found in the given time'}
     assert [len(outcome.drives[name]) for name in ('r0', 'r1', 'r2')] == [4, 4, 0]
 
 
-def test_a_path_that_leads_past_a_robot_without_one_is_not_kept(monkeypatch):
-    late, planned = [0.0], []
-    now = time.monotonic
-
-    def search(errand, *others):
-        planned.append(errand.vertex)
-        if len(planned) == 2:
-            late[0] = 1000.0
-            return None
-        return find_path(errand, *others)
-    planner = FleetPlanner(RoadNetwork(rows(1)), 0.1, [AGV], search=search)
-    monkeypatch.setattr(time, 'monotonic', lambda: now() + late[0])
-    tasks = [Task('a', AGV, 1, destinations=(8,), stays=True),
-             Task('b', AGV, 5, destinations=(18,), stays=True)]
-    outcome = planner.plan(tasks, deadline=now() + 100.0, rounds=0)
+def test_a_path_that_leads_past_a_robot_without_one_is_not_kept(plan_until):
+    outcome = plan_until(1, 2, Task('a', AGV, 1, destinations=(8,), stays=True),
+                         Task('b', AGV, 5, destinations=(18,), stays=True))
     assert set(outcome.unserved) == {'a', 'b'}
     assert [len(outcome.drives[name]) for name in 'ab'] == [0, 0]

@@ -7,7 +7,7 @@ from random import Random
 from typing import List
 
 import pytest
-from fleet_builders import AGV, corridor, graph_of, ladder
+from fleet_builders import AGV, corridor, graph_of, ladder, with_docks
 
 from fleet_core.interlocking.reports import Report
 from fleet_core.supervision.actions import Note, TellStatus
@@ -34,12 +34,6 @@ from world.supervised_fleet import SupervisedFleet, blocked
 # -- the last word ---------------------------------------------------------------------------------
 
 FAR = RobotSettings(release_ahead=8.0)
-
-
-def carry(agv, edge, arc):
-    """A person carries a robot to a place on an edge, where it stands without a route."""
-    agv.forget()
-    agv.edge, agv.arc = edge, arc
 
 
 def robot(fleet, name='a'):
@@ -243,7 +237,7 @@ def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():
     fleet.run(3.0)
     fleet.request(1, 6, robot='a')
     fleet.run(0.3)
-    carry(fleet.agvs['b'], 1, 1.9)
+    fleet.agvs['b'].be_carried(1, 1.9)
     fleet.run(5.0)
     assert fleet.agvs['a'].travelled == 0.0
 
@@ -360,12 +354,6 @@ def test_who_requested_a_mission_and_its_end_is_told_and_kept():
 
 
 # -- which robot charges, where and how long -------------------------------------------------------
-
-def with_docks(graph, *docks):
-    """The same graph with charging docks at some vertices."""
-    return Graph([replace(v, dock=v.id in docks) for v in graph.vertices.values()],
-                 graph.edges.values())
-
 
 def yard(robots, docks=(6,), **more):
     """Robots {name: vertex} that charge at docks of a corridor with a siding at 3."""

@@ -21,12 +21,6 @@ from world.supervised_fleet import SupervisedFleet, blocked
 
 # -- robots ----------------------------------------------------------------------------------------
 
-def carry(agv, edge, arc):
-    """A person carries a robot to a place on an edge, where it stands without a route."""
-    agv.forget()
-    agv.edge, agv.arc = edge, arc
-
-
 def test_a_paused_mission_whose_robot_drops_out_stays_paused():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.step()
@@ -71,7 +65,7 @@ def test_who_was_driven_elsewhere_while_it_had_nothing_to_do_needs_a_person(befo
         fleet.request(1, 1, robot='a')
         fleet.run_until_done(1)
     fleet.run(1.0)
-    carry(fleet.agvs['a'], 5, 1.0)
+    fleet.agvs['a'].be_carried(5, 1.0)
     fleet.run(2.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     fleet.request(2, 4, robot='b')
@@ -100,7 +94,7 @@ def test_nobody_is_sent_to_where_a_robot_was_carried():
     fleet.run(1.0)
     fleet.request(1, 5, robot='a')
     fleet.run(1.0)
-    carry(fleet.agvs['b'], 3, 2.0)
+    fleet.agvs['b'].be_carried(3, 2.0)
     fleet.run_until_done(1)
     assert fleet.agvs['a'].visited[-3:] == [6, 7, 5], 'the robot must take the other path'
 
@@ -113,7 +107,7 @@ def test_nobody_is_sent_to_where_a_robot_comes_back_into_service_without_a_plann
     fleet.request(1, 6, robot='a')
     fleet.run(1.0)
     fleet.planning = 1e9
-    carry(fleet.agvs['b'], 4, 1.0)
+    fleet.agvs['b'].be_carried(4, 1.0)
     fleet.run(3.0)
     problem, actions = fleet.supervisor.bring_in('b', fleet.now)
     fleet.do(actions)
@@ -200,7 +194,7 @@ def test_who_is_elsewhere_once_its_link_is_back_needs_a_person():
     fleet.run(1.0)
     fleet.lose_link('a')
     fleet.run(5.0)
-    carry(fleet.agvs['a'], 7, 1.0)
+    fleet.agvs['a'].be_carried(7, 1.0)
     fleet.find_link('a')
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
@@ -214,7 +208,7 @@ def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
     fleet.agvs['a'].off_graph = True
     fleet.run(2.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
-    carry(fleet.agvs['a'], 4, 1.0)
+    fleet.agvs['a'].be_carried(4, 1.0)
     fleet.agvs['a'].off_graph = False
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
@@ -226,7 +220,7 @@ def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
 def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_was(is_restarted):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
-    carry(fleet.agvs['a'], 5, 1.0)
+    fleet.agvs['a'].be_carried(5, 1.0)
     fleet.run(2.0)
     fleet.agvs['a'].off_graph = True
     fleet.run(1.0)
@@ -234,7 +228,7 @@ def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_w
         fleet.restart()
         fleet.run(1.0)
     assert blocked(fleet, 'a') == ((), (5,))
-    carry(fleet.agvs['a'], 7, 1.0)
+    fleet.agvs['a'].be_carried(7, 1.0)
     fleet.agvs['a'].off_graph = False
     fleet.run(2.0)
     assert blocked(fleet, 'a') == ((), (7,))
@@ -399,7 +393,7 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
     fleet.run(4.0)
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     assert fleet.supervisor.robots['a'].works
-    carry(fleet.agvs['a'], edge, arc)
+    fleet.agvs['a'].be_carried(edge, arc)
     fleet.run(2.0)
     assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left
 

@@ -278,8 +278,7 @@ class Chaos:
                     math.dist((x, y), fleet.agvs[name].position) < 1.5
                     or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.record.held)):
                 return
-        agv.forget()
-        agv.edge, agv.arc = edge, share * YARD.curve(edge).length
+        agv.be_carried(edge, share * YARD.curve(edge).length)
         self.promises.carried.add(robot)
 
     # -- messages ---------------------------------------------------------------------------------

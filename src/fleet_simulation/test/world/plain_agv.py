@@ -482,6 +482,11 @@ class Agv:
         self.begin_epoch(EpochCause.RESTART)
         self.knows.update(master=None, first=0, done=0)
 
+    def be_carried(self, edge: int, arc: float) -> None:
+        """A person switches it off, carries it to this place, and switches it on again."""
+        self.forget()
+        self.edge, self.arc = edge, arc
+
     def restart(self) -> None:
         """Starts the AGV again with its memory: nothing changes, except that it stands."""
         self._rolls = 0.0
