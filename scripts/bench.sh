@@ -35,7 +35,7 @@ done
 
 prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"
 case " ${topics[*]} " in *' multimaster '* | *' masters '*) provide_multimaster ;; esac
-export ROS_IP=127.0.0.1 PYTHONPATH="$root/test${PYTHONPATH:+:$PYTHONPATH}"
+export ROS_IP=127.0.0.1 PYTHONPATH="$root/test:$root/src/fleet_simulation/test${PYTHONPATH:+:$PYTHONPATH}"
 cd "$root"
 failed=()
 for topic in "${topics[@]}"; do

@@ -11,5 +11,5 @@ set -euo pipefail
 
 prepare "${run_packages[@]}"
 ulimit -Sn 16384 2>/dev/null || ulimit -Sn "$(ulimit -Hn)"
-export ROS_IP=127.0.0.1 PYTHONPATH="$root/scripts/bench:$root/test${PYTHONPATH:+:$PYTHONPATH}"
+export ROS_IP=127.0.0.1 PYTHONPATH="$root/scripts/bench:$root/test:$root/src/fleet_simulation/test${PYTHONPATH:+:$PYTHONPATH}"
 exec /usr/bin/python3 "$root/scripts/soak/soak.py" "$@"

@@ -24,8 +24,8 @@ from soaking.hall import CLEARANCE, Hall, write_hall
 from soaking.launch import PLANTS, Launch, resources
 from soaking.simulators import Simulators
 
-from fleet_simulation.witness import Witness, growth
 from itrci_nav_msgs.msg import FleetRobot
+from world.witness import Witness, growth
 
 ROOT = Path(__file__).resolve().parents[2]
 LOG = ROOT / 'build/soak.log'

@@ -13,12 +13,12 @@ from typing import Dict, List, Mapping, NamedTuple, Optional
 import rospy
 
 from fleet_core.fleet import RobotType
-from fleet_simulation.plain_agv import Agv
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from load_bench.site import ALONE, RELEASE_AHEAD
 from route_protocol.master import Order
 from route_protocol.messages import fill_refusal, fill_report, order_of
 from trajectory_graph import Graph
+from world.plain_agv import Agv
 
 PERIOD = 0.1  # s between two reports of a robot
 _SLICES = 10  # parts of a period over which the reports are spread

@@ -16,12 +16,12 @@ from typing import Callable, Dict, Iterator, List, Sequence, Tuple
 import rosgraph
 from ros_master import RosMaster
 
-from fleet_simulation.witness import Witness
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand
 from soaking.fleet import Fleet
 from soaking.hall import Hall
 from soaking.launch import Launch, process_of
 from soaking.simulators import Simulators
+from world.witness import Witness
 
 RECOVERS = 8.0  # s after a program or link is back, until the robot can be reached again
 MASTER_RECOVERS = 15.0  # s until all nodes have registered at a new ROS master

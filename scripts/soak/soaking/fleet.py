@@ -11,8 +11,6 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 from std_srvs.srv import Trigger
 
-from fleet_simulation.witness import State, Witness
-from fleet_simulation.wrong_plans import WRONG
 from graph_fleet_manager.messages.planning import outcome_of, write_outcome
 from itrci_nav_msgs.msg import (
     EdgeCommand,
@@ -24,6 +22,8 @@ from itrci_nav_msgs.msg import (
 )
 from node_lifecycle.master_watch import watch_master
 from soaking.launch import TRUE_ANSWERS
+from world.witness import State, Witness
+from world.wrong_plans import WRONG
 
 REPEAT = 5.0  # s after which a mission request without a status is sent again, unchanged
 SERVICE = 3.0  # s to wait for a service

@@ -72,6 +72,12 @@ def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> G
                   for k, place in enumerate(places)], edges)
 
 
+def with_docks(graph: Graph, *docks: int) -> Graph:
+    """The same graph with charging docks at some vertices."""
+    return Graph([replace(v, dock=v.id in docks) for v in graph.vertices.values()],
+                 graph.edges.values())
+
+
 def grant(record: RouteRecord, edges: Sequence[int]) -> None:
     """The robot of this record is ordered to drive these edges after those ahead of it."""
     protocol = record.protocol

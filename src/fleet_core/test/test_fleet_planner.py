@@ -1,4 +1,8 @@
-"""The planner as a fleet manager uses it: released drives, kept plans, obstacles, closed edges."""
+"""The planner as a fleet manager uses it: released drives, kept plans, obstacles, closed edges.
+
+Robots between two vertices block the point where they are, not their whole edge. They are planned
+like all other robots, also out of an edge that is closed meanwhile.
+"""
 from __future__ import annotations
 
 import time
@@ -9,6 +13,7 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_core.fleet import RobotType
+from fleet_core.geometry.areas import Area
 from fleet_core.planning.lacam import search_lacam
 from fleet_core.planning.parking import Parking
 from fleet_core.planning.planner import FleetPlanner
@@ -355,3 +360,78 @@ def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
 @pytest.fixture
 def lab_graph():
     return load_graph(Path(__file__).parents[3] / 'maps/lab_graph.yaml')
+
+
+# -- robots between two vertices -------------------------------------------------------------------
+
+@pytest.mark.parametrize('names', [('a', 'b'), ('b', 'a')])
+def test_a_robot_far_enough_from_one_between_vertices_is_planned(names):
+    outcome = _planner(corridor(4)).plan(
+        [Task(names[0], AGV, 2, destinations=(1,)),
+         Task(names[1], AGV, mid_edge=(2, 0.5), destinations=(4,))], rounds=0)
+    assert outcome.unserved == {}
+
+
+@pytest.mark.parametrize('names', [('a', 'b'), ('b', 'a')])
+def test_a_robot_too_near_to_one_between_vertices_is_told_so(names):
+    outcome = _planner(corridor(4)).plan(
+        [Task(names[0], AGV, 2, destinations=(1,)),
+         Task(names[1], AGV, mid_edge=(2, 0.4), destinations=(4,))], rounds=0)
+    assert set(outcome.unserved) == {'a', 'b'}
+
+
+def test_a_robot_between_vertices_may_go_on_while_another_comes_to_the_vertex_behind_it():
+    outcome = _planner(corridor(4)).plan([Task('a', AGV, mid_edge=(2, 0.55), destinations=(4,)),
+                                         Task('b', AGV, released=(1,), destinations=(2,))],
+                                        rounds=0)
+    assert outcome.unserved == {}
+    assert outcome.drives['a'][0].start == 0.0, 'the robot must not block places behind it'
+
+
+@pytest.mark.parametrize('gap, too_near', [(0.4, False), (0.1, True)])
+def test_two_robots_on_one_edge_leave_it_apart_if_their_points_are_far_enough_apart(gap, too_near):
+    outcome = _planner(corridor(4, spacing=5.0)).plan(
+        [Task('a', AGV, mid_edge=(2, 0.5 - gap / 2), destinations=(1,), stays=True),
+         Task('b', AGV, mid_edge=(2, 0.5 + gap / 2), destinations=(4,), stays=True)], rounds=0)
+    assert set(outcome.unserved) == ({'a', 'b'} if too_near else set())
+    if not too_near:
+        assert (_edges(outcome, 'a'), _edges(outcome, 'b')) == ([-2, -1], [2, 3])
+
+
+@pytest.mark.parametrize('goal, way', [(1, [-2, -1]), (4, [2, 3])])
+def test_a_robot_leaves_a_closed_edge_to_either_side(goal, way):
+    outcome = _planner(corridor(4), closed=(2,)).plan(
+        [Task('a', AGV, mid_edge=(2, 0.25), destinations=(goal,), stays=True)], rounds=0)
+    assert outcome.unserved == {}
+    assert _edges(outcome, 'a') == way
+
+
+def test_a_robot_leaves_a_closed_edge_only_in_the_direction_that_the_edge_allows():
+    graph = graph_of({1: (0, 0), 2: (4, 0), 3: (4, 4)}, {1: (1, 2), 2: (2, 3), 3: (3, 1)},
+                     one_way=(1,))
+    task = Task('a', AGV, mid_edge=(1, 0.1), destinations=(1,), stays=True)
+    assert _edges(_planner(graph, closed=(1,)).plan([task], rounds=0), 'a') == [1, 2, 3]
+
+
+def test_a_robot_does_not_come_back_to_a_closed_edge_that_it_has_left():
+    outcome = _planner(corridor(4), closed=(2,)).plan(
+        [Task('a', AGV, mid_edge=(2, 0.25), destinations=(1, 4), stays=True)], rounds=0)
+    assert 'vertex 4 cannot be reached from vertex 1 while edges 2 are closed' in \
+        outcome.unserved['a']
+
+
+def test_a_robot_keeps_its_plan_out_of_an_edge_that_was_closed():
+    kept = (PlannedDrive(-2, 0.0, 0.5), PlannedDrive(-1, 0.5, 2.5))
+    outcome = _planner(corridor(4), closed=(2,)).plan(
+        [Task('a', AGV, mid_edge=(2, 0.25), destinations=(1,), stays=True, kept=kept)], rounds=0)
+    assert _edges(outcome, 'a') == [-2, -1]
+
+
+def test_an_obstacle_blocks_the_rest_of_an_edge_but_not_the_part_behind():
+    graph = corridor(3, spacing=8.0)
+    for centre, is_blocked in ((4.0, False), (12.0, True)):
+        beside = Obstacle('dead', AGV, areas=(Area(((centre, 0.5),), 0.1),))
+        outcome = _planner(graph).plan(
+            [Task('a', AGV, mid_edge=(2, 0.1), destinations=(3,), stays=True)], [beside], rounds=0)
+        assert ('a' in outcome.unserved) is is_blocked
+        assert not is_blocked or 'dead, which cannot move' in outcome.unserved['a']

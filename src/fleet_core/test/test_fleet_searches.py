@@ -9,11 +9,13 @@ from __future__ import annotations
 import heapq
 import itertools
 import time
+from math import inf
 from random import Random
 from typing import Dict, List, Optional, Sequence, Tuple
 
+import networkx as nx
 import pytest
-from fleet_builders import graph_of
+from fleet_builders import AGV, graph_of
 from fleet_cases import Case
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -21,9 +23,13 @@ from hypothesis import strategies as st
 from fleet_core.fleet import RobotType
 from fleet_core.planning.layers import layered
 from fleet_core.planning.planner import FleetPlanner
+from fleet_core.planning.problem import Problem
+from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path
+from fleet_core.planning.shortest_paths import ShortestPaths
 from fleet_core.planning.tasks import Task
+from fleet_core.planning.tea_star import TeaStar
 from trajectory_graph import Graph, GraphError
 
 # an edge of 1 m takes 1 s, and blocks both its ends for that time
@@ -222,3 +228,70 @@ def test_fine_layers_and_safe_intervals_agree(seed):
     if alone and not any(outcome.unserved for outcome in costs):
         assert costs[0].cost <= costs[1].cost + 1e-6
         assert costs[1].cost <= costs[0].cost + layer * (drives + 1)
+
+
+# -- the loop of TEA*: another order if a robot finds no path --------------------------------------
+
+def test_who_is_not_in_the_way_of_who_is_put_first_keeps_its_way():
+    """Robot a would end in the corridor that b has to pass; d does not meet them."""
+    graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (6, 0), 5: (4, 2), 6: (9, 9), 7: (9, 7)},
+                     {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (3, 5), 5: (6, 7), 6: (4, 7)})
+    table = ReservationTable(RoadNetwork(graph), 0.1, [AGV])
+    looked = []
+
+    def search(errand, *others):
+        looked.append(graph_id(errand.vertex))
+        return find_path(errand, *others)
+
+    def graph_id(vertex):
+        return table.network.vertex_ids[vertex]
+    order = list(Problem(table, [
+        Task('d', AGV, 6, destinations=(7,), stays=True),
+        Task('a', AGV, 5, destinations=(2,), stays=True),
+        Task('b', AGV, 1, destinations=(4,), stays=True)], ()).agents.values())
+    paths = TeaStar(table, search).plan(order, inf, 2)
+    assert looked == [6, 5, 1, 1, 5], 'd is planned once, b again as the first, a again after it'
+    assert {name: graph_id(table.network.destination(path.plan[-1].drive))
+            for name, path in paths.items()} == {'a': 2, 'b': 4, 'd': 7}
+    assert paths['b'].cost == 6.0 < paths['a'].cost
+
+
+# -- shortest paths with the graph reduced to its crossings ----------------------------------------
+
+def _expected(vertices, roads, target):
+    graph = nx.MultiDiGraph()
+    graph.add_nodes_from(range(vertices))
+    graph.add_weighted_edges_from((end, begin, seconds) for begin, end, seconds in roads)
+    seconds = nx.single_source_dijkstra_path_length(graph, target)
+    return [seconds.get(vertex, inf) for vertex in range(vertices)]
+
+
+@given(st.integers(0, 2 ** 32 - 1))
+def test_all_ways_to_all_vertices_are_the_shortest(seed):
+    """Trees with links across, some of them one-way or double, and unconnected parts."""
+    random = Random(seed)
+    vertices = random.randint(1, 25)
+    ends = [(random.randrange(max(k - 3, 0), k), k) for k in range(1, vertices)
+            if random.random() < 0.95]
+    ends += [(random.randrange(vertices), random.randrange(vertices))
+             for _ in range(random.randint(0, 8))]
+    roads = [(*ends_of_road, random.uniform(0.1, 5.0)) for end in ends
+             for ends_of_road in (end, end[::-1]) if random.random() < 0.9]
+    paths = ShortestPaths(vertices, roads)
+    targets = random.sample(range(vertices), random.randint(1, vertices))
+    for target, row in zip(targets, paths.to(targets)):
+        assert row.tolist() == pytest.approx(_expected(vertices, roads, target)), target
+    nearest = paths.to(targets).min(axis=0)
+    assert paths.to_nearest(targets).tolist() == pytest.approx(nearest.tolist())
+
+
+def test_a_lane_of_many_sections_is_one_link():
+    """Two crossings of four lanes, joined by a long lane."""
+    lane = [(k, k + 1, 2.0) for k in range(100)]
+    around = [(a, b, 1.0) for first, hub in ((101, 0), (104, 100))
+              for a, b in ((hub, first), (hub, first + 1), (hub, first + 2),
+                           (first, first + 1), (first + 1, first + 2), (first + 2, first))]
+    both = [road for a, b, s in lane + around for road in ((a, b, s), (b, a, s))]
+    paths = ShortestPaths(107, both)
+    assert paths.left <= 8, 'only vertices of the crossings may remain'
+    assert paths.to([50])[0][:101].tolist() == [2.0 * abs(50 - k) for k in range(101)]

@@ -1,7 +1,6 @@
 """Order switching: groups are reversed as a whole and before use, without rings, with a gain."""
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass
 from random import Random
@@ -24,7 +23,6 @@ from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
 from trajectory_graph import Graph, GraphError
 
-LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 ANY_SEED = given(seed=st.integers(0, 2 ** 32 - 1))
 MANY = settings(max_examples=settings.default.max_examples // 4,
                 suppress_health_check=list(HealthCheck))

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from fleet_builders import AGV, corridor, graph_of
+from fleet_builders import AGV, corridor, graph_of, with_docks
 
 from fleet_core.fleet import Fleet, Robot, RobotType
 from fleet_core.planning.road_network import RoadNetwork
@@ -36,11 +36,6 @@ def ring(*spurs, radius=6.0, one_way=()):
         places[10 + k] = (x + (2.0 if x else -2.0), y)
         ends[10 + k] = (k, 10 + k)
     return graph_of(places, ends, one_way=one_way)
-
-
-def with_docks(graph, *docks):
-    return Graph([replace(v, dock=v.id in docks) for v in graph.vertices.values()],
-                 graph.edges.values())
 
 
 def told(graph, *types, robots=()):

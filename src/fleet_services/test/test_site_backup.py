@@ -10,19 +10,16 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from file_modes import differences, walk
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / 'test'))
-
-from file_modes import differences, walk  # noqa: E402
-
-from fleet_core.fleet import RobotType  # noqa: E402
-from fleet_core.supervision.journal import Journal, history  # noqa: E402
-from fleet_core.supervision.missions import MissionState  # noqa: E402
-from fleet_services import backup  # noqa: E402
-from fleet_services.backup import JOURNAL, main  # noqa: E402
-from fleet_services.file_kinds import is_secret  # noqa: E402
-from fleet_simulation.supervised_fleet import SupervisedFleet  # noqa: E402
-from trajectory_graph import Edge, Graph, Vertex  # noqa: E402
+from fleet_core.fleet import RobotType
+from fleet_core.supervision.journal import Journal, history
+from fleet_core.supervision.missions import MissionState
+from fleet_services import backup
+from fleet_services.backup import JOURNAL, main
+from fleet_services.file_kinds import is_secret
+from trajectory_graph import Edge, Graph, Vertex
+from world.supervised_fleet import SupervisedFleet
 
 TEXT = 'graph_fleet_manager/closed_edges.json'
 GRAPH = 'Vertices: []\nEdges: []\n'

@@ -24,7 +24,7 @@ from fleet_core.supervision import questions
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.chaos import (
+from world.chaos import (
     DOCKS,
     PARKING,
     PEOPLE,
@@ -35,9 +35,9 @@ from fleet_simulation.chaos import (
     Chaos,
     Event,
 )
-from fleet_simulation.promises import Promises
-from fleet_simulation.supervised_fleet import SupervisedFleet
-from fleet_simulation.wrong_plans import WRONG, Spoil, exchanged, with_holes, without_order
+from world.promises import Promises
+from world.supervised_fleet import SupervisedFleet
+from world.wrong_plans import WRONG, Spoil, exchanged, with_holes, without_order
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
 LIVES = 60 if os.environ.get('LD90_LONG_TESTS') == '1' else 20  # number of lives with all guards

@@ -1,11 +1,13 @@
 """The witness names each broken promise, and nothing else."""
 from __future__ import annotations
 
+import ast
+from pathlib import Path
 from typing import Dict, Sequence, Tuple
 
 import pytest
 
-from fleet_simulation.witness import State, Witness, growth
+from world.witness import State, Witness, growth
 
 GRACE = 2.0
 VERTICES = {1: (0.0, 0.0), 2: (5.0, 0.0), 3: (5.0, 5.0)}
@@ -194,3 +196,43 @@ def test_of_a_mission_of_somebody_else_nothing_is_known(witness: Witness) -> Non
 def test_growth_is_what_comes_after_the_first_quarter(
         samples: Sequence[float], grown: object) -> None:
     assert growth(samples, 0.2, 1.0) == grown
+
+
+# -- the witness and the other judges observe from outside -----------------------------------------
+
+WORLD = sorted((Path(__file__).parent / 'world').glob('*.py'))
+OWN = {'_replace', '_fields', '_asdict'}  # the public methods of a NamedTuple begin with a line
+SELF = ast.Name('self', ast.Load())
+
+
+def private_members(source: str) -> Sequence[str]:
+    """The private members of other objects that a module reads, changes or imports."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute) and ast.dump(node.value) != ast.dump(SELF):
+            found.append(node.attr)
+        elif isinstance(node, ast.ImportFrom):
+            found += [part for name in node.names for part in (node.module or '', name.name)]
+    return [name for name in found
+            if name.startswith('_') and not name.startswith('__') and name not in OWN]
+
+
+@pytest.mark.parametrize('file', WORLD, ids=lambda file: file.stem)
+def test_the_world_of_the_tests_reaches_into_no_private_member(file: Path) -> None:
+    assert private_members(file.read_text(encoding='utf-8')) == []
+
+
+@pytest.mark.parametrize('line', [
+    'fleet._orders.clear()', 'fleet._orders = []', 'self.fleet._orders', 'super()._plan()',
+    'from fleet import _Orders'])
+def test_a_private_member_is_found(line: str) -> None:
+    assert private_members(line) != []
+
+
+def test_the_witness_knows_no_code_of_the_fleet() -> None:
+    tree = ast.parse((WORLD[0].parent / 'witness.py').read_text(encoding='utf-8'))
+    imported = {(node.module or '').split('.')[0] if isinstance(node, ast.ImportFrom) else
+                node.names[0].name for node in ast.walk(tree)
+                if isinstance(node, (ast.Import, ast.ImportFrom))}
+    assert imported == {'__future__', 'dataclasses', 'enum', 'itertools', 'math', 'statistics',
+                        'typing'}

@@ -11,9 +11,9 @@ from fleet_core.interlocking.reports import Report
 from fleet_core.supervision.actions import Note, TellStatus
 from fleet_core.supervision.missions import Command, MissionState, Request
 from fleet_core.supervision.outages import Outage
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes import event_loop
 from graph_fleet_manager.nodes.event_loop import BATCH, TICK, EventLoop
+from world.supervised_fleet import SupervisedFleet
 
 
 class Clock:

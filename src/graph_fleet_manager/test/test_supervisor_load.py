@@ -18,8 +18,8 @@ from fleet_core.supervision.outbox import TOGETHER
 from fleet_core.supervision.questions import question_of
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waiting_missions import AT_ONCE
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
+from world.supervised_fleet import SupervisedFleet
 
 MANY = 2000
 

@@ -1,9 +1,10 @@
-"""The table of commands: categories, shortcuts, and that each command can end."""
+"""The table of commands: categories, shortcuts, that each can end; and the help list."""
 from __future__ import annotations
 
 import pytest
 
-from omron_arcl import COMMANDS, Category, parse_command
+from omron_arcl import COMMANDS, Category, HelpList, parse_command
+from omron_arcl.help_list import read_entry
 
 
 @pytest.mark.parametrize(('name', 'category'), [
@@ -61,3 +62,25 @@ def test_no_shortcut_is_a_command_or_stands_twice():
     shortcuts = [spec.shortcut for spec in COMMANDS.values() if spec.shortcut]
     assert len(set(shortcuts)) == len(shortcuts)
     assert not set(shortcuts) & set(COMMANDS)
+
+
+# -- the robot's help list -------------------------------------------------------------------------
+
+def test_it_knows_names_without_case_and_shortcuts():
+    help_list = HelpList({'applicationFaultQuery': 'Gets the faults [afq]', 'goto': 'Goes'})
+    assert help_list.full_name('GOTO') == 'goto'
+    assert help_list.full_name('afq') == 'applicationFaultQuery'
+    assert help_list.full_name('quit') is None
+
+
+@pytest.mark.parametrize(('line', 'entry'), [
+    ('           goto          Goes to a goal', ('goto', 'Goes to a goal')),
+    ('applicationFaultQuery          Gets faults [afq]',
+     ('applicationFaultQuery', 'Gets faults [afq]')),
+    ('goto                        Goes to a goal', ('goto', 'Goes to a goal')),
+    ('stop Stops the robot', ('stop', 'Stops the robot')),
+    ('stop', ('stop', '')),
+    ('12 34', None), ('', None), ('"goto" Goes', None),
+])
+def test_an_entry_is_read_in_any_layout(line, entry):
+    assert read_entry(line) == entry

@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from omron_arcl import SessionLog, session_log
+from omron_arcl.secret import redact_passwords
 
 ROOT = Path(__file__).resolve().parents[3]
 VECTORS = yaml.safe_load((ROOT / 'test' / 'vectors' / 'session_log.yaml').read_text())
@@ -127,3 +128,18 @@ def test_where_no_other_file_can_be_begun_the_log_ends_with_a_reason(tmp_path, m
     for _ in range(10):
         trace('S', b'Stopped')
     assert 'No space left on device' in log.failure
+
+
+# -- passwords of the robot's configuration are redacted, and nothing else is ----------------------
+
+@pytest.mark.parametrize(('line', 'redacted'), [
+    (b'GetConfigSectionValue: Password adept', b'GetConfigSectionValue: Password ********'),
+    (b'configAdd Password two words', b'configAdd Password ********'),
+    (b"Added 'Password adept' to the config", b"Added 'Password ********' to the config"),
+    (b'configAdd PasswordUser adept', b'configAdd PasswordUser ********'),
+    (b'GetConfigSectionValue: PortNumber 7171', b'GetConfigSectionValue: PortNumber 7171'),
+    (b'say the password is adept', b'say the password is adept'),
+    (b'Going to password', b'Going to password'),
+])
+def test_the_value_of_a_password_is_redacted(line, redacted):
+    assert redact_passwords(line) == redacted

@@ -6,17 +6,20 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+from functools import lru_cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Dict, List, Set
+from typing import Dict, Iterable, List, Set
 
 import pytest
 
 SOURCES = Path(__file__).resolve().parents[2]
 PACKAGES = [file.parent for file in sorted(SOURCES.glob('*/src/*/__init__.py'))]
-COMES_WITH_ROS = ('rospy', 'rosgraph', 'rospkg', 'roslib', 'roslaunch', 'genpy', 'actionlib',
-                  'diagnostic_updater', 'interactive_markers', 'tf2_ros', 'PyQt5')
+COMES_WITH_ROS = ('rospy', 'rosgraph', 'rosmaster', 'rospkg', 'roslib', 'roslaunch', 'genpy',
+                  'actionlib', 'diagnostic_updater', 'interactive_markers', 'std_srvs', 'tf2_ros',
+                  'PyQt5')
 
 pytestmark = pytest.mark.every_python
 
@@ -90,13 +93,106 @@ def test_a_circle_of_imports_is_found():
     assert in_circles(imports) == {'a', 'b', 'c'}
 
 
+# -- what is imported is declared in package.xml ---------------------------------------------------
+
+FOLDERS = sorted(file.parent for file in SOURCES.glob('*/package.xml'))
+DEBIAN = {
+    'PIL': 'pil', 'PyQt5': 'pyqt5', 'aiohttp': 'aiohttp', 'hypothesis': 'hypothesis',
+    'jsonschema': 'jsonschema', 'networkx': 'networkx', 'numpy': 'numpy', 'paho': 'paho-mqtt',
+    'pytest': 'pytest', 'rospkg': 'rospkg', 'scipy': 'scipy', 'shapely': 'shapely',
+    'skimage': 'skimage', 'yaml': 'yaml'}
+"""By the module of a library: the name of its package in Debian, without `python3-`."""
+PARTS = {'yarl': 'aiohttp'}
+"""By a module: the module of the library to which it belongs."""
+WITHOUT = {'selenium'}
+"""Libraries without which tests skip."""
+HELPERS = {file.stem for file in (SOURCES.parent / 'test').glob('*.py')}
+"""Modules for the system tests, which lie outside all packages."""
+
+
+def modules_of_tests(folder: Path) -> Dict[str, Path]:
+    """By name: the modules in the test folder of a package, such as `builders` and `world.chaos`.
+    """
+    found: Dict[str, Path] = {}
+    for file in sorted((folder / 'test').rglob('*.py')):
+        is_in_package = (file.parent / '__init__.py').exists()
+        found[f'{file.parent.name}.{file.stem}' if is_in_package else file.stem] = file
+    return found
+
+
+TESTS = {folder.name: modules_of_tests(folder) for folder in FOLDERS}
+HOMES = {package.name: package.parents[1].name for package in PACKAGES}
+HOMES.update({file.stem: file.relative_to(SOURCES).parts[0] for file in SOURCES.glob('*/src/*.py')})
+
+
+@lru_cache(maxsize=None)
+def names_imported(file: Path) -> Set[str]:
+    """All modules that a file imports, and the members of modules that may be modules."""
+    names: Set[str] = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {str(node.module), *(f'{node.module}.{alias.name}' for alias in node.names)}
+    return names
+
+
+def needed(files: Iterable[Path], folder: str) -> Set[str]:
+    """What package.xml has to declare for these files of a package, and for all builders of other
+    packages that they import. What another package needs outside its tests comes with it."""
+    found: Set[str] = set()
+    todo, done = list(files), set()
+    while todo:
+        file = todo.pop()
+        done.add(file)
+        home = file.relative_to(SOURCES).parts[0]
+        comes_with_it = set() if home == folder else declared(SOURCES / home, NORMAL)
+        for name in names_imported(file):
+            top = name.split('.')[0]
+            owners = [home] if name in TESTS[home] else [
+                one for one, modules in TESTS.items() if name in modules and top not in HOMES]
+            todo += [TESTS[one][name] for one in owners if TESTS[one][name] not in done]
+            found |= set(owners or [declared_as(top)]) - comes_with_it
+    return found - {folder, ''}
+
+
+def declared_as(top: str) -> str:
+    """The name by which package.xml declares a module; empty: it is one of Python."""
+    if top in HOMES:
+        return HOMES[top]
+    if top in COMES_WITH_ROS and top not in DEBIAN or top.endswith('_msgs'):
+        return top
+    top = PARTS.get(top, top)
+    return f'python3-{DEBIAN[top]}' if top in DEBIAN else ''
+
+
+NORMAL, TESTING = 'depend|exec_depend', 'depend|exec_depend|test_depend'
+
+
+def declared(folder: Path, kinds: str) -> Set[str]:
+    return set(re.findall(rf'<(?:{kinds})>([\w-]+)<', (folder / 'package.xml').read_text()))
+
+
 @pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.name)
 def test_a_package_declares_what_it_imports(package: Path):
-    source = package.parents[1]
-    declared = set(re.findall(r'<(?:exec_)?depend>(\w+)<', (source / 'package.xml').read_text()))
-    owners = {MODULES[name].relative_to(SOURCES).parts[0]
-              for file in package.rglob('*.py') for name in IMPORTS[module_of(file, package)]}
-    assert owners - {source.name} <= declared
+    folder = package.parents[1]
+    assert needed(package.rglob('*.py'), folder.name) - declared(folder, NORMAL) == set()
+
+
+@pytest.mark.parametrize('folder', FOLDERS, ids=lambda folder: folder.name)
+def test_a_package_declares_what_its_tests_import(folder: Path):
+    """So its tests run alone, in a workspace that has only what the package declares."""
+    assert needed(TESTS[folder.name].values(), folder.name) - declared(folder, TESTING) == set()
+
+
+@pytest.mark.skipif(sys.version_info < (3, 10), reason='Python does not name its modules')
+def test_each_imported_module_has_an_owner():
+    known = {*sys.stdlib_module_names, *HOMES, *DEBIAN, *PARTS, *WITHOUT, *COMES_WITH_ROS, *HELPERS,
+             *(name.split('.')[0] for modules in TESTS.values() for name in modules)}
+    files = [file for folder in FOLDERS for kind in ('src', 'test')
+             for file in (folder / kind).rglob('*.py')]
+    strange = {name.split('.')[0] for file in files for name in names_imported(file)} - known
+    assert {name for name in strange if not name.endswith('_msgs')} == set()
 
 
 @pytest.mark.parametrize('file', sorted(SOURCES.glob('*/package.xml')),

@@ -4,7 +4,6 @@ from __future__ import annotations
 import os
 import shutil
 import stat
-import sys
 import tempfile
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -13,12 +12,10 @@ from typing import Iterable, Iterator, List
 import pytest
 
 pytest.importorskip('rospkg')
-sys.path.insert(0, str(Path(__file__).resolve().parents[4] / 'test'))
+from file_modes import differences, walk
 
-from file_modes import differences, walk  # noqa: E402
-
-from fleet_services import command, installation  # noqa: E402
-from fleet_services.command import main  # noqa: E402
+from fleet_services import command, installation
+from fleet_services.command import main
 
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
 

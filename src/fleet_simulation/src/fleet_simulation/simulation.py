@@ -12,7 +12,7 @@ from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Cause, Figures, Use
 from fleet_simulation.site import Order, Site
-from fleet_simulation.supervised_fleet import STEP, Rhythm, VirtualFleet
+from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run

@@ -15,7 +15,6 @@ from route_protocol.values import EdgeState, Reason, ReasonCode, RouteOrder, Rou
 from trajectory_graph import split_edges
 
 COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED
-SPEED = 1.0
 
 
 class ObedientAgv(RuleBasedStateMachine):

@@ -12,7 +12,6 @@ from fleet_builders import AGV
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from fleet_simulation.plain_agv import Agv
 from route_protocol.values import (
     EMERGENCY_STOP,
     TAKEN_OVER,
@@ -23,6 +22,7 @@ from route_protocol.values import (
     RouteRefusal,
     RouteReport,
 )
+from world.plain_agv import Agv
 
 MIDDLE = 2.0    # m, of each edge; there the AGV of `agv_sim` drives at full speed
 BRAKING = 1.0   # m that it needs from there

@@ -6,7 +6,6 @@ from typing import Optional, Tuple
 import pytest
 from fleet_builders import AGV, graph_of
 
-from fleet_simulation.plain_agv import Agv, LostLink
 from route_protocol.values import (
     EpochCause,
     Motion,
@@ -15,6 +14,7 @@ from route_protocol.values import (
     ReasonCode,
     RouteOrder,
 )
+from world.plain_agv import Agv, LostLink
 
 GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0)}, {1: (1, 2), 2: (2, 3)})
 FAULT = Reason(ReasonCode.OTHER, 'a broken belt')

@@ -17,8 +17,9 @@ from fleet_core.supervision.actions import Action, AskPlanner
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import Rhythm, SupervisedFleet
+from fleet_simulation.virtual_fleet import Rhythm
 from route_protocol.values import TAKEN_OVER
+from world.supervised_fleet import SupervisedFleet
 
 FAR = RobotSettings(release_ahead=100.0)
 NEAR = RobotSettings(release_ahead=3.0)
@@ -207,9 +208,10 @@ class Copied:
 
     def __init__(self, fleet: SupervisedFleet) -> None:
         self._fleet = fleet
-        self._path = os.path.join(fleet._folder.name, 'journal.sqlite')
-        with sqlite3.connect(f'{self._path}.old') as copy:
-            fleet.journal._db.backup(copy)
+        self._path = fleet.journal_path
+        with sqlite3.connect(self._path) as journal, sqlite3.connect(f'{self._path}.old') as copy:
+            journal.backup(copy)
+        journal.close()
         copy.close()
 
     def put_back(self) -> None:
@@ -342,7 +344,7 @@ def test_a_robot_that_restarts_and_drives_a_loop_again_does_not_meet_others(stal
     fleet.run(0.4)
     b.stalled = stall
     fleet.late['a'] = 0.4  # the order comes again before its report without a route is heard
-    fleet.run_until(lambda: any(o.robot == 'a' and o.edges for o in fleet._to_robots), 3.0)
+    fleet.run_until(lambda: any(o.robot == 'a' and o.edges for o in fleet.to_robots), 3.0)
     a.forget()
     fleet.deaf['a'] = 0.0
     fleet.run(10.0)

@@ -16,7 +16,8 @@ from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
-from fleet_simulation.supervised_fleet import Rhythm, SupervisedFleet
+from fleet_simulation.virtual_fleet import Rhythm
+from world.supervised_fleet import SupervisedFleet
 
 
 def fleet_that_drives() -> SupervisedFleet:

@@ -7,7 +7,7 @@ from fleet_builders import AGV, complete, corridor, grant
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.edge_times import ENOUGH, PERIOD, Driven, EdgeTimer, EdgeTimes
-from fleet_simulation.supervised_fleet import SupervisedFleet
+from world.supervised_fleet import SupervisedFleet
 
 NOMINAL = 2.0  # s for each edge
 

@@ -1,6 +1,8 @@
 """Promises of the interlocking about a whole fleet, tested where they were once broken."""
 from __future__ import annotations
 
+import math
+import sqlite3
 from dataclasses import replace
 
 from fleet_builders import AGV, corridor, ladder
@@ -13,8 +15,9 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from fleet_simulation.virtual_fleet import Rhythm
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet, blocked
 
 FAR = RobotSettings(release_ahead=8.0)
 
@@ -33,14 +36,11 @@ def without(graph, *edges):
 
 def restart(fleet, graph=None, robots=None):
     """The supervisor restarts with another graph, or with other robots in the fleet file."""
-    if graph is not None:
-        fleet.graph = graph
-        fleet._planners.clear()
     if robots is not None:
         fleet.fleet = Fleet(fleet.fleet.types, tuple(
             robot for robot in fleet.fleet.robots if robot.name in robots), fleet.fleet.clearance)
         fleet.agvs = {name: agv for name, agv in fleet.agvs.items() if name in robots}
-    fleet.restart()
+    fleet.restart(graph)
 
 
 def test_a_place_where_a_robot_was_driven_while_the_planner_thought_is_given_to_no_other():
@@ -177,8 +177,8 @@ def test_a_paused_robot_is_passed_where_there_is_room_and_blocks_no_other_for_ev
 
 
 def test_a_robot_that_is_brought_too_near_to_another_stops_with_it_and_the_others_go_on():
-    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 4), 'c': (AGV, 12)})
-    fleet._check_room = lambda: None  # a person brings them together
+    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 4), 'c': (AGV, 12)},
+                            rhythm=Rhythm(room=math.inf))  # a person brings them together
     fleet.run(1.0)
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.run(3.0)
@@ -244,9 +244,10 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
     fleet.request(1, 8)
     fleet.run(3.0)
     used = {order.order.number for order in fleet.sent}
-    fleet.journal._db.execute('DELETE FROM robot')
-    fleet.journal._db.execute('DELETE FROM mission')
-    fleet.journal._db.execute('DELETE FROM value')
+    with sqlite3.connect(fleet.journal_path) as journal:
+        for table in ('robot', 'mission', 'value'):
+            journal.execute(f'DELETE FROM {table}')
+    journal.close()
     fleet.restart()
     fleet.sent.clear()
     fleet.run(10.0)

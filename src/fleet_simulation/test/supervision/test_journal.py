@@ -27,8 +27,8 @@ from fleet_core.supervision.journal_database import (
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Acceptance, Mission, MissionState, Request
 from fleet_core.supervision.outages import Outage
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from route_protocol.master import MasterState, Order, Step
+from world.supervised_fleet import SupervisedFleet, blocked
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 DAY = 86400.0

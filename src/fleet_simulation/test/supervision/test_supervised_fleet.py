@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fleet_builders import AGV, corridor, graph_of, ladder
+from fleet_builders import AGV, corridor, graph_of, ladder, with_docks
 
 from fleet_core.interlocking.reports import Report
 from fleet_core.supervision.duties import WINDOW
@@ -17,15 +17,8 @@ from fleet_core.supervision.fleet_view import (
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, SymbolicPose
-from trajectory_graph import Graph
-
-
-def with_dock(graph, dock):
-    """The same graph with a charging dock at one vertex."""
-    return Graph([replace(v, dock=v.id == dock) for v in graph.vertices.values()],
-                 graph.edges.values())
+from world.supervised_fleet import SupervisedFleet
 
 
 def test_one_robot_serves_a_mission_in_order():
@@ -382,7 +375,7 @@ def test_a_closed_edge_is_driven_by_nobody_who_was_not_let_onto_it():
 
 def test_a_robot_charges_below_one_threshold_and_works_above_another():
     kind = replace(AGV, docks=frozenset({6}))
-    graph = with_dock(corridor(6), 6)
+    graph = with_docks(corridor(6), 6)
     fleet = SupervisedFleet(graph, {'a': (kind, 1), 'b': (kind, 3)}, parking=(1, 2, 3, 4, 6))
     fleet.do(fleet.supervisor.battery('a', 0.9, 0.0))
     fleet.do(fleet.supervisor.battery('b', 0.2, 0.0))

@@ -20,7 +20,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.chaos import (
+from world.chaos import (
     DOCKS,
     PARKING,
     PEOPLE,
@@ -32,7 +32,7 @@ from fleet_simulation.chaos import (
     Chaos,
     Event,
 )
-from fleet_simulation.supervised_fleet import SupervisedFleet
+from world.supervised_fleet import SupervisedFleet
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 SLOW = RobotType('slow', 0.4, 0.3)

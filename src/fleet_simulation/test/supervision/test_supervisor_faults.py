@@ -1,23 +1,25 @@
-"""Robots fail, stand at an unexpected place, or come back: which robots then move, and how."""
+"""Robots fail, stand at an unexpected place, or come back: which robots then move, and how.
+
+Wrong, repeated, late or foreign messages are ignored, or refused with one sentence.
+"""
 from __future__ import annotations
+
+from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, at_place, corridor, graph_of
 
-from fleet_core.interlocking.reports import CLOCK_ERROR
+from fleet_core.interlocking.reports import CLOCK_ERROR, Report
+from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.plain_agv import LOST_LINK
-from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
+from route_protocol.values import EdgeState, Reason, ReasonCode, SymbolicPose
+from world.plain_agv import LOST_LINK
+from world.supervised_fleet import SupervisedFleet, blocked
 
-
-def carry(agv, edge, arc):
-    """A person carries a robot to a place on an edge, where it stands without a route."""
-    agv.forget()
-    agv.edge, agv.arc = edge, arc
-
+# -- robots ----------------------------------------------------------------------------------------
 
 def test_a_paused_mission_whose_robot_drops_out_stays_paused():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
@@ -63,7 +65,7 @@ def test_who_was_driven_elsewhere_while_it_had_nothing_to_do_needs_a_person(befo
         fleet.request(1, 1, robot='a')
         fleet.run_until_done(1)
     fleet.run(1.0)
-    carry(fleet.agvs['a'], 5, 1.0)
+    fleet.agvs['a'].be_carried(5, 1.0)
     fleet.run(2.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     fleet.request(2, 4, robot='b')
@@ -92,7 +94,7 @@ def test_nobody_is_sent_to_where_a_robot_was_carried():
     fleet.run(1.0)
     fleet.request(1, 5, robot='a')
     fleet.run(1.0)
-    carry(fleet.agvs['b'], 3, 2.0)
+    fleet.agvs['b'].be_carried(3, 2.0)
     fleet.run_until_done(1)
     assert fleet.agvs['a'].visited[-3:] == [6, 7, 5], 'the robot must take the other path'
 
@@ -105,7 +107,7 @@ def test_nobody_is_sent_to_where_a_robot_comes_back_into_service_without_a_plann
     fleet.request(1, 6, robot='a')
     fleet.run(1.0)
     fleet.planning = 1e9
-    carry(fleet.agvs['b'], 4, 1.0)
+    fleet.agvs['b'].be_carried(4, 1.0)
     fleet.run(3.0)
     problem, actions = fleet.supervisor.bring_in('b', fleet.now)
     fleet.do(actions)
@@ -192,7 +194,7 @@ def test_who_is_elsewhere_once_its_link_is_back_needs_a_person():
     fleet.run(1.0)
     fleet.lose_link('a')
     fleet.run(5.0)
-    carry(fleet.agvs['a'], 7, 1.0)
+    fleet.agvs['a'].be_carried(7, 1.0)
     fleet.find_link('a')
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
@@ -206,7 +208,7 @@ def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
     fleet.agvs['a'].off_graph = True
     fleet.run(2.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
-    carry(fleet.agvs['a'], 4, 1.0)
+    fleet.agvs['a'].be_carried(4, 1.0)
     fleet.agvs['a'].off_graph = False
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
@@ -218,7 +220,7 @@ def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
 def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_was(is_restarted):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
-    carry(fleet.agvs['a'], 5, 1.0)
+    fleet.agvs['a'].be_carried(5, 1.0)
     fleet.run(2.0)
     fleet.agvs['a'].off_graph = True
     fleet.run(1.0)
@@ -226,7 +228,7 @@ def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_w
         fleet.restart()
         fleet.run(1.0)
     assert blocked(fleet, 'a') == ((), (5,))
-    carry(fleet.agvs['a'], 7, 1.0)
+    fleet.agvs['a'].be_carried(7, 1.0)
     fleet.agvs['a'].off_graph = False
     fleet.run(2.0)
     assert blocked(fleet, 'a') == ((), (7,))
@@ -244,7 +246,7 @@ def test_an_emergency_stop_makes_orders_void_and_what_they_gave_is_held_until_th
     if how == 'it reports':
         fleet.run(2.0)
     else:
-        fleet.run_until(lambda: bool(fleet._to_robots))
+        fleet.run_until(lambda: bool(fleet.to_robots))
     held = robot.master.protocol.may_be_on
     agv.emergency = True
     fleet.step()
@@ -340,7 +342,7 @@ def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_
     fleet.agvs['a'].forget()
     fleet.deaf['a'], fleet.silent['a'] = 0.0, 0.0
     fleet.hangs = True  # the repetition comes before the supervisor hears of the restart
-    fleet._to_robots = fleet.sent[-1:]
+    fleet.to_robots = fleet.sent[-1:]
     fleet.step()
     fleet.hangs = False
     fleet.run(10.0)
@@ -391,7 +393,7 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
     fleet.run(4.0)
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     assert fleet.supervisor.robots['a'].works
-    carry(fleet.agvs['a'], edge, arc)
+    fleet.agvs['a'].be_carried(edge, arc)
     fleet.run(2.0)
     assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left
 
@@ -454,7 +456,7 @@ def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_e
     stopped.emergency = True
     fleet.run(0.5)
     stopped.emergency = False
-    fleet.run_until(lambda: any(order.robot == 'a' and order.edges for order in fleet._to_robots))
+    fleet.run_until(lambda: any(order.robot == 'a' and order.edges for order in fleet.to_robots))
     fleet.lose_link('a')
     fleet.run(1.6)
     fleet.find_link('a')
@@ -463,3 +465,136 @@ def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_e
     fleet.request(2, 1, robot='b')
     fleet.run_until_done(1, 2)
     assert (fleet.state(1), fleet.state(2)) == (MissionState.SUCCEEDED, MissionState.SUCCEEDED)
+
+
+# -- messages --------------------------------------------------------------------------------------
+
+@pytest.fixture
+def fleet():
+    """One robot on its way from 1 to 6, with an open mission."""
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.request(1, 6)
+    fleet.run(3.0)
+    assert fleet.agvs['a'].is_driving
+    return fleet
+
+
+def hear(fleet, said, age=0.0):
+    """The supervisor receives an unexpected report; returns the orders that follow."""
+    sent = len(fleet.sent)
+    fleet.do(fleet.supervisor.report('a', Report(said, age), fleet.now))
+    return fleet.sent[sent:]
+
+
+def ends_well(fleet):
+    """True if the mission ends as if nothing had happened."""
+    fleet.run_until_done(1)
+    return fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].travelled == pytest.approx(
+        10.0)
+
+
+@pytest.mark.parametrize('wrong', [
+    SymbolicPose(1, float('nan')), SymbolicPose(1, float('inf')), SymbolicPose(1, -50.0),
+    SymbolicPose(1, 150.0), SymbolicPose(99, 50.0)])
+def test_a_place_that_cannot_be_is_ignored_in_one_sentence(fleet, wrong):
+    assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), pose=wrong)) == []
+    assert fleet.notes[-1].startswith('A report of a is ignored: it is ')
+    assert ends_well(fleet)
+
+
+@pytest.mark.parametrize('wrong', [
+    {'edges': (1,), 'states': ()}, {'number': 0}, {'order': 2 ** 63}, {'refused': 2 ** 64 - 1},
+    {'order': 2 ** 62}, {'edges': (2, 3), 'states': (EdgeState.PROCESSING,) * 2},
+    {'edges': (2,) * 2000, 'states': (EdgeState.COMPLETE,) * 2000}])
+def test_a_report_that_makes_no_sense_is_ignored_in_one_sentence(fleet, wrong):
+    assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), **wrong)) == []
+    assert fleet.notes[-1].startswith('A report of a is ignored: ')
+    assert ends_well(fleet)
+
+
+def test_a_location_of_no_known_age_is_ignored_in_one_sentence(fleet):
+    assert hear(fleet, fleet.agvs['a'].report(fleet.now), age=float('nan')) == []
+    assert fleet.notes[-1].startswith('A report of a is ignored: ')
+    assert ends_well(fleet)
+
+
+def test_reports_that_come_again_late_and_out_of_order_change_nothing(fleet):
+    reports = []
+    for _ in range(20):
+        reports.append(fleet.agvs['a'].report(fleet.now))
+        fleet.step()
+    done = fleet.supervisor.robots['a'].record.done
+    for report in reversed(reports):
+        hear(fleet, report)
+        hear(fleet, report)
+    assert fleet.supervisor.robots['a'].record.done == done
+    assert ends_well(fleet)
+
+
+def test_one_location_elsewhere_ends_no_mission_but_blocks_that_place_until_two_disprove_it(fleet):
+    fleet.run_until_done(1)
+    robot = fleet.supervisor.robots['a']
+    hear(fleet, at_place(fleet.agvs['a'].report(fleet.now), fleet.graph, 2, 0.5))
+    assert robot.outage is None and 2 in blocked(fleet, 'a')[1]
+    fleet.step()
+    assert 2 in blocked(fleet, 'a')[1], 'one later location must not be enough'
+    fleet.step()
+    assert blocked(fleet, 'a') == ((robot.position.vertex,), ())
+
+
+def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
+    fleet.run_until_done(1)
+    agv = fleet.agvs['a']
+    fleet.silent['a'] = fleet.now + 2.0
+    for later in (0.1, 0.2):
+        hear(fleet, at_place(agv.report(fleet.now + later), fleet.graph, 2, 0.5))
+    assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
+
+
+def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.agvs['a'].off_graph = True
+    fleet.request(1, 6)
+    fleet.run(3.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
+    assert fleet.statuses[-1].reason == 'a: it reports that it is off the graph'
+    assert not [sending for sending in fleet.sent if sending.edges]
+
+
+def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_there(fleet):
+    edge = fleet.agvs['a'].edge
+    fleet.agvs['a'].obey_another((edge, edge + 1))
+    fleet.step()
+    robot = fleet.supervisor.robots['a']
+    assert robot.outage is Outage.TAKEN_OVER
+    assert 'a route that was not given to it here' in robot.why
+    fleet.step()
+    assert blocked(fleet, 'a')[1], 'where it is must be blocked'
+    assert not robot.master.is_ready
+
+
+def test_a_refusal_of_what_was_never_ordered_ends_nothing(fleet):
+    told, said = len(fleet.notes), fleet.agvs['a'].report(fleet.now)
+    hear(fleet, replace(said, refused=1, refusal=Reason(ReasonCode.OTHER, 'no')))
+    assert len(fleet.notes) == told
+    assert fleet.supervisor.robots['a'].works and ends_well(fleet)
+
+
+def test_a_plan_that_was_not_asked_for_is_not_driven(fleet):
+    before = fleet.supervisor.plan_executor.plan
+    fleet.do(fleet.supervisor.plan_made(4711, Outcome({}, ()), fleet.now))
+    fleet.do(fleet.supervisor.plan_failed(4711, 'a stranger says so', fleet.now))
+    assert fleet.supervisor.plan_executor.plan is before and ends_well(fleet)
+
+
+@pytest.mark.parametrize('command', list(Command))
+def test_a_command_for_a_mission_that_is_not_there_is_told_so(fleet, command):
+    fleet.do(fleet.supervisor.command(4711, command, fleet.now))
+    assert fleet.notes[-1] == f'There is no open mission 4711 for {command.name}.'
+    assert ends_well(fleet)
+
+
+def test_closing_edges_that_the_graph_does_not_have_closes_nothing(fleet):
+    fleet.close(4711, -4712)
+    assert not fleet.supervisor.network.closed and ends_well(fleet)

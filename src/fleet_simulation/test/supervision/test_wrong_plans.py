@@ -11,8 +11,8 @@ from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.plan_check import fault_of
-from fleet_simulation.supervised_fleet import SupervisedFleet
-from fleet_simulation.wrong_plans import WRONG, without_drives
+from world.supervised_fleet import SupervisedFleet
+from world.wrong_plans import WRONG, without_drives
 
 SPOILT = 2  # answers
 

@@ -14,11 +14,12 @@ from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
-from fleet_simulation.supervised_fleet import SupervisedFleet, route_order
+from fleet_simulation.virtual_fleet import route_order
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from itrci_nav_msgs.srv import GetMissionStatusRequest
 from route_protocol.master import REPEAT
+from world.supervised_fleet import SupervisedFleet
 
 
 class Services:

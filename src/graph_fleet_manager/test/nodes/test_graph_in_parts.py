@@ -9,8 +9,8 @@ from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.site.remarks import remarks
 from fleet_core.site.survey import survey
 from fleet_core.supervision.missions import MissionState
-from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes.random_missions import places_by_edge
+from world.supervised_fleet import SupervisedFleet
 
 HALLS = graph_of({**{k: (4.0 * k, 0.0) for k in range(1, 6)},
                   **{10 + k: (4.0 * k, 50.0) for k in range(1, 5)}},

@@ -2,9 +2,11 @@
 from __future__ import annotations
 
 import io
+import re
 import socket
 import struct
 from itertools import chain
+from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Tuple
 
 import pytest
@@ -23,6 +25,7 @@ from node_lifecycle import bounded_messages
 from node_lifecycle.bounded_messages import LARGEST_HEADER, bounded_header, ending, leaving_out
 from node_lifecycle.message_limits import LIMITS, OTHER, limit_of
 
+PACKAGE = Path(__file__).resolve().parents[2] / 'package.xml'
 TOPIC = '/topic'
 SHARES = (0.5, 1, 10)
 PIECE = 2 ** 16  # bytes that a socket delivers at once
@@ -102,6 +105,13 @@ def test_the_table_has_every_type_that_a_node_receives():
 
 def test_the_table_has_no_type_that_nobody_receives():
     assert set(LIMITS) <= set(received_types()), 'remove them from message_limits.py'
+
+
+def test_the_package_declares_the_messages_of_its_table():
+    """So these tests run alone; the nodes themselves read only types that their packages declare.
+    """
+    declared = re.findall(r'_depend>(\w+)<', PACKAGE.read_text(encoding='utf-8'))
+    assert {message_type.split('/')[0] for message_type in LIMITS} <= set(declared)
 
 
 def test_the_search_finds_subscribers_services_and_actions():

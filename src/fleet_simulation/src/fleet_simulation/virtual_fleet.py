@@ -49,11 +49,10 @@ from fleet_core.supervision.actions import (
     TellStatus,
 )
 from fleet_core.supervision.journal import Journal, RobotMemory
-from fleet_core.supervision.missions import Mission, MissionState, Request, Status
+from fleet_core.supervision.missions import Mission, Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
-from fleet_simulation.plain_agv import Agv, LostLink
 from route_protocol.master import Order
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
@@ -195,8 +194,9 @@ class VirtualFleet(Generic[Body]):
         self.loss, self.repeats, self.planning = loss, repeats, planning
         self.rounds = 0
         """Rounds in which the planner improves each plan."""
-        self._parking = tuple(graph.vertices) if parking is None else tuple(parking)
+        self._parking = None if parking is None else tuple(parking)
         self._folder = tempfile.TemporaryDirectory()
+        self.journal_path = os.path.join(self._folder.name, 'journal.sqlite')
         self.now = 0.0
         self.silent: Dict[str, float] = {}
         """By robot: time until which no report comes from it and no order reaches it."""
@@ -228,7 +228,8 @@ class VirtualFleet(Generic[Body]):
         """By robot: number of orders that it refused."""
         self.nearest = math.inf
         """Smallest free space (m) between two robots so far, minus the clearance."""
-        self._to_robots: List[SendRoute] = []
+        self.to_robots: List[SendRoute] = []
+        """Orders that leave the supervisor's computer in the next step."""
         self._under_way: List[Tuple[float, SendRoute]] = []
         self._reports: List[Tuple[float, str, RouteReport]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
@@ -245,8 +246,7 @@ class VirtualFleet(Generic[Body]):
         return f'<a fleet: {self._described}>'
 
     def _begin(self) -> None:
-        self.journal = _CountingJournal(os.path.join(self._folder.name, 'journal.sqlite'),
-                                        lambda: 1e9 + self.now)
+        self.journal = _CountingJournal(self.journal_path, lambda: 1e9 + self.now)
         self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         self.is_disk_full = False
         # No time limit for switching: the speed of the computer must not change the results.
@@ -265,96 +265,31 @@ class VirtualFleet(Generic[Body]):
         self.is_disk_full = fails
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
-    def restart(self) -> None:
+    def restart(self, graph: Optional[Graph] = None) -> None:
         """Kills the supervisor, loses all messages to and from it, and starts it again.
 
         Delayed orders that are already under way still reach the robots. The disk can be written
         again, because no supervisor starts with a full disk.
+
+        graph -- another graph that is in force from now on; the robots keep theirs
         """
+        if graph is not None:
+            self.graph = graph
+            self._planners.clear()
         self.commits += self.journal.commits
         self.journal.close()
-        self._to_robots, self._answers, self._reports = [], [], []
+        self.to_robots, self._answers, self._reports = [], [], []
         self.hangs = False
         self._begin()
         if self.watcher is not None:
             self.watcher.restarted()
 
-    # -- actions of users, and queries ------------------------------------------------------------
-
-    def request(self, id: int, *destinations: int, **more: Any) -> None:
-        """Sends a mission."""
-        self.do(self.supervisor.request(Request(id, destinations, **more), self.now))
-
-    def close(self, *edges: int) -> None:
-        """Closes these edges, and opens all others."""
-        self.closed = edges
-        self.do(self.supervisor.close_edges(edges, self.now))
-
-    def bring_in(self, name: str) -> str:
-        """Brings a robot into service, as a person does; returns the problem, or an empty text.
-
-        If the robot has to stop first, it tries once more 3 s later.
-        """
-        for _ in range(2):
-            problem, actions = self.supervisor.bring_in(name, self.now)
-            self.do(actions)
-            if not (problem and self.supervisor.robots[name].master.is_stopping):
-                break
-            self.run(3.0)
-        return problem
-
-    def state(self, id: int) -> MissionState:
-        """Returns the state of a mission."""
-        mission = self.supervisor.book.find(id)
-        assert mission is not None, f'mission {id} is not known'
-        return mission.state
-
-    def told(self, id: int) -> List[MissionState]:
-        """Returns the published states of a mission in order, without immediate repetitions."""
-        states = [status.state for status in self.statuses if status.request_id == id]
-        return [s for k, s in enumerate(states) if k == 0 or states[k - 1] != s]
-
-    def robot_of(self, id: int) -> str:
-        """Returns the name of the robot to which a mission was last assigned."""
-        mission = self.supervisor.book.find(id)
-        assert mission is not None
-        return mission.robot
-
-    def reached(self, id: int) -> int:
-        """Returns the number of visited destinations of a mission."""
-        mission = self.supervisor.book.find(id)
-        assert mission is not None
-        return mission.reached
-
     def under_way(self, name: str) -> List[SendRoute]:
         """Returns the orders to a robot that have not arrived yet and may still arrive."""
-        return [order for order in (*(late for _, late in self._under_way), *self._to_robots)
+        return [order for order in (*(late for _, late in self._under_way), *self.to_robots)
                 if order.robot == name]
 
     # -- time -------------------------------------------------------------------------------------
-
-    def run(self, seconds: float) -> None:
-        """Simulates the given virtual time, in s."""
-        for _ in range(round(seconds / STEP)):
-            self.step()
-
-    def run_until(self, condition: Callable[[], bool], limit: float = 300.0) -> None:
-        """Simulates until the condition holds; fails after `limit` virtual s."""
-        begun = self.now
-        while not condition():
-            assert self.now - begun < limit, self.picture()
-            self.step()
-
-    def run_until_done(self, *ids: int, limit: float = 600.0) -> float:
-        """Simulates until these missions have ended; returns the virtual time, in s.
-
-        Fails after `limit` virtual s.
-        """
-        begun = self.now
-        while any(self.state(id).is_open for id in ids):
-            assert self.now - begun < limit, self.picture()
-            self.step()
-        return self.now - begun
 
     def step(self) -> None:
         """Simulates one time step: robots, messages, supervisor and planner."""
@@ -433,7 +368,7 @@ class VirtualFleet(Generic[Body]):
         return 2 if self.random.random() < self.repeats else 1
 
     def _deliver_orders(self) -> None:
-        orders, self._to_robots = self._to_robots, []
+        orders, self.to_robots = self.to_robots, []
         under_way, self._under_way = self._under_way, []
         last: Dict[str, float] = {}
         for at, order in [*under_way, *((self.now + self.orders_late.get(o.robot, 0.0), o)
@@ -472,7 +407,7 @@ class VirtualFleet(Generic[Body]):
                 if self.watcher is not None:
                     self.watcher.sends(action)
                 self.sent.append(action)
-                self._to_robots.append(action)
+                self.to_robots.append(action)
             elif isinstance(action, TellStatus):
                 if self.watcher is not None:
                     self.watcher.tells(action.status)
@@ -489,7 +424,8 @@ class VirtualFleet(Generic[Body]):
         if planner is None:
             planner = FleetPlanner(
                 self.supervisor.network.with_closed(question.closed, question.edge_times),
-                self.clearance, self.fleet.types, self._parking)
+                self.clearance, self.fleet.types,
+                tuple(self.graph.vertices) if self._parking is None else self._parking)
             while len(self._planners) >= _PLANNERS_KEPT:
                 del self._planners[next(iter(self._planners))]
         self._planners[networks] = planner
@@ -543,47 +479,6 @@ class StrictConformance(Conformance):
         found = super().event(robots, excluding)
         assert not found, '; '.join(map(str, found))
         return found
-
-
-class SupervisedFleet(VirtualFleet[Agv]):
-    """The virtual world of the tests, with plain AGVs that can lose their link."""
-
-    def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
-                 **more: Any) -> None:
-        super().__init__(graph, robots, lambda _, kind, vertex: Agv(graph, kind, vertex), **more)
-
-    def lose_link(self, name: str, commands_only: bool = False) -> None:
-        """Cuts the link between a robot and its computer.
-
-        The robot continues its route, and no node knows where it is. The computer reports the
-        route as failed. The robot obeys a stop when the link is back.
-
-        commands_only -- only the link for commands is cut; locations still come by another link
-        """
-        if name not in self.lost:
-            self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)
-
-    def find_link(self, name: str) -> None:
-        """Restores the link between a robot and its computer."""
-        link = self.lost.pop(name, None)
-        if isinstance(link, LostLink):
-            link.end()
-
-
-def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
-    """Returns the ids of the vertices and of the edges in a robot's allocation."""
-    allocation = fleet.supervisor.robots[name].master.allocation
-    vertices = {vertex for vertex in (allocation.vertex,) if vertex is not None}
-    edges = {abs(hold.edge) for hold in allocation.holds}
-    for area in allocation.areas:
-        for x, y in area.line:
-            near = [vertex.id for vertex in fleet.graph.vertices.values()
-                    if math.hypot(vertex.x - x, vertex.y - y) < 1e-6]
-            nearest = fleet.graph.nearest_edge(x, y)
-            assert nearest is not None
-            vertices.update(near)
-            edges.update(() if near else nearest[:1])
-    return tuple(sorted(vertices)), tuple(sorted(edges))
 
 
 def route_order(order: Order) -> RouteOrder:

@@ -482,6 +482,11 @@ class Agv:
         self.begin_epoch(EpochCause.RESTART)
         self.knows.update(master=None, first=0, done=0)
 
+    def be_carried(self, edge: int, arc: float) -> None:
+        """A person switches it off, carries it to this place, and switches it on again."""
+        self.forget()
+        self.edge, self.arc = edge, arc
+
     def restart(self) -> None:
         """Starts the AGV again with its memory: nothing changes, except that it stands."""
         self._rolls = 0.0
@@ -508,7 +513,7 @@ class Agv:
         knows = self.knows
         knows['report'] += 1
         self._notice_motion()
-        pose = self._pose()
+        pose = self.pose
         return RouteReport(
             stamp - (self.old or 0), self.route_id, self.edges, self._states(),
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
@@ -568,9 +573,6 @@ class Agv:
     @property
     def pose(self) -> Pose:
         """The place on the graph that it reports."""
-        return self._pose()
-
-    def _pose(self) -> Pose:
         if self.off_graph:
             return Pose()
         fraction = min(self.arc / self.graph.curve(self.edge).length, 1.0)
@@ -619,7 +621,7 @@ class LostLink:
         self._agv.knows['report'] += 1
         said = replace(self._said, number=self._agv.knows['report'])
         if self._commands_only:
-            pose = self._agv._pose()
+            pose = self._agv.pose
             said = replace(said, stamp=stamp, pose=SymbolicPose(pose.edge, 100.0 * pose.fraction),
                            location=Location(*self._agv.position, math.nan))
         return said

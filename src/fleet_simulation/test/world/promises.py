@@ -5,7 +5,6 @@ allocations must always include all places that a robot can really occupy or rea
 """
 from __future__ import annotations
 
-import os
 import sqlite3
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
@@ -18,8 +17,9 @@ from fleet_core.interlocking.reports import CLOCK_ERROR
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.outages import Outage
-from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked, route_order
+from fleet_simulation.virtual_fleet import STEP, route_order
 from trajectory_graph import Graph
+from world.supervised_fleet import SupervisedFleet, blocked
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
 _EXACT = 0.06  # m: the length of an arc that a standing robot may be beside its place
@@ -74,7 +74,7 @@ class Promises:
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
         self._told: Dict[Tuple[int, float], Status] = {}
         self._well_since = dict.fromkeys(fleet.agvs, 0.0)
-        self._db = sqlite3.connect(os.path.join(fleet._folder.name, 'journal.sqlite'))
+        self._db = sqlite3.connect(fleet.journal_path)
         fleet.watcher = self
 
     # -- commands of people -----------------------------------------------------------------------

@@ -8,10 +8,11 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tu
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.missions import Command, Mission, MissionState, Request
 from fleet_core.supervision.outbox import AGAIN
-from fleet_simulation.promises import Promises
-from fleet_simulation.supervised_fleet import STEP, SupervisedFleet
+from fleet_simulation.virtual_fleet import STEP
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from trajectory_graph import Edge, Graph, Vertex
+from world.promises import Promises
+from world.supervised_fleet import SupervisedFleet
 
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)
@@ -119,8 +120,8 @@ class Chaos:
         if event.robot != SAME:
             self._robot = sorted(ROBOTS, key=lambda r: not fleet.agvs[r].is_driving)[event.robot]
         if event.moment == 'order':
-            self._until(lambda: bool(fleet._to_robots), 3.0)
-            self._robot = next((order.robot for order in fleet._to_robots), self._robot)
+            self._until(lambda: bool(fleet.to_robots), 3.0)
+            self._robot = next((order.robot for order in fleet.to_robots), self._robot)
         elif event.moment == 'plan':
             self._until(lambda: fleet.supervisor.plan_executor.is_planning, 1.5)
         ACTS[event.act](self, self._robot, event.number)
@@ -277,8 +278,7 @@ class Chaos:
                     math.dist((x, y), fleet.agvs[name].position) < 1.5
                     or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.record.held)):
                 return
-        agv.forget()
-        agv.edge, agv.arc = edge, share * YARD.curve(edge).length
+        agv.be_carried(edge, share * YARD.curve(edge).length)
         self.promises.carried.add(robot)
 
     # -- messages ---------------------------------------------------------------------------------
@@ -343,11 +343,9 @@ class Chaos:
 
     def use(self, graph: Graph) -> None:
         """Puts a graph into force. The supervisor then begins as after a restart."""
-        self.fleet.graph = graph
         for agv in self.fleet.agvs.values():
             agv.graph = graph
-        self.fleet._planners.clear()
-        self.fleet.restart()
+        self.fleet.restart(graph)
 
     def stop_all(self, _: str, __: int) -> None:
         """Lets a person stop the fleet."""
@@ -401,7 +399,7 @@ class Chaos:
             robot.master.protocol.epoch for robot in fleet.supervisor.robots.values())
         fleet.hangs = True
         if is_stopped:
-            fleet._to_robots += EarlyStop(ROBOTS).stop(fleet.now)
+            fleet.to_robots += EarlyStop(ROBOTS).stop(fleet.now)
         self.run(2.0)
         fleet.hangs = False
         if is_killed:

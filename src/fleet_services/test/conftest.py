@@ -1,0 +1,8 @@
+"""Makes helpers of the system tests, and the world of fleet_simulation, importable."""
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+SOURCES = Path(__file__).resolve().parents[2]
+sys.path += [str(SOURCES.parent / 'test'), str(SOURCES / 'fleet_simulation/test')]

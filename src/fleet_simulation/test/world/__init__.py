@@ -1,0 +1,1 @@
+"""The virtual world of the tests: plain AGVs, all events that can happen, and their judges."""
