@@ -123,17 +123,20 @@ LAYERS: Dict[str, Layer] = {
         'browser_guard omron_map omron_ld90_sim omron_ld90_sim.motion omron_ld90_sim.devices '
         'omron_ld90_sim.behaviour', sockets='*'),
     # VDA 5050
+    'vda5050_protocol': layer('vda5050_protocol.values'),
+    'vda5050_protocol.values': layer(),
+    'vda5050_mqtt': layer(sockets='link'),
+    'vda5050_bench': layer('trajectory_graph vda5050_bench.rules vda5050_mqtt vda5050_protocol'),
+    'vda5050_bench.rules': layer('vda5050_bench'),
     'vda5050_vehicle': layer(),
-    'vda5050_vehicle.protocol': layer(),
-    'vda5050_vehicle.mqtt': layer(sockets='*'),
-    'vda5050_vehicle.drivers': layer('route_protocol trajectory_graph vda5050_vehicle.protocol'),
-    'vda5050_vehicle.core': layer('vda5050_vehicle.drivers vda5050_vehicle.protocol'),
-    'vda5050_vehicle.conformance': layer(
-        'trajectory_graph vda5050_vehicle.mqtt vda5050_vehicle.protocol'),
+    'vda5050_vehicle.drivers': layer(
+        'route_protocol trajectory_graph vda5050_protocol vda5050_protocol.values'),
+    'vda5050_vehicle.core': layer(
+        'vda5050_protocol vda5050_protocol.values vda5050_vehicle.drivers'),
     'vda5050_vehicle.nodes': layer(
         'file_replacement graph_topic node_lifecycle route_protocol trajectory_graph '
-        'vda5050_vehicle.core vda5050_vehicle.drivers vda5050_vehicle.mqtt '
-        'vda5050_vehicle.protocol', ros=True),
+        'vda5050_mqtt vda5050_protocol vda5050_protocol.values vda5050_vehicle.core '
+        'vda5050_vehicle.drivers', ros=True),
 }
 
 
