@@ -102,7 +102,7 @@ class Vda5050(unittest.TestCase):
 
     def test_2_the_mission_with_adapter_and_controller_killed_under_way(self) -> None:
         master, track = self.master, track_on(self.graph, MISSION, 'map')
-        edges = shortest_edges(self.graph, MISSION)
+        edges = list(shortest_edges(self.graph, MISSION))
         first, heard = len(self.routes.messages), master.count()
         killed = track.stops[6].node_id
         order = track.order('mission')

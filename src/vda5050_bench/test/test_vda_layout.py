@@ -9,7 +9,7 @@ import yaml
 from vda_messages import ROOT
 from vda_schemas import problems
 
-from trajectory_graph import Graph, load_graph
+from trajectory_graph import Graph, UnknownVertex, load_graph
 from vda5050_bench.layout import lif, main, shortest_edges, track_on
 from vda5050_bench.track import read_track
 from vda5050_protocol.codec_3 import CODECS
@@ -25,8 +25,8 @@ def lab() -> Graph:
 
 
 def test_a_way_is_the_shortest_over_the_graph():
-    assert shortest_edges(lab(), (8, 14)) == [1, 2, 3]
-    with pytest.raises(ValueError):
+    assert shortest_edges(lab(), (8, 14)) == (1, 2, 3)
+    with pytest.raises(UnknownVertex):
         shortest_edges(lab(), (8, 4711))
 
 

@@ -12,42 +12,28 @@ import json
 import sys
 import time
 import uuid
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, Optional, Sequence, Tuple
 
-import networkx
-
-from trajectory_graph import Graph, TrajectoryGraphError, load_graph
+from trajectory_graph import Graph, TrajectoryGraphError, load_graph, speed_of
+from trajectory_graph.shortest_paths import shortest_route
 from vda5050_bench.track import Stop, Track
 from vda5050_bench.version_3 import in_3
 from vda5050_protocol.headers import timestamp
 
 
-def shortest_edges(graph: Graph, vertices: Sequence[int]) -> List[int]:
-    """Returns the signed edges of the shortest path that visits the vertices in the given sequence.
+def shortest_edges(graph: Graph, vertices: Sequence[int]) -> Tuple[int, ...]:
+    """Returns the signed edges of the shortest drivable path over the vertices in this sequence.
 
-    Raises ValueError if there is no path, or if a vertex is unknown.
+    Raises NoPath and UnknownVertex.
     """
-    ways = networkx.MultiDiGraph()
-    for edge in graph.edges.values():
-        for signed, speed in ((edge.id, edge.velocity_forward),
-                              (-edge.id, edge.velocity_backwards)):
-            if speed > 0.0:
-                ways.add_edge(graph.start_vertex(signed).id, graph.end_vertex(signed).id,
-                              key=signed, length=graph.curve(signed).length)
-    edges: List[int] = []
-    try:
-        for start, end in zip(vertices, vertices[1:]):
-            path = networkx.shortest_path(ways, start, end, 'length')
-            for here, there in zip(path, path[1:]):
-                lengths = {signed: way['length'] for signed, way in ways[here][there].items()}
-                edges.append(min(lengths, key=lengths.__getitem__))
-    except (networkx.NetworkXNoPath, networkx.NodeNotFound) as error:
-        raise ValueError(f'there is no path over these vertices: {error}') from None
-    return edges
+    return shortest_route(graph, vertices, lambda edge: speed_of(graph, edge) > 0.0)
 
 
 def track_on(graph: Graph, vertices: Sequence[int], map_id: str) -> Track:
-    """Returns the shortest path over the vertices as a track; raises ValueError."""
+    """Returns the shortest path over the vertices as a track.
+
+    Raises ValueError, NoPath and UnknownVertex.
+    """
     if len(vertices) < 2:
         raise ValueError('a path needs two vertices or more')
     edges = shortest_edges(graph, vertices)
