@@ -16,7 +16,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / 'test'))
 from file_modes import differences, walk  # noqa: E402
 
 from fleet_core.fleet import RobotType  # noqa: E402
-from fleet_core.supervision.journal import Journal, history  # noqa: E402
+from fleet_core.supervision.history import history  # noqa: E402
+from fleet_core.supervision.journal import Journal  # noqa: E402
 from fleet_core.supervision.missions import MissionState  # noqa: E402
 from fleet_services import backup  # noqa: E402
 from fleet_services.backup import JOURNAL, main  # noqa: E402

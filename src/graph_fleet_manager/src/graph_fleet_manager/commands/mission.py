@@ -24,7 +24,7 @@ import rosgraph
 import rospkg
 import rospy
 
-from fleet_core.supervision.journal import HISTORY_COLUMNS, HistoryLine, history
+from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import Command, MissionState
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
@@ -288,7 +288,7 @@ def _history(arguments: List[str]) -> int:
     options = parser.parse_args(arguments[1:])
     path = options.journal or os.path.join(
         rospkg.get_ros_home(), _journal_in_use() or 'graph_fleet_manager/fleet.sqlite')
-    rows = map(_row, history(path))
+    rows = (row_of(line, _moment) for line in history(path))
     try:
         if options.csv:
             writer = csv.writer(sys.stdout, lineterminator='\n')
@@ -317,18 +317,5 @@ def _journal_in_use() -> str:
     return str(rospy.get_param('/path_supervisor/journal', ''))
 
 
-def _row(line: HistoryLine) -> List[str]:
-    return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
-            str(line.priority), line.state.name, line.robot, str(line.reached),
-            _moment(line.accepted), _moment(line.started), _moment(line.ended),
-            _duration(line.waited), _duration(line.took), line.reason, line.requested_by]
-
-
-def _duration(seconds: Optional[float]) -> str:
-    return '' if seconds is None else f'{seconds:.1f}'
-
-
-def _moment(seconds: Optional[float]) -> str:
-    if seconds is None:
-        return ''
+def _moment(seconds: float) -> str:
     return datetime.fromtimestamp(seconds).astimezone().isoformat(timespec='milliseconds')
