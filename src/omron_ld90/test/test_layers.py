@@ -49,6 +49,7 @@ LAYERS: Dict[str, Layer] = {
     'node_host': layer('node_program', ros=True, sockets='*'),
     'graph_topic': layer('node_lifecycle trajectory_graph', ros=True),
     # the fleet
+    'fleet_requests': layer(ros=True),
     'fleet_core': layer(),
     'fleet_core.geometry': layer('fleet_core trajectory_graph'),
     'fleet_core.planning': layer('fleet_core fleet_core.geometry trajectory_graph'),
@@ -75,10 +76,11 @@ LAYERS: Dict[str, Layer] = {
     'graph_fleet_manager.commands': layer(
         'fleet_core fleet_core.files fleet_core.geometry fleet_core.planning '
         'fleet_core.supervision graph_fleet_manager.messages graph_fleet_manager.multimaster '
-        'file_replacement node_lifecycle node_program trajectory_graph', ros=True, sockets='*'),
+        'file_replacement fleet_requests node_lifecycle node_program trajectory_graph', ros=True,
+        sockets='*'),
     'graph_fleet_manager.nodes': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
-        'fleet_core.supervision fleet_simulation.agv graph_fleet_manager.commands '
+        'fleet_core.supervision fleet_requests fleet_simulation.agv graph_fleet_manager.commands '
         'graph_fleet_manager.messages graph_fleet_manager.multimaster graph_topic node_lifecycle '
         'route_protocol trajectory_graph', ros=True),
     'fleet_page': layer(),
@@ -86,7 +88,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_page.door': layer('fleet_page.core', sockets='*'),
     'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
     'fleet_page.nodes': layer(
-        'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web '
+        'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web fleet_requests '
         'graph_fleet_manager.commands graph_fleet_manager.messages graph_fleet_manager.nodes '
         'graph_topic node_lifecycle trajectory_graph', ros=True, sockets='*'),
     'fleet_bringup': layer(
@@ -111,7 +113,8 @@ LAYERS: Dict[str, Layer] = {
     'omron_ld90.operator': layer(
         'omron_arcl omron_arcl.replies omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
-        'file_replacement graph_topic node_lifecycle omron_arcl omron_arcl.replies omron_ld90 '
+        'file_replacement fleet_requests graph_topic node_lifecycle omron_arcl '
+        'omron_arcl.replies omron_ld90 '
         'omron_ld90.bridge omron_ld90.converter omron_ld90.operator omron_map route_protocol '
         'trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
