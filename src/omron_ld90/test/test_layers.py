@@ -48,6 +48,7 @@ LAYERS: Dict[str, Layer] = {
     'node_lifecycle': layer('node_program xmlrpc_guard', ros=True, sockets='*'),
     'node_host': layer('node_program', ros=True, sockets='*'),
     'graph_topic': layer('node_lifecycle trajectory_graph', ros=True),
+    'rviz_drawing': layer('node_lifecycle trajectory_graph', ros=True),
     # the fleet
     'fleet_requests': layer(ros=True),
     'fleet_core': layer(),
@@ -82,7 +83,7 @@ LAYERS: Dict[str, Layer] = {
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
         'fleet_core.supervision fleet_requests fleet_simulation.agv graph_fleet_manager.commands '
         'graph_fleet_manager.messages graph_fleet_manager.multimaster graph_topic node_lifecycle '
-        'route_protocol trajectory_graph', ros=True),
+        'route_protocol rviz_drawing trajectory_graph', ros=True),
     'fleet_page': layer(),
     'fleet_page.core': layer('fleet_core.supervision node_program trajectory_graph'),
     'fleet_page.door': layer('fleet_page.core', sockets='*'),
@@ -105,7 +106,7 @@ LAYERS: Dict[str, Layer] = {
     'graph_editor.editor': layer('trajectory_graph'),
     'graph_editor.nodes': layer(
         'graph_editor graph_editor.checking graph_editor.editor graph_editor.making '
-        'node_lifecycle omron_map trajectory_graph', ros=True),
+        'node_lifecycle omron_map rviz_drawing trajectory_graph', ros=True),
     # the LD-90
     'omron_ld90': layer('trajectory_graph'),
     'omron_ld90.bridge': layer('omron_arcl omron_ld90 route_protocol trajectory_graph'),
@@ -114,9 +115,8 @@ LAYERS: Dict[str, Layer] = {
         'omron_arcl omron_arcl.replies omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
         'file_replacement fleet_requests graph_topic node_lifecycle omron_arcl '
-        'omron_arcl.replies omron_ld90 '
-        'omron_ld90.bridge omron_ld90.converter omron_ld90.operator omron_map route_protocol '
-        'trajectory_graph', ros=True),
+        'omron_arcl.replies omron_ld90 omron_ld90.bridge omron_ld90.converter '
+        'omron_ld90.operator omron_map route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
     'omron_ld90_sim.motion': layer('omron_map'),
     'omron_ld90_sim.devices': layer('omron_ld90_sim omron_ld90_sim.motion'),

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_editor.editor.text_places import REACH, Text, TextPlaces, overlap
+from rviz_drawing.text_places import REACH, Text, TextPlaces, overlap
 
 ID, LABEL = ((0.25, 0.28), (0.3, 0.3)), ((1.6, 0.33), (0.0, -0.36))
 coordinates = st.floats(-3.0, 3.0)

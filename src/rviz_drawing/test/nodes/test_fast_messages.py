@@ -13,7 +13,7 @@ from nav_msgs.srv import GetMapResponse, LoadMapResponse
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.nodes.rviz.fast_messages import (
+from rviz_drawing.fast_messages import (
     FastMarkerArray,
     GetGridResponse,
     GridMessage,

@@ -18,6 +18,7 @@ Key = Tuple[str, int]  # the kind of the text, and the id of its vertex
 REACH = 1.5   # m; largest distance between the edge of a text and its vertex
 STEP = 0.15   # m between two places in the outward direction
 MARGIN = 0.2  # m between a vertex and the nearest text that is not at its usual place
+LETTER_WIDTH, LINE_HEIGHT = 0.6, 1.1  # shares of the text height in RViz's font; few are wider
 _CELL = 1.0   # m; cell size of the grid for finding neighbouring texts
 # Right and left are tried last, because edges are often there.
 _SIDES = ((0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0))
@@ -76,6 +77,12 @@ class TextPlaces:
     def _is_free(self, box: Box) -> bool:
         return not any(overlap(box, self._boxes[key])
                        for cell in _cells(box) for key in self._cells.get(cell, ()))
+
+
+def text_size(words: str, height: float) -> Tuple[float, float]:
+    """Returns the approximate width and height of a text in RViz."""
+    lines = words.split('\n')
+    return LETTER_WIDTH * height * max(map(len, lines)), LINE_HEIGHT * height * len(lines)
 
 
 def overlap(one: Box, other: Box) -> bool:

@@ -1,4 +1,4 @@
-"""Markers in the map frame, flat on the floor. Metres, radians.
+"""Shapes flat on the floor, many in one marker. Metres, radians.
 
 RViz draws each marker separately, and draws lines again for each frame. So the parts of one drawing
 are one list of triangles: with a thousand edges this is ten times as fast.
@@ -9,13 +9,12 @@ import math
 from typing import Iterable, List, NamedTuple, Tuple
 
 import numpy as np
-from geometry_msgs.msg import Point, Pose
+from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from node_lifecycle.headings import quaternion_from_yaw
+from rviz_drawing.drawing import colour, pose_at
 
-MAP_FRAME = 'map'
 DISC_CORNERS = 12
 DIGITS = {
     '0': [(1, 0), (3, 0), (4, 2), (4, 6), (3, 8), (1, 8), (0, 6), (0, 2), (1, 0)],
@@ -35,7 +34,6 @@ DIGITS = {
 """The strokes of the digits, in eighths of their height. Digits are drawn because RViz is slow with
 text."""
 STROKE = 1.4  # width of a stroke, in eighths of the height
-LETTER_WIDTH, LINE_HEIGHT = 0.6, 1.1  # shares of the text height in RViz's font; few are wider
 
 
 class Part(NamedTuple):
@@ -47,22 +45,9 @@ class Part(NamedTuple):
     paint: ColorRGBA
 
 
-def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
-    """Returns a colour; each part is 0..1."""
-    return ColorRGBA(red, green, blue, alpha)
-
-
-def pose_at(x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Pose:
-    """Returns a pose from a position and a heading."""
-    pose = Pose()
-    pose.position.x, pose.position.y, pose.position.z = x, y, z
-    pose.orientation = quaternion_from_yaw(yaw)
-    return pose
-
-
 def flat(parts: Iterable[Part], at: Tuple[float, float] = (0.0, 0.0)) -> Marker:
     """Returns one marker of all parts, with its origin at `at`."""
-    marker = Marker(type=Marker.TRIANGLE_LIST, pose=pose_at(*at), color=colour(1.0, 1.0, 1.0))
+    marker = Marker(type=Marker.TRIANGLE_LIST, pose=pose_at(at), color=colour(1.0, 1.0, 1.0))
     marker.scale.x = marker.scale.y = marker.scale.z = 1.0
     for part in parts:
         marker.points += [Point(x, y, part.z) for x, y in part.corners.tolist()]
@@ -124,16 +109,3 @@ def number_size(value: int, height: float) -> Tuple[float, float]:
     """Returns width and height of a number; its middle is half of `height` above the origin."""
     unit = height / 8.0
     return unit * (6.0 * len(str(value)) - 1.7 + STROKE), height + unit * STROKE
-
-
-def text_size(words: str, height: float) -> Tuple[float, float]:
-    """Returns the approximate width and height of a text in RViz."""
-    lines = words.split('\n')
-    return LETTER_WIDTH * height * max(map(len, lines)), LINE_HEIGHT * height * len(lines)
-
-
-def text(words: str, x: float, y: float, z: float, height: float, paint: ColorRGBA) -> Marker:
-    """Returns a text that faces the viewer, with its middle at x, y, z."""
-    marker = Marker(type=Marker.TEXT_VIEW_FACING, text=words, color=paint, pose=pose_at(x, y, z))
-    marker.scale.z = height
-    return marker

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.nodes.rviz.drawing import LONGEST_TEXT, colour, drawable, text
+from rviz_drawing.drawing import LONGEST_TEXT, colour, drawable, text
 
 
 @pytest.mark.parametrize('words', ['Küche', 'Łódź 3', 'Ελλάδα', 'one\ntwo', "a 'b' \"c\""])
@@ -29,5 +29,5 @@ def test_a_text_has_an_end():
 
 
 def test_a_text_marker_can_be_sent_whatever_it_says():
-    marker = text('map', 'names', 'K\udcfcche \u95e8', (1.0, 2.0), 0.3, colour(1.0, 1.0, 1.0))
+    marker = text('names', 0, 'K\udcfcche \u95e8', (1.0, 2.0), 0.3, colour(1.0, 1.0, 1.0))
     assert marker.text.encode('utf-8') == b'K?che ?'

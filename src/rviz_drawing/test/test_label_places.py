@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_fleet_manager.nodes.rviz.label_places import Label, LabelPlaces
+from rviz_drawing.label_places import Label, LabelPlaces
 
 HEIGHT = 0.38
 LETTER = 0.5 * HEIGHT ** 2  # m2

@@ -11,7 +11,8 @@ from typing import Dict, Mapping, Tuple
 
 import numpy as np
 
-LETTER_WIDTH, LINE_HEIGHT = 0.52, 1.05  # factors on the height of the text, for RViz's font
+from rviz_drawing.text_places import text_size
+
 GAP = 0.12          # m between a robot and its label
 SIDE_COST = 0.005   # m2 less that each of SIDES must cover to win over the one before
 CHANGE_COST = 0.05  # m2 less that a label must cover to change its side: less than one letter
@@ -33,9 +34,7 @@ class Label:
     @property
     def size(self) -> Tuple[float, float]:
         """The approximate width and height of the text, in m."""
-        lines = self.words.split('\n')
-        return (LETTER_WIDTH * self.height * max(map(len, lines)),
-                LINE_HEIGHT * self.height * len(lines))
+        return text_size(self.words, self.height)
 
     def middle(self, side: int) -> Tuple[float, float]:
         """The centre of the text (m) if it is drawn on this one of SIDES."""
