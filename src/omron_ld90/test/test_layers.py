@@ -37,6 +37,7 @@ LAYERS: Dict[str, Layer] = {
     # libraries
     'browser_guard': layer(sockets='*'),
     'file_replacement': layer(),
+    'json_records': layer(),
     'trajectory_graph': layer('file_replacement'),
     'route_protocol': layer(),
     'omron_map': layer('file_replacement'),
@@ -58,7 +59,7 @@ LAYERS: Dict[str, Layer] = {
         'fleet_core fleet_core.geometry route_protocol trajectory_graph'),
     'fleet_core.supervision': layer(
         'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
-        'file_replacement route_protocol trajectory_graph'),
+        'file_replacement json_records route_protocol trajectory_graph'),
     'fleet_core.files': layer(
         'fleet_core fleet_core.planning fleet_core.supervision file_replacement trajectory_graph'),
     'fleet_core.site': layer(
@@ -114,7 +115,7 @@ LAYERS: Dict[str, Layer] = {
     'omron_ld90.operator': layer(
         'omron_arcl omron_arcl.replies omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
-        'file_replacement fleet_requests graph_topic node_lifecycle omron_arcl '
+        'file_replacement fleet_requests graph_topic json_records node_lifecycle omron_arcl '
         'omron_arcl.replies omron_ld90 omron_ld90.bridge omron_ld90.converter '
         'omron_ld90.operator omron_map route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
@@ -135,7 +136,7 @@ LAYERS: Dict[str, Layer] = {
     'vda5050_vehicle.drivers': layer(
         'route_protocol trajectory_graph vda5050_protocol vda5050_protocol.values'),
     'vda5050_vehicle.core': layer(
-        'vda5050_protocol vda5050_protocol.values vda5050_vehicle.drivers'),
+        'json_records vda5050_protocol vda5050_protocol.values vda5050_vehicle.drivers'),
     'vda5050_vehicle.nodes': layer(
         'file_replacement graph_topic node_lifecycle route_protocol trajectory_graph '
         'vda5050_mqtt vda5050_protocol vda5050_protocol.values vda5050_vehicle.core '

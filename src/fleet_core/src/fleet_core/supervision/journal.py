@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import sqlite3
 import time
-from dataclasses import asdict, astuple
+from dataclasses import astuple
 from typing import (
     Any,
     Callable,
@@ -37,7 +37,8 @@ from fleet_core.supervision.journal_database import (
 from fleet_core.supervision.mission_book import REMEMBERED
 from fleet_core.supervision.missions import Mission, MissionState, Request, Status
 from fleet_core.supervision.outages import Outage
-from route_protocol.master import MasterState, Order, Step
+from json_records import from_json, to_json
+from route_protocol.master import MasterState, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
@@ -229,7 +230,7 @@ class Journal:
 
 
 def _request_text(request: Request) -> str:
-    return json.dumps(asdict(request))
+    return json.dumps(to_json(request))
 
 
 def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
@@ -243,8 +244,7 @@ def read_request(text: str) -> Request:
     stored = json.loads(text)
     values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
-    return Request(**{**values, 'destinations': tuple(values['destinations']),
-                      'dwells': tuple(values['dwells'])})
+    return from_json(Request, values, added=('requested_by',))
 
 
 def _graph_text(graph: Graph) -> str:
@@ -270,12 +270,10 @@ def _position(values: Optional[Sequence[Any]]) -> Optional[GraphPosition]:
 
 def _memory_text(memory: RobotMemory) -> str:
     master, kind = memory.master, memory.kind
-    protocol = master.protocol
     return json.dumps({
-        'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
-                     'held': protocol.held},
+        'protocol': to_json(master.protocol),
         'cleared': master.cleared, 'place': _position_values(master.position),
-        'locations': master.locations,
+        'locations': to_json(master.locations),
         'lost': [[area.line, area.radius] for area in master.lost.areas],
         'lost_until': master.lost.until, 'absent': master.is_absent,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
@@ -287,22 +285,14 @@ def _memory_text(memory: RobotMemory) -> str:
 def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
     master = _of_version_1(stored) if 'track' in stored else Memory(
-        _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
-        tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
+        from_json(MasterState, stored['protocol']), tuple(stored['cleared']),
+        _position(stored['place']),
+        tuple(from_json(Located, location) for location in stored['locations']),
         Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'])
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(master, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
                        stored.get('charge'), None if kind is None else RobotType(*kind))
-
-
-def _protocol(stored: Dict[str, Any]) -> MasterState:
-    return MasterState(**{
-        **stored, 'gap': tuple(stored['gap']),
-        'open': tuple(Order(number, epoch, first, tuple(edges), route_id)
-                      for number, epoch, first, edges, route_id in stored['open']),
-        'behind': tuple(Step(*step) for step in stored['behind']),
-        'held': tuple(Step(*step) for step in stored['held'])})
 
 
 def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:
