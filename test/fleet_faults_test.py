@@ -20,7 +20,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from small_disk import SmallDisk, why_not
 from std_srvs.srv import Trigger
 
-from fleet_core.supervision.journal import history
+from fleet_core.supervision.history import history
 from itrci_nav_msgs.msg import (
     EdgeState,
     ExecutionRouteStates,

@@ -19,7 +19,6 @@ from rviz_support import RvizWindow, Screen, close_to, missing_programs
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import MarkerArray
 
-from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import CLOSED
 from graph_fleet_manager.nodes.rviz.menus import (
     BUTTON,
@@ -32,6 +31,7 @@ from graph_fleet_manager.nodes.rviz.menus import (
 from graph_fleet_manager.nodes.rviz.robot_picture import GREY
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionStatus
 from omron_ld90.nodes.rviz_view import Configuration
+from rviz_drawing import drawing
 from system_support import Recorder, run_cases, wait_until
 
 SPEED = 3.0

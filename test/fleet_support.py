@@ -22,6 +22,7 @@ from visualization_msgs.msg import (
 )
 
 from fleet_core.files.fleet_file import load_fleet
+from fleet_requests import Sender, mission_request
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionRequest, MissionStatus
 from system_support import Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph
@@ -167,7 +168,8 @@ class Factory:
             lambda state: wanted <= {robot.name for robot in state.robots if robot.state in READY},
             120.0, f'fleet in which {", ".join(sorted(wanted))} are ready')
         self.simulators = Simulators(self._control)
-        self._requests = connected_publisher('/mission_request', MissionRequest)
+        self._requests = Sender(MissionRequest)
+        wait_until(lambda: self._requests.is_heard, 30.0, 'a program that takes missions')
 
     def stop(self) -> None:
         """Ends the fleet."""
@@ -215,10 +217,8 @@ class Factory:
 
         If many were sent at once, the publisher's queue would drop some.
         """
-        request = MissionRequest(request_id=next(self._ids), robot=robot,
-                                 destination_vertices_id=vertices, dwell=dwell)
-        request.header.stamp = rospy.Time.now()
-        self._requests.publish(request)
+        request = mission_request(vertices, request_id=next(self._ids), robot=robot, dwell=dwell)
+        self._requests.send(request)
         wait_until(lambda: any(status.request_id == request.request_id
                                for status in list(self.statuses.messages)), 30.0,
                    f'a status of mission {request.request_id}')

@@ -10,9 +10,8 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, List, Sequence, Tuple
 
-import networkx as nx
 import numpy as np
 import rospy
 from route_robot import FleetManager, state_list
@@ -28,6 +27,7 @@ from omron_map import MapDocument
 from system_support import Launched, Recorder, run_cases, wait_until
 from trajectory_graph import Graph, load_graph
 from trajectory_graph.messages import graph_from_message
+from trajectory_graph.shortest_paths import shortest_route
 
 ROOT = Path(__file__).resolve().parents[1]
 STATION_SIDE = '--dock=-13.2,-7.0,180'  # position of the laboratory's charger
@@ -148,7 +148,7 @@ def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: P
         for there in [*far, *more, start]:
             if here == there:
                 continue
-            route = shortest_route(graph, here, there)
+            route = list(shortest_route(graph, (here, there)))
             done = fleet.end_of(fleet.order(route))
             case.assertEqual(state_list(done), [EdgeState.COMPLETE] * len(route),
                              f'{here} to {there}: {done.reason}')
@@ -293,19 +293,6 @@ def far_vertices(graph: Graph, start: int, count: int) -> List[int]:
             math.dist(graph.vertices[id].position, graph.vertices[other].position)
             for other in chosen), -id)))
     return chosen[1:]
-
-
-def shortest_route(graph: Graph, start: int, end: int) -> List[int]:
-    """The signed edges of the shortest route from one vertex to another."""
-    ways = nx.DiGraph()
-    by_ends: Dict[tuple, int] = {}
-    for id in graph.edges:
-        for signed in (id, -id):
-            ends = graph.start_vertex(signed).id, graph.end_vertex(signed).id
-            ways.add_edge(*ends, weight=graph.curve(id).length)
-            by_ends[ends] = signed
-    path = nx.dijkstra_path(ways, start, end)
-    return [by_ends[ends] for ends in zip(path, path[1:])]
 
 
 if __name__ == '__main__':

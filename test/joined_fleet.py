@@ -16,7 +16,8 @@ from typing import Callable, Dict, List, Mapping, Tuple
 from joined_masters import Computer, join, loopback_addresses, program
 from network_namespaces import entering, inside
 
-from fleet_core.supervision.journal import HistoryLine, JournalError, history
+from fleet_core.supervision.history import HistoryLine, history
+from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import MissionState
 from ports import free_port
 from system_support import wait_until

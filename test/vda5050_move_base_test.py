@@ -18,10 +18,10 @@ from nav_msgs.msg import Odometry
 
 from node_lifecycle.periodic import Periodic
 from system_support import kill_node
-from vda5050_vehicle.conformance.master import Master, Message
-from vda5050_vehicle.conformance.own_broker import OwnBroker
-from vda5050_vehicle.conformance.track import Stop, Track, node_ids
-from vda5050_vehicle.mqtt.link import Broker
+from vda5050_bench.master import Master, Message
+from vda5050_bench.track import Stop, Track, node_ids
+from vda5050_mqtt.link import Broker
+from vda5050_mqtt.own_broker import OwnBroker
 
 PERIOD = 0.05  # s
 FAST = 3.0  # m/s

@@ -23,13 +23,13 @@ from itrci_nav_msgs.msg import TargetRoute
 from omron_ld90_msgs.msg import LinkState
 from system_support import Recorder, kill_node, wait_until
 from trajectory_graph import load_graph
-from vda5050_vehicle.conformance.bench import Outcome, scorecard, tried
-from vda5050_vehicle.conformance.layout import shortest_edges, track_on
-from vda5050_vehicle.conformance.master import Master, status_of
-from vda5050_vehicle.conformance.own_broker import OwnBroker
-from vda5050_vehicle.conformance.track import action, node_ids
-from vda5050_vehicle.conformance.trial import SlowAction, Trial
-from vda5050_vehicle.mqtt.link import Broker
+from vda5050_bench.bench import Outcome, scorecard, tried
+from vda5050_bench.layout import shortest_edges, track_on
+from vda5050_bench.master import Master, status_of
+from vda5050_bench.track import action, node_ids
+from vda5050_bench.trial import SlowAction, Trial
+from vda5050_mqtt.link import Broker
+from vda5050_mqtt.own_broker import OwnBroker
 
 ROOT = Path(__file__).resolve().parents[1]
 # scripts/run_tests.sh downloads them from PyPI
@@ -102,7 +102,7 @@ class Vda5050(unittest.TestCase):
 
     def test_2_the_mission_with_adapter_and_controller_killed_under_way(self) -> None:
         master, track = self.master, track_on(self.graph, MISSION, 'map')
-        edges = shortest_edges(self.graph, MISSION)
+        edges = list(shortest_edges(self.graph, MISSION))
         first, heard = len(self.routes.messages), master.count()
         killed = track.stops[6].node_id
         order = track.order('mission')

@@ -56,7 +56,7 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'join_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
     'declare_absent': ('itrci_nav_msgs/DeclareAbsent', 'graph_fleet_manager/nodes/fleet_acts.py'),
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
-                           'graph_fleet_manager/commands/mission_watch.py'),
+                           'fleet_requests/__init__.py'),
     'reload_graph': ('std_srvs/Trigger', 'graph_editor/nodes/take_over.py'),
     'static_map': ('nav_msgs/GetMap', ''),  # the service of map_server, for planners of others
     'change_map': ('nav_msgs/LoadMap', '')}

@@ -28,8 +28,8 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from omron_ld90.nodes.map_visualisation import MARKER_ARRAYS, MARKERS
-from omron_ld90.nodes.rviz.fast_messages import GridMessage, PointsMarker
 from omron_map import MapDocument, OccupancyGrid
+from rviz_drawing.fast_messages import GridMessage, PointsMarker
 
 ROOT = Path(__file__).resolve().parents[2]
 REAL = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere') / 'omron-ld-site-a.map'

@@ -20,9 +20,10 @@ from typing import List, NamedTuple, Sequence, Tuple
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'src/omron_ld90/test/bridge'))
 
 from measuring.tables import print_table
-from simulated_drive import DOCK_VERTEX, MAPS, STATUS_PERIOD, SimulatedDrive, shortest_route
+from simulated_drive import DOCK_VERTEX, MAPS, STATUS_PERIOD, SimulatedDrive
 
 from trajectory_graph import load_graph, route_vertices
+from trajectory_graph.shortest_paths import shortest_route
 
 MISSIONS = ((18, 39, 52, 6, DOCK_VERTEX), (35, 20, 27, 49, DOCK_VERTEX))
 RUNS = 5

@@ -31,11 +31,11 @@ from std_msgs.msg import Bool
 
 from ports import free_port
 from trajectory_graph import load_graph
-from vda5050_vehicle.conformance.layout import track_on
-from vda5050_vehicle.conformance.master import Master
-from vda5050_vehicle.conformance.own_broker import OwnBroker
-from vda5050_vehicle.conformance.track import Track
-from vda5050_vehicle.mqtt.link import Broker, MqttLink, make_client
+from vda5050_bench.layout import track_on
+from vda5050_bench.master import Master
+from vda5050_bench.track import Track
+from vda5050_mqtt.link import Broker, MqttLink, make_client
+from vda5050_mqtt.own_broker import OwnBroker
 
 ROOT = Path(__file__).resolve().parents[2]
 PREFIX = 'uagv/v2/OMRON/omron_ld90'

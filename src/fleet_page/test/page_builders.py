@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
-from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Robot
 from fleet_page.core.page import Missions, Page

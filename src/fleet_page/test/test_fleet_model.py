@@ -1,7 +1,7 @@
 """The content of the page, made from the fleet manager's messages."""
 from page_builders import graph, page, request, robot, show_fleet, status
 
-from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind

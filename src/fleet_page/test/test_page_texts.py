@@ -65,7 +65,8 @@ def said_by_the_fleet_manager():
     packages = Path(__file__).parents[2]
     paths = [*packages.glob('fleet_core/src/*/supervision/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
-             *packages.glob('fleet_page/src/*/nodes/fleet_commands.py')]
+             *packages.glob('fleet_page/src/*/nodes/fleet_commands.py'),
+             *packages.glob('fleet_requests/src/*/*.py')]
     texts = []
     for path in paths:
         for node in ast.walk(ast.parse(path.read_text())):

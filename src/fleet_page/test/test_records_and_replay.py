@@ -4,7 +4,7 @@ import os
 import pytest
 from page_builders import page, show_fleet
 
-from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
 from fleet_page.core import records as records_module
 from fleet_page.core.acts import Act, ActKind, Outcome

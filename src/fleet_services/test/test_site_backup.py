@@ -13,7 +13,8 @@ import pytest
 from file_modes import differences, walk
 
 from fleet_core.fleet import RobotType
-from fleet_core.supervision.journal import Journal, history
+from fleet_core.supervision.history import history
+from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.missions import MissionState
 from fleet_services import backup
 from fleet_services.backup import JOURNAL, main

@@ -19,7 +19,7 @@ OF_THE_PROJECT = ('index.md', 'glossary.md', 'performance.md', 'upgrading.md')
 OF_HISTORY = ('upgrading.md', 'CHANGELOG.md')
 _LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
 _MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|route_protocol|'
-                     r'trajectory_graph)(?:\.[a-z]\w*)+)`')
+                     r'trajectory_graph|vda5050_(?:bench|mqtt|protocol|vehicle))(?:\.[a-z]\w*)+)`')
 
 _TEST = re.compile(r'`((?:[\w/]*/)?(?:test_\w+|\w+_test)(?:\.py)?)`')
 

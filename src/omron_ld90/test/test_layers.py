@@ -37,6 +37,7 @@ LAYERS: Dict[str, Layer] = {
     # libraries
     'browser_guard': layer(sockets='*'),
     'file_replacement': layer(),
+    'json_records': layer(),
     'trajectory_graph': layer('file_replacement'),
     'route_protocol': layer(),
     'omron_map': layer('file_replacement'),
@@ -48,7 +49,9 @@ LAYERS: Dict[str, Layer] = {
     'node_lifecycle': layer('node_program xmlrpc_guard', ros=True, sockets='*'),
     'node_host': layer('node_program', ros=True, sockets='*'),
     'graph_topic': layer('node_lifecycle trajectory_graph', ros=True),
+    'rviz_drawing': layer('node_lifecycle trajectory_graph', ros=True),
     # the fleet
+    'fleet_requests': layer(ros=True),
     'fleet_core': layer(),
     'fleet_core.geometry': layer('fleet_core trajectory_graph'),
     'fleet_core.planning': layer('fleet_core fleet_core.geometry trajectory_graph'),
@@ -56,7 +59,7 @@ LAYERS: Dict[str, Layer] = {
         'fleet_core fleet_core.geometry route_protocol trajectory_graph'),
     'fleet_core.supervision': layer(
         'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
-        'file_replacement route_protocol trajectory_graph'),
+        'file_replacement json_records route_protocol trajectory_graph'),
     'fleet_core.files': layer(
         'fleet_core fleet_core.planning fleet_core.supervision file_replacement trajectory_graph'),
     'fleet_core.site': layer(
@@ -75,18 +78,19 @@ LAYERS: Dict[str, Layer] = {
     'graph_fleet_manager.commands': layer(
         'fleet_core fleet_core.files fleet_core.geometry fleet_core.planning '
         'fleet_core.supervision graph_fleet_manager.messages graph_fleet_manager.multimaster '
-        'file_replacement node_lifecycle node_program trajectory_graph', ros=True, sockets='*'),
+        'file_replacement fleet_requests node_lifecycle node_program trajectory_graph', ros=True,
+        sockets='*'),
     'graph_fleet_manager.nodes': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
-        'fleet_core.supervision fleet_simulation.agv graph_fleet_manager.commands '
+        'fleet_core.supervision fleet_requests fleet_simulation.agv graph_fleet_manager.commands '
         'graph_fleet_manager.messages graph_fleet_manager.multimaster graph_topic node_lifecycle '
-        'route_protocol trajectory_graph', ros=True),
+        'route_protocol rviz_drawing trajectory_graph', ros=True),
     'fleet_page': layer(),
     'fleet_page.core': layer('fleet_core.supervision node_program trajectory_graph'),
     'fleet_page.door': layer('fleet_page.core', sockets='*'),
     'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
     'fleet_page.nodes': layer(
-        'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web '
+        'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web fleet_requests '
         'graph_fleet_manager.commands graph_fleet_manager.messages graph_fleet_manager.nodes '
         'graph_topic node_lifecycle trajectory_graph', ros=True, sockets='*'),
     'fleet_bringup': layer(
@@ -103,7 +107,7 @@ LAYERS: Dict[str, Layer] = {
     'graph_editor.editor': layer('trajectory_graph'),
     'graph_editor.nodes': layer(
         'graph_editor graph_editor.checking graph_editor.editor graph_editor.making '
-        'node_lifecycle omron_map trajectory_graph', ros=True),
+        'node_lifecycle omron_map rviz_drawing trajectory_graph', ros=True),
     # the LD-90
     'omron_ld90': layer('trajectory_graph'),
     'omron_ld90.bridge': layer('omron_arcl omron_ld90 route_protocol trajectory_graph'),
@@ -111,9 +115,9 @@ LAYERS: Dict[str, Layer] = {
     'omron_ld90.operator': layer(
         'omron_arcl omron_arcl.replies omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
-        'file_replacement graph_topic node_lifecycle omron_arcl omron_arcl.replies omron_ld90 '
-        'omron_ld90.bridge omron_ld90.converter omron_ld90.operator omron_map route_protocol '
-        'trajectory_graph', ros=True),
+        'file_replacement fleet_requests graph_topic json_records node_lifecycle omron_arcl '
+        'omron_arcl.replies omron_ld90 omron_ld90.bridge omron_ld90.converter '
+        'omron_ld90.operator omron_map route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
     'omron_ld90_sim.motion': layer('omron_map'),
     'omron_ld90_sim.devices': layer('omron_ld90_sim omron_ld90_sim.motion'),
@@ -123,17 +127,20 @@ LAYERS: Dict[str, Layer] = {
         'browser_guard omron_map omron_ld90_sim omron_ld90_sim.motion omron_ld90_sim.devices '
         'omron_ld90_sim.behaviour', sockets='*'),
     # VDA 5050
+    'vda5050_protocol': layer('vda5050_protocol.values'),
+    'vda5050_protocol.values': layer(),
+    'vda5050_mqtt': layer(sockets='link'),
+    'vda5050_bench': layer('trajectory_graph vda5050_bench.rules vda5050_mqtt vda5050_protocol'),
+    'vda5050_bench.rules': layer('vda5050_bench'),
     'vda5050_vehicle': layer(),
-    'vda5050_vehicle.protocol': layer(),
-    'vda5050_vehicle.mqtt': layer(sockets='*'),
-    'vda5050_vehicle.drivers': layer('route_protocol trajectory_graph vda5050_vehicle.protocol'),
-    'vda5050_vehicle.core': layer('vda5050_vehicle.drivers vda5050_vehicle.protocol'),
-    'vda5050_vehicle.conformance': layer(
-        'trajectory_graph vda5050_vehicle.mqtt vda5050_vehicle.protocol'),
+    'vda5050_vehicle.drivers': layer(
+        'route_protocol trajectory_graph vda5050_protocol vda5050_protocol.values'),
+    'vda5050_vehicle.core': layer(
+        'json_records vda5050_protocol vda5050_protocol.values vda5050_vehicle.drivers'),
     'vda5050_vehicle.nodes': layer(
         'file_replacement graph_topic node_lifecycle route_protocol trajectory_graph '
-        'vda5050_vehicle.core vda5050_vehicle.drivers vda5050_vehicle.mqtt '
-        'vda5050_vehicle.protocol', ros=True),
+        'vda5050_mqtt vda5050_protocol vda5050_protocol.values vda5050_vehicle.core '
+        'vda5050_vehicle.drivers', ros=True),
 }
 
 

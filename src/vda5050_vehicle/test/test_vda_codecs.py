@@ -7,16 +7,15 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, way
+from vda_builders import IDENTITY, Lab, say, table, vehicle_document, way
+from vda_messages import payload
 from vda_schemas import paths, problems, validator
 
-from vda5050_vehicle.core import factsheet as sheet
-from vda5050_vehicle.core.state_report import state_of
-from vda5050_vehicle.protocol import codecs
-from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS
-from vda5050_vehicle.protocol.codec_3 import CODECS, VERSION_3_0
-from vda5050_vehicle.protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
-from vda5050_vehicle.protocol.fields import (
+from vda5050_protocol import codecs
+from vda5050_protocol.action_queue import MAX_INSTANT_ACTIONS
+from vda5050_protocol.codec_3 import CODECS, VERSION_3_0
+from vda5050_protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
+from vda5050_protocol.fields import (
     MAX_MESSAGE,
     ListOf,
     Malformed,
@@ -24,8 +23,8 @@ from vda5050_vehicle.protocol.fields import (
     read_json,
     write_json,
 )
-from vda5050_vehicle.protocol.headers import Headers, timestamp
-from vda5050_vehicle.protocol.values import (
+from vda5050_protocol.headers import Headers, timestamp
+from vda5050_protocol.values import (
     AgvPosition,
     BlockingType,
     Connection,
@@ -35,6 +34,8 @@ from vda5050_vehicle.protocol.values import (
     Velocity,
     Visualization,
 )
+from vda5050_vehicle.core import factsheet as sheet
+from vda5050_vehicle.core.state_report import state_of
 
 
 def busy_lab(codec) -> Lab:

@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import pytest
-from vda_builders import SAY, Lab, payload, say, way
+from vda_builders import SAY, Lab, say, way
+from vda_messages import payload
 
-from vda5050_vehicle.conformance.track import action
-from vda5050_vehicle.protocol.received import REMEMBERED, ReceivedMessages
+from vda5050_bench.track import action
+from vda5050_protocol.received import REMEMBERED, ReceivedMessages
 
 
 def driven(lab, order):

@@ -5,9 +5,9 @@ import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
 from route_protocol.values import EpochCause, Reason, ReasonCode, SymbolicPose
+from vda5050_protocol.values import EStop
 from vda5050_vehicle.drivers.robot_view import Pose, silence
 from vda5050_vehicle.drivers.route_driver import PATIENCE
-from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
 

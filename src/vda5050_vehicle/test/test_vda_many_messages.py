@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 import pytest
-from vda_builders import SAY, Lab, payload, way
+from vda_builders import SAY, Lab, way
+from vda_messages import payload
 
-from vda5050_vehicle.conformance.track import action
+from vda5050_bench.track import action
+from vda5050_protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS, MAX_INSTANT_ACTIONS
 from vda5050_vehicle.core import effects as fx
-from vda5050_vehicle.protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS, MAX_INSTANT_ACTIONS
 
 HALL = way(8, 10, 12, 14, 32)
 MANY = 300

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Dict, Sequence, Tuple
 
 import pytest
-from vda_builders import ROOT, Lab, abilities, lab, say
+from vda_builders import Lab, abilities, lab, say
+from vda_messages import ROOT
 
-from vda5050_vehicle.protocol.codec_3 import CODECS
+from vda5050_protocol.codec_3 import CODECS
 
 VERTICES = (8, 10, 12, 14)
 ALL = len(VERTICES)

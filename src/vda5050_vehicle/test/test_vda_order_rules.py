@@ -4,11 +4,12 @@ from __future__ import annotations
 import json
 
 import pytest
-from vda_builders import payload, say, way
+from vda_builders import say, way
+from vda_messages import payload
 
-from vda5050_vehicle.protocol.codecs import VERSION_2_1
-from vda5050_vehicle.protocol.fields import Malformed
-from vda5050_vehicle.protocol.order_rules import check_order
+from vda5050_protocol.codecs import VERSION_2_1
+from vda5050_protocol.fields import Malformed
+from vda5050_protocol.order_rules import check_order
 
 
 def read(order):

@@ -21,9 +21,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from vda_builders import DRIVING, STANDING, Lab, lab, say, way
 
+from vda5050_protocol.action_queue import Scope
+from vda5050_protocol.values import EStop
 from vda5050_vehicle.core import journal
-from vda5050_vehicle.protocol.action_queue import Scope
-from vda5050_vehicle.protocol.values import EStop
 
 VERTICES = sorted(lab().vertices)
 BLOCKING = st.sampled_from(['NONE', 'SOFT', 'HARD'])

@@ -4,10 +4,10 @@ from __future__ import annotations
 import pytest
 from vda_builders import SAY, Lab, way
 
-from vda5050_vehicle.conformance.checker import VehicleChecker
+from vda5050_bench.checker import VehicleChecker
+from vda5050_protocol.values import EStop
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.errors import MAX_REJECTIONS
-from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
 

@@ -11,11 +11,11 @@ import pytest
 from vda_builders import STANDING, Lab, abilities, say, way
 from vda_builders import lab as laboratory
 
-from vda5050_vehicle.conformance.track import Track
+from vda5050_bench.track import Track
+from vda5050_protocol.codec_3 import CODECS
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.robot_view import Pose
-from vda5050_vehicle.protocol.codec_3 import CODECS
 
 HALL = way(8, 10, 12)
 VERSIONS = pytest.mark.parametrize('version', sorted(CODECS))

@@ -7,13 +7,14 @@ from __future__ import annotations
 import time
 
 import pytest
-from vda_builders import DRIVING, STANDING, Lab, payload, say, way
+from vda_builders import DRIVING, STANDING, Lab, say, way
+from vda_messages import payload
 
 from route_protocol.values import EpochCause, Reason, ReasonCode
-from vda5050_vehicle.conformance.track import action
+from vda5050_bench.track import action
+from vda5050_protocol.codec_3 import VERSION_3_0
+from vda5050_protocol.codecs import VERSION_2_1
 from vda5050_vehicle.drivers.driver import SETTLING
-from vda5050_vehicle.protocol.codec_3 import VERSION_3_0
-from vda5050_vehicle.protocol.codecs import VERSION_2_1
 
 HALL = way(8, 10, 12, 14, 32)
 WRONG_CHANGE = Reason(ReasonCode.WRONG_CHANGE, 'no')

@@ -6,13 +6,14 @@ import math
 from dataclasses import replace
 
 import pytest
-from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, route_driver, say, way
+from vda_builders import DRIVING, STANDING, Lab, abilities, action, route_driver, say, way
 from vda_builders import lab as laboratory
+from vda_messages import payload
 
 from trajectory_graph import Graph
+from vda5050_protocol.values import EStop
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.drivers.robot_view import Pose
-from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
 

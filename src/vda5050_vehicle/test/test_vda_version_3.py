@@ -4,11 +4,12 @@ from __future__ import annotations
 import json
 
 import pytest
-from vda_builders import SAY, Lab, payload, say, way
+from vda_builders import SAY, Lab, say, way
 from vda_builders import lab as laboratory
+from vda_messages import payload
 
-from vda5050_vehicle.protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS
-from vda5050_vehicle.protocol.codec_3 import VERSION_3_0
+from vda5050_protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS
+from vda5050_protocol.codec_3 import VERSION_3_0
 
 HALL = way(8, 10, 12, 14, 32)
 

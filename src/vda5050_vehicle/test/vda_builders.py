@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import yaml
+from vda_messages import ROOT, payload
 
 from route_protocol import vehicle as protocol
 from route_protocol.master import Order
@@ -26,10 +27,14 @@ from route_protocol.values import (
 )
 from route_protocol.vehicle import Answer
 from trajectory_graph import Graph, load_graph
-from vda5050_vehicle.conformance.checker import VehicleChecker
-from vda5050_vehicle.conformance.layout import track_on
-from vda5050_vehicle.conformance.track import Track, action
-from vda5050_vehicle.conformance.version_3 import in_3
+from vda5050_bench.checker import VehicleChecker
+from vda5050_bench.layout import track_on
+from vda5050_bench.track import Track, action
+from vda5050_bench.version_3 import in_3
+from vda5050_protocol.codecs import VERSION_2_1, Codec
+from vda5050_protocol.fields import write_json
+from vda5050_protocol.headers import Headers
+from vda5050_protocol.values import BatteryState, Velocity
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
@@ -41,12 +46,7 @@ from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.drivers.route_driver import ME, RouteDriver
-from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
-from vda5050_vehicle.protocol.fields import write_json
-from vda5050_vehicle.protocol.headers import Headers
-from vda5050_vehicle.protocol.values import BatteryState, Velocity
 
-ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = Path(__file__).resolve().parents[1]
 IDENTITY = Identity('OMRON', 'lab', 'map', '1')
 STANDING, DRIVING = Velocity(0.0, 0.0, 0.0), Velocity(1.0, 0.0, 0.0)
@@ -87,13 +87,6 @@ def route_driver(graph: Optional[Graph] = None, *ignored: str) -> MakeDriver:
 def way(*vertices: int) -> Track:
     """The shortest route over these vertices of the laboratory."""
     return track_on(lab(), vertices, 'map')
-
-
-def payload(message: Mapping[str, Any], header_id: int = 0, version: str = '2.1.0') -> bytes:
-    """A message of the master on the wire."""
-    header = {'headerId': header_id, 'timestamp': '2026-01-01T00:00:00.00Z', 'version': version,
-              'manufacturer': 'OMRON', 'serialNumber': 'lab'}
-    return json.dumps({**header, **message}).encode()
 
 
 class RobotSide:

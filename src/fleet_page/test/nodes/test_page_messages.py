@@ -96,7 +96,7 @@ def commands(monkeypatch):
 def test_a_mission_is_sent_with_the_name_of_the_person(commands):
     act = Act(ActKind.SEND, destinations=(2, 3), stays=(0.0, -1.0), priority=4, robot='a')
     outcome = commands.do(act, ANNA)
-    sent = commands._requests.sent[0]
+    sent = commands._requests._publisher.sent[0]
     assert outcome.ok and outcome.mission == sent.request_id > 0
     assert list(sent.destination_vertices_id) == [2, 3] and list(sent.dwell) == [0.0, -1.0]
     assert (sent.priority, sent.robot) == (4, 'a') and 'anna' in sent.requested_by
@@ -108,7 +108,7 @@ def test_a_mission_is_sent_with_the_name_of_the_person(commands):
     (ActKind.MODIFY, msg.MissionCommand.MODIFY)])
 def test_a_mission_is_changed_by_its_command(commands, kind, command):
     assert commands.do(Act(kind, mission=7, priority=2, destinations=(3,)), ANNA).ok
-    sent = commands._commands.sent[0]
+    sent = commands._commands._publisher.sent[0]
     assert (sent.request_id, sent.command, sent.priority) == (7, command, 2)
 
 
@@ -116,7 +116,7 @@ def test_a_mission_is_changed_by_its_command(commands, kind, command):
     (ActKind.CLOSE, msg.EdgeCommand.CLOSE), (ActKind.OPEN, msg.EdgeCommand.OPEN)])
 def test_edges_are_closed_and_opened_by_a_command(commands, kind, command):
     assert commands.do(Act(kind, edges=(3, 2, 3)), ANNA).ok
-    sent = commands._edges.sent[0]
+    sent = commands._edges._publisher.sent[0]
     assert (list(sent.edges), sent.command) == ([2, 3], command)
 
 

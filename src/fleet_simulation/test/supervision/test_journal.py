@@ -18,7 +18,8 @@ from fleet_builders import AGV, corridor
 from fleet_core.geometry.areas import Area
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_master import Located, Lost, Memory
-from fleet_core.supervision.journal import Journal, RobotMemory, history
+from fleet_core.supervision.history import history
+from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import (
     JournalError,
     JournalUnavailable,
@@ -354,7 +355,7 @@ def test_what_cannot_be_forgotten_leaves_no_transaction_open(path):
 
 
 def test_the_history_is_read_page_by_page(path, monkeypatch):
-    monkeypatch.setattr('fleet_core.supervision.journal._PAGE', 4)
+    monkeypatch.setattr('fleet_core.supervision.history._PAGE', 4)
     journal = Journal(path)
     journal.store([ended(serial) for serial in range(1, 10)])
     assert [line.request_id for line in history(path)] == list(range(1, 10))
@@ -409,7 +410,7 @@ def test_a_journal_that_was_written_while_it_was_read_gives_nothing(path, monkey
     journal.store([ended(1)])
     journal.close()
     monkeypatch.setattr(os, 'access', lambda *_: False)
-    monkeypatch.setattr('fleet_core.supervision.journal._history_line', None)
+    monkeypatch.setattr('fleet_core.supervision.history._history_line', None)
     connect = sqlite3.connect
 
     def connect_and_write(*words, **more):

@@ -59,7 +59,7 @@ class Editor:
 
     def discs(self) -> int:
         shape = self.server.markers['vertices 0'].controls[0].markers[0]
-        return len(shape.points) // (3 * board.handles.drawing.DISC_CORNERS)
+        return len(shape.points) // (3 * board.handles.flat.DISC_CORNERS)
 
 
 @pytest.fixture

@@ -10,8 +10,9 @@ from visualization_msgs.msg import InteractiveMarkerControl, Marker
 
 from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import Action
-from graph_editor.nodes import drawing, handles
+from graph_editor.nodes import handles
 from graph_editor.nodes.handles import Look, ShownEdge, ShownVertex
+from rviz_drawing import flat
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 from trajectory_graph.editing import Draft
 
@@ -66,7 +67,7 @@ def test_what_is_seen_of_vertices_moves_with_no_mouse_and_tells_ids_and_labels()
 
 
 def test_ids_differ():
-    strokes = {id: [part.corners.round(6).tolist() for part in drawing.number(
+    strokes = {id: [part.corners.round(6).tolist() for part in flat.number(
         id, 0.2, 0.1, handles.BLACK)] for id in range(120)}
     assert len({str(parts) for parts in strokes.values()}) == 120
     assert all(0.0 <= np.array(corner)[..., 1].mean() <= 0.2

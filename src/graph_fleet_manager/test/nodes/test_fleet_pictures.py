@@ -7,7 +7,6 @@ import pytest
 from fleet_builders import corridor
 from visualization_msgs.msg import Marker
 
-from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
 from graph_fleet_manager.nodes.rviz.picture import Changes
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
@@ -29,6 +28,7 @@ from itrci_nav_msgs.msg import (
     RobotPlan,
     SymbolicPose,
 )
+from rviz_drawing import drawing
 
 GRAPH = corridor(4)  # 2 m apart, on the x axis
 HERE = DrawnPose(1.0, 0.0, 0.0)

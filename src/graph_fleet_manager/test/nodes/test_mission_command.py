@@ -40,14 +40,16 @@ class Nobody:
     def take(self):
         return []
 
-    def publish(self, message):
+    def send(self, message):
         self.published.append(message)
+
+    repeat = send
 
 
 @pytest.fixture(autouse=True)
 def no_topics(monkeypatch):
     monkeypatch.setattr(mission, 'Listener', Nobody)
-    monkeypatch.setattr(mission, 'connected_publisher', Nobody)
+    monkeypatch.setattr(mission, 'connected_sender', Nobody)
     monkeypatch.setattr(mission, 'ask_for', lambda request: lambda: None)
 
 
@@ -125,7 +127,7 @@ def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, w
 
 def test_priority_and_destinations_are_changed_on_request_of_a_user(monkeypatch):
     sent = []
-    monkeypatch.setattr(Nobody, 'publish', lambda _, message: sent.append(message))
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
     change(monkeypatch, 'modify', status(MissionState.ACTIVE), status(MissionState.ACTIVE),
            more=('18', '39', '--priority', '-2'))
     assert sent[0].command == MissionCommand.MODIFY and sent[0].priority == -2
@@ -146,7 +148,7 @@ def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
 def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word, state):
     """The fleet manager publishes nothing if nothing changes; the command asks it for the state."""
     asked = []
-    monkeypatch.setattr(Nobody, 'publish', lambda _, message: asked.append(message))
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: asked.append(message))
     change(monkeypatch, word, status(state))
     assert [message.request_id for message in asked] == [7]
     assert capsys.readouterr().out == f'Mission 7 is {state.name} already: nothing to {word}.\n'

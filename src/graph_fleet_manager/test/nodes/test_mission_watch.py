@@ -7,7 +7,8 @@ import pytest
 import rospy
 
 from fleet_core.supervision.missions import MissionState, Status
-from graph_fleet_manager.commands.mission_watch import SILENCE, MissionWatch
+from fleet_requests import SILENCE
+from graph_fleet_manager.commands.mission_watch import MissionWatch
 from graph_fleet_manager.messages.missions import status_message
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 

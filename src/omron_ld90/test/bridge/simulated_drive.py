@@ -5,10 +5,9 @@ gives the same figures each time.
 """
 from __future__ import annotations
 
-import heapq
 import math
 from pathlib import Path
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import numpy as np
 from bridge_builders import ENDINGS
@@ -221,20 +220,3 @@ class SimulatedDrive:
         text = session.output.decode('ascii')
         session.output.clear()
         return text.split('\r\n')[:-1]
-
-
-def shortest_route(graph: Graph, vertices: Sequence[int]) -> Tuple[int, ...]:
-    """The edges of the shortest paths from each of the vertices to the next."""
-    route: Tuple[int, ...] = ()
-    for start, end in zip(vertices, vertices[1:]):
-        queue, seen = [(0.0, start, ())], set()
-        while queue[0][1] != end:
-            length, at, edges = heapq.heappop(queue)
-            if at in seen:
-                continue
-            seen.add(at)
-            for edge in graph.edges_from(at):
-                heapq.heappush(queue, (length + graph.curve(abs(edge)).length,
-                                       graph.end_vertex(edge).id, (*edges, edge)))
-        route += queue[0][2]
-    return route

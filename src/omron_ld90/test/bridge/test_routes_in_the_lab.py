@@ -5,9 +5,10 @@ from functools import lru_cache
 from typing import Tuple
 
 import pytest
-from simulated_drive import DOCK_VERTEX, SimulatedDrive, shortest_route
+from simulated_drive import DOCK_VERTEX, SimulatedDrive
 
 from trajectory_graph import route_vertices
+from trajectory_graph.shortest_paths import shortest_route
 
 MISSION = (18, 39, 52, 6, DOCK_VERTEX)
 HALF_CORRIDOR = 0.45  # m

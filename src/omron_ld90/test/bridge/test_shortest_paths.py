@@ -9,7 +9,7 @@ from bridge_builders import dissertation_graph, graph_of, yard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_ld90.bridge.shortest_paths import corner_cut, distances, follows_on, has_detour
+from omron_ld90.bridge.shortest_paths import corner_cut, follows_on, has_detour
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 MARGIN = 0.9
@@ -71,10 +71,6 @@ def test_at_a_cusp_the_free_way_leaves_the_vertex_out():
     assert corner_cut(graph, -1, 2, 0.2) > 1.0
     assert not has_detour(graph, (-1, 2), 0.0, 0.9)
     assert not is_the_free_way(graph, (-1, 2), 0.0, 0.9, 0.3)
-
-
-def test_distances_go_both_ways_along_edges_up_to_a_limit():
-    assert distances(yard(), 3, 8.0) == pytest.approx({3: 0.0, 2: 4.0, 4: 4.0, 1: 8.0, 5: 8.0})
 
 
 @st.composite

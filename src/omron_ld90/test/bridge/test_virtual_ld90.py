@@ -6,12 +6,13 @@ from random import Random
 from typing import Tuple
 
 import pytest
-from simulated_drive import SimulatedDrive, shortest_route
+from simulated_drive import SimulatedDrive
 
 from fleet_core.fleet import RobotType
 from fleet_simulation.driven_robot import LD90, Delays, DrivenRobot, Standstill
 from route_protocol.values import RouteOrder
 from trajectory_graph import Graph
+from trajectory_graph.shortest_paths import shortest_route
 
 NEVER = Standstill(0.0, 0.0)
 KIND = RobotType('ld90', 0.43, 1.35, 0.25, obeys_edge_speed=False)

@@ -129,7 +129,7 @@ def test_a_master_that_does_not_answer_is_told_again_with_the_next_record(parame
     memory.keep(RECORD)
     memory.keep(ENDED)
     assert parameters.written.acquire(timeout=10.0)
-    while parameters.content['vehicle']['route_id'] != ENDED.vehicle.route_id:
+    while parameters.content['record']['vehicle']['route_id'] != ENDED.vehicle.route_id:
         assert parameters.written.acquire(timeout=10.0)
     assert memory.recall().record == ENDED
 

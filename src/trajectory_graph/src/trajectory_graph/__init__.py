@@ -6,6 +6,7 @@ from trajectory_graph.curves import Curve, Projection
 from trajectory_graph.errors import (
     DiscontinuousRoute,
     GraphError,
+    NoPath,
     TrajectoryGraphError,
     UnknownEdge,
     UnknownVertex,
@@ -17,7 +18,7 @@ from trajectory_graph.splitting import split_edges
 from trajectory_graph.yaml_file import load_graph, save_graph
 
 __all__ = [
-    'Curve', 'CurveType', 'DiscontinuousRoute', 'Edge', 'Graph', 'GraphError', 'Projection',
-    'TrajectoryGraphError', 'UnknownEdge', 'UnknownVertex', 'Vertex', 'change_of', 'check_route',
-    'load_graph', 'route_vertices', 'save_graph', 'speed_of', 'split_edges',
+    'Curve', 'CurveType', 'DiscontinuousRoute', 'Edge', 'Graph', 'GraphError', 'NoPath',
+    'Projection', 'TrajectoryGraphError', 'UnknownEdge', 'UnknownVertex', 'Vertex', 'change_of',
+    'check_route', 'load_graph', 'route_vertices', 'save_graph', 'speed_of', 'split_edges',
 ]

@@ -61,6 +61,18 @@ class UnknownEdge(TrajectoryGraphError):
         return f'The graph has no edge {self.id}.'
 
 
+class NoPath(TrajectoryGraphError):
+    """Two vertices between which there is no path."""
+
+    def __init__(self, start: int, end: int) -> None:
+        super().__init__(start, end)
+        self.start = start
+        self.end = end
+
+    def __str__(self) -> str:
+        return f'There is no path from vertex {self.start} to vertex {self.end}.'
+
+
 class DiscontinuousRoute(TrajectoryGraphError):
     """An edge of a route that does not start at the end of the previous edge."""
 

@@ -5,8 +5,8 @@ force.
 """
 from __future__ import annotations
 
-import heapq
 from functools import cached_property
+from itertools import takewhile
 from typing import Dict, List, Tuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from fleet_core.fleet import DOCK_APPROACH
 from fleet_core.geometry.exclusions import Approach, Exclusions
 from fleet_core.geometry.pieces import edge_lengths, pieces_of, splines_of
 from trajectory_graph import Graph
+from trajectory_graph.shortest_paths import Road, nearest_first
 
 
 class SiteGeometry:
@@ -54,14 +55,15 @@ class SiteGeometry:
         docks = [vertex.id for vertex in self.graph.vertices.values() if vertex.dock]
         if not docks:
             return ()
-        roads: List[List[Tuple[int, float]]] = [[] for _ in self.vertex_ids]
-        for (origin, destination), length in zip(self.ends.tolist(), self.lengths.tolist()):
-            roads[origin].append((destination, length))
-            roads[destination].append((origin, length))
+        roads: List[List[Road]] = [[] for _ in self.vertex_ids]
+        for edge, (origin, destination), length in zip(
+                self.edge_ids, self.ends.tolist(), self.lengths.tolist()):
+            roads[origin].append(Road(destination, length, edge))
+            roads[destination].append(Road(origin, length, -edge))
         return tuple(self._approach(self.index[dock], roads)
                      for dock in sorted(docks, key=self.index.__getitem__))
 
-    def _approach(self, dock: int, roads: List[List[Tuple[int, float]]]) -> Approach:
+    def _approach(self, dock: int, roads: List[List[Road]]) -> Approach:
         near = self._near(dock, roads)
         reach = self.dock_approach
         edges: Dict[int, Tuple[float, float]] = {}
@@ -77,15 +79,8 @@ class SiteGeometry:
                 edges[place] = (1.0 - from_destination, 1.0)
         return Approach(edges, frozenset(near) - {dock})
 
-    def _near(self, dock: int, roads: List[List[Tuple[int, float]]]) -> Dict[int, float]:
+    def _near(self, dock: int, roads: List[List[Road]]) -> Dict[int, float]:
         """Vertices nearer to a dock than `dock_approach` along the edges, with the distance (m)."""
-        near: Dict[int, float] = {}
-        queue = [(0.0, dock)]
-        while queue:
-            distance, vertex = heapq.heappop(queue)
-            if vertex in near or distance >= self.dock_approach:
-                continue
-            near[vertex] = distance
-            for other, length in roads[vertex]:
-                heapq.heappush(queue, (distance + length, other))
-        return near
+        near = takewhile(lambda reached: reached.distance < self.dock_approach,
+                         nearest_first(dock, roads.__getitem__))
+        return {reached.vertex: reached.distance for reached in near}

@@ -7,17 +7,14 @@ history of each mission.
 from __future__ import annotations
 
 import json
-import math
-import os
 import sqlite3
 import time
-from dataclasses import asdict, astuple
+from dataclasses import astuple
 from typing import (
     Any,
     Callable,
     Dict,
     Iterable,
-    Iterator,
     List,
     Mapping,
     NamedTuple,
@@ -25,7 +22,6 @@ from typing import (
     Sequence,
     Tuple,
 )
-from urllib.parse import quote
 
 from file_replacement import replace_file
 from fleet_core.fleet import RobotType
@@ -41,12 +37,12 @@ from fleet_core.supervision.journal_database import (
 from fleet_core.supervision.mission_book import REMEMBERED
 from fleet_core.supervision.missions import Mission, MissionState, Request, Status
 from fleet_core.supervision.outages import Outage
-from route_protocol.master import MasterState, Order, Step
+from json_records import from_json, to_json
+from route_protocol.master import MasterState, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
 _LONGEST_NUMBER = 30  # number of characters in the file beside the journal
-_PAGE = 1000  # number of missions that the history reads at a time
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
 """The states of missions that have not ended, in SQL."""
 
@@ -62,40 +58,6 @@ class RobotMemory(NamedTuple):
     dock: Optional[int] = None
     charge: Optional[float] = None
     kind: Optional[RobotType] = None
-
-
-class HistoryLine(NamedTuple):
-    """One mission in the history. Times are in s since 1970; None: it did not happen."""
-
-    request_id: int
-    destinations: Tuple[int, ...]
-    robot_type: str
-    priority: int
-    state: MissionState
-    robot: str
-    reached: int
-    accepted: float
-    started: Optional[float]
-    ended: Optional[float]
-    reason: str
-    requested_by: str = ''
-
-    @property
-    def waited(self) -> Optional[float]:
-        """s from acceptance to start, or to an end without a start; None: it still waits."""
-        begun = self.started if self.started is not None else self.ended
-        return None if begun is None else begun - self.accepted
-
-    @property
-    def took(self) -> Optional[float]:
-        """s from start to end; None: one of the two did not happen."""
-        return None if self.started is None or self.ended is None else self.ended - self.started
-
-
-HISTORY_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot',
-                   'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason',
-                   'requested_by')
-"""The columns of the history as CSV."""
 
 
 class Journal:
@@ -266,86 +228,23 @@ class Journal:
         return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
 
 
-def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
-    """All missions in the history, read page by page. The supervisor may write meanwhile.
-
-    Raises JournalError if there is no such file, or it is no journal.
-
-    since -- s since 1970: ended missions that have not changed since then are omitted
-    """
-    wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
-    if not os.path.isfile(path):
-        raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
-                           'computer, or it is kept elsewhere.')
-    try:
-        db, unchanged = _opened(path)
-        try:
-            last = 0
-            while True:
-                rows = db.execute(
-                    'SELECT m.serial, m.request, m.state, m.robot, m.reached, m.reason, '
-                    'MIN(c.time), MIN(CASE WHEN c.state = :active THEN c.time END), MAX(c.time) '
-                    f'FROM (SELECT * FROM mission WHERE serial > :last {wanted} '
-                    'ORDER BY serial LIMIT :page) m '
-                    'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
-                    {'active': int(MissionState.ACTIVE), 'last': last, 'since': since,
-                     'page': _PAGE}).fetchall()
-                if not unchanged():
-                    raise JournalError(f'The journal {path} was written while it was read: try '
-                                       'again.')
-                yield from (_history_line(*row[1:]) for row in rows)
-                if len(rows) < _PAGE:
-                    return
-                last = rows[-1][0]
-        finally:
-            db.close()
-    except sqlite3.Error as error:
-        raise JournalError(f'The journal {path} cannot be read ({error}).') from None
-
-
-def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
-    """Opens a journal to read it, and tells whether what was read is the content of one moment.
-
-    SQLite takes care of that with files beside the journal. In a folder that this process may not
-    write, SQLite cannot make them. If no supervisor has made them, the journal is read as it is.
-    """
-    address = f'file:{quote(os.path.abspath(path))}?mode=ro'
-    if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):
-        return sqlite3.connect(address, uri=True, timeout=2.0), lambda: True
-
-    def version() -> Tuple[int, int, int]:
-        status = os.stat(path)
-        return status.st_ino, status.st_size, status.st_mtime_ns
-    before = version()
-    return (sqlite3.connect(f'{address}&immutable=1', uri=True),
-            lambda: version() == before)
-
-
-def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
-                  started: Optional[float], last: float) -> HistoryLine:
-    request, state = _request(text), MissionState(number)
-    return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
-                       state, robot, reached, accepted, started, None if state.is_open else last,
-                       reason, request.requested_by)
-
 
 def _request_text(request: Request) -> str:
-    return json.dumps(asdict(request))
+    return json.dumps(to_json(request))
 
 
 def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
     """The mission in a row of the columns serial, request, state, robot, reached, reason."""
     serial, text, state, robot, reached, reason = row
-    return Mission(serial, _request(text), MissionState(state), robot, reached, reason=reason)
+    return Mission(serial, read_request(text), MissionState(state), robot, reached, reason=reason)
 
 
-def _request(text: str) -> Request:
+def read_request(text: str) -> Request:
     """Reads a request. Version 0.2 stored a list, in the order of the fields of that version."""
     stored = json.loads(text)
     values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
-    return Request(**{**values, 'destinations': tuple(values['destinations']),
-                      'dwells': tuple(values['dwells'])})
+    return from_json(Request, values, added=('requested_by',))
 
 
 def _graph_text(graph: Graph) -> str:
@@ -371,12 +270,10 @@ def _position(values: Optional[Sequence[Any]]) -> Optional[GraphPosition]:
 
 def _memory_text(memory: RobotMemory) -> str:
     master, kind = memory.master, memory.kind
-    protocol = master.protocol
     return json.dumps({
-        'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
-                     'held': protocol.held},
+        'protocol': to_json(master.protocol),
         'cleared': master.cleared, 'place': _position_values(master.position),
-        'locations': master.locations,
+        'locations': to_json(master.locations),
         'lost': [[area.line, area.radius] for area in master.lost.areas],
         'lost_until': master.lost.until, 'absent': master.is_absent,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
@@ -388,22 +285,14 @@ def _memory_text(memory: RobotMemory) -> str:
 def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
     master = _of_version_1(stored) if 'track' in stored else Memory(
-        _protocol(stored['protocol']), tuple(stored['cleared']), _position(stored['place']),
-        tuple(Located((x, y), age, is_stray) for (x, y), age, is_stray in stored['locations']),
+        from_json(MasterState, stored['protocol']), tuple(stored['cleared']),
+        _position(stored['place']),
+        tuple(from_json(Located, location) for location in stored['locations']),
         Lost(_areas(stored['lost']), stored['lost_until']), stored['absent'])
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(master, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
                        stored.get('charge'), None if kind is None else RobotType(*kind))
-
-
-def _protocol(stored: Dict[str, Any]) -> MasterState:
-    return MasterState(**{
-        **stored, 'gap': tuple(stored['gap']),
-        'open': tuple(Order(number, epoch, first, tuple(edges), route_id)
-                      for number, epoch, first, edges, route_id in stored['open']),
-        'behind': tuple(Step(*step) for step in stored['behind']),
-        'held': tuple(Step(*step) for step in stored['held'])})
 
 
 def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:

@@ -9,7 +9,7 @@ import math
 from dataclasses import asdict
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
-from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.fleet import (
     OPEN_STATES,
     MissionRequest,

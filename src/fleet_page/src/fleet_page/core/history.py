@@ -3,9 +3,9 @@ from __future__ import annotations
 
 import csv
 import io
-from typing import Any, Dict, Iterable, List, Optional
+from typing import Any, Dict, Iterable, List
 
-from fleet_core.supervision.journal import HISTORY_COLUMNS, HistoryLine
+from fleet_core.supervision.history import HISTORY_COLUMNS, HistoryLine, row_of
 from fleet_page.core.records import HOUR, HistorySums
 from node_program.inert_text import cell
 
@@ -47,14 +47,5 @@ def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
     writer.writerow(HISTORY_COLUMNS)
     for line in lines:
         if line.accepted >= since:
-            writer.writerow([
-                line.request_id, ' '.join(map(str, line.destinations)), cell(line.robot_type),
-                line.priority, line.state.name, cell(line.robot), line.reached,
-                _seconds(line.accepted, 3), _seconds(line.started, 3), _seconds(line.ended, 3),
-                _seconds(line.waited, 1), _seconds(line.took, 1), cell(line.reason),
-                cell(line.requested_by)])
+            writer.writerow(map(cell, row_of(line, '{:.3f}'.format)))
     return text.getvalue()
-
-
-def _seconds(time: Optional[float], digits: int) -> str:
-    return '' if time is None else f'{time:.{digits}f}'

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional
 
-from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, Plan
 from fleet_page.core.fleet_model import FleetModel

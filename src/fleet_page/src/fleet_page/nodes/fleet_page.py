@@ -43,7 +43,7 @@ from aiohttp import web
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 
-from fleet_core.supervision.journal import HistoryLine, history
+from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import Act
 from fleet_page.core.page import Page

@@ -13,7 +13,7 @@ from typing import Any, Awaitable, Callable, List, Tuple
 
 from aiohttp import web
 
-from fleet_core.supervision.journal import HistoryLine
+from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import RULES, Act, ActKind, Outcome, WrongAct, act_of
 from fleet_page.core.history import history_csv, history_values

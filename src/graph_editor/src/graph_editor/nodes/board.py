@@ -24,11 +24,11 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
-from graph_editor.editor.text_places import Text, TextPlaces
 from graph_editor.nodes import handles
 from graph_editor.nodes.finding_words import finding_text
 from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
 from node_lifecycle.marker_server import OrderedMarkerServer
+from rviz_drawing.text_places import Text, TextPlaces
 from trajectory_graph import CurveType
 
 NAMESPACE = 'graph_editor'

@@ -46,9 +46,7 @@ from graph_editor.errors import SiteError
 from graph_editor.make_cli import area_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import MakingOptions
-from graph_editor.nodes import drawing
 from graph_editor.nodes.board import NAMESPACE, Board, Key
-from graph_editor.nodes.drawing import MAP_FRAME
 from graph_editor.nodes.finding_words import finding_markers
 from graph_editor.nodes.graph_topic import GraphTopic
 from graph_editor.nodes.handles import BLACK
@@ -57,6 +55,8 @@ from graph_editor.nodes.take_over import TakeOver
 from graph_editor.site import Site, SiteOptions
 from node_lifecycle import ConfigurationError, init_node, number, parameter
 from omron_map import MapError
+from rviz_drawing import drawing
+from rviz_drawing.drawing import FRAME
 from trajectory_graph import TrajectoryGraphError
 from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_editing import GraphFile
@@ -122,7 +122,7 @@ class EditorNode:
                 for key, findings in found.items()}
 
     def _on_click(self, click: PointStamped) -> None:
-        if click.header.frame_id.lstrip('/') == MAP_FRAME:
+        if click.header.frame_id.lstrip('/') == FRAME:
             with self.lock:
                 self.session.click_floor(click.point.x, click.point.y)
                 self.show()
@@ -170,9 +170,10 @@ class EditorNode:
         floor = self._site.floor
         top = floor.origin[1] + floor.occupied.shape[0] * floor.resolution
         middle = floor.origin[0] + floor.occupied.shape[1] * floor.resolution / 2.0
-        array.markers.append(drawing.text(self._summary(), middle, top + 0.8, 0.3, 0.45, BLACK))
+        array.markers.append(
+            drawing.text('', 0, self._summary(), (middle, top + 0.8), 0.45, BLACK, 0.3))
         for id, marker in enumerate(array.markers):
-            marker.header.frame_id, marker.ns, marker.id = MAP_FRAME, 'findings', id
+            marker.header.frame_id, marker.ns, marker.id = FRAME, 'findings', id
         self._markers.publish(array)
 
     def _summary(self) -> str:
@@ -199,12 +200,12 @@ def _counted(number: int, thing: str) -> str:
 def _grid_message(site: Site) -> OccupancyGrid:
     floor = site.floor
     message = OccupancyGrid()
-    message.header.frame_id = MAP_FRAME
+    message.header.frame_id = FRAME
     message.header.stamp = rospy.Time.now()
     message.info.map_load_time = message.header.stamp
     message.info.resolution = floor.resolution
     message.info.height, message.info.width = floor.occupied.shape
-    message.info.origin = drawing.pose_at(*floor.origin)
+    message.info.origin = drawing.pose_at(floor.origin)
     cells = (floor.occupied * 100).astype('int8')
     cells[~floor.inside & ~floor.occupied] = -1
     message.data = cells.ravel().tolist()
@@ -213,7 +214,7 @@ def _grid_message(site: Site) -> OccupancyGrid:
 
 def _frame() -> TransformStamped:
     transform = TransformStamped()
-    transform.header.frame_id, transform.child_frame_id = MAP_FRAME, NAMESPACE
+    transform.header.frame_id, transform.child_frame_id = FRAME, NAMESPACE
     transform.header.stamp = rospy.Time.now()
     transform.transform.rotation.w = 1.0
     return transform

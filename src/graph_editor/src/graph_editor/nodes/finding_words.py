@@ -6,9 +6,9 @@ from typing import Iterable, List, Optional, Tuple
 from visualization_msgs.msg import Marker
 
 from graph_editor.checking.findings import Finding, Severity
-from graph_editor.editor.text_places import Text
-from graph_editor.nodes import drawing
 from graph_editor.nodes.handles import AMBER, RED
+from rviz_drawing import drawing, flat
+from rviz_drawing.text_places import Text, text_size
 
 HEIGHT, BELOW = 0.26, 0.6  # m; text height, and distance from the finding to the text's middle
 LINE = 40                  # letters in a line
@@ -18,7 +18,7 @@ def finding_text(finding: Finding) -> Optional[Text]:
     """Returns the text of a finding; None if it has no place."""
     if finding.place is None:
         return None
-    return Text(finding.place, drawing.text_size(_in_lines(finding), HEIGHT), (0.0, -BELOW))
+    return Text(finding.place, text_size(_in_lines(finding), HEIGHT), (0.0, -BELOW))
 
 
 def finding_markers(findings: Iterable[Tuple[Finding, Optional[Tuple[float, float]]]]
@@ -32,10 +32,10 @@ def finding_markers(findings: Iterable[Tuple[Finding, Optional[Tuple[float, floa
         if finding.place is None:
             continue
         paint = RED if finding.severity is Severity.ERROR else AMBER
-        ring = drawing.disc(0.5, 0.03, drawing.colour(paint.r, paint.g, paint.b, 0.4))
-        markers.append(drawing.flat([ring], finding.place))
+        ring = flat.disc(0.5, 0.03, drawing.colour(paint.r, paint.g, paint.b, 0.4))
+        markers.append(flat.flat([ring], finding.place))
         if words_place is not None:
-            markers.append(drawing.text(_in_lines(finding), *words_place, 0.3, HEIGHT, paint))
+            markers.append(drawing.text('', 0, _in_lines(finding), words_place, HEIGHT, paint, 0.3))
     return markers
 
 

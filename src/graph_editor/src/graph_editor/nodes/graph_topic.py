@@ -5,8 +5,8 @@ from typing import Any, Dict, Mapping, Tuple
 
 import rospy
 
-from graph_editor.nodes.drawing import MAP_FRAME
 from itrci_nav_msgs.msg import Edge, Graph, Vertex
+from rviz_drawing.drawing import FRAME
 from trajectory_graph import GraphError
 from trajectory_graph.editing import Draft
 from trajectory_graph.messages import edge_message, vertex_message
@@ -38,7 +38,7 @@ class GraphTopic:
         self._edges = _made(draft.edges, self._edges, edge_message, Edge)
         message = Graph(vertices=[one for _, one in self._vertices.values()],
                         edges=[one for _, one in self._edges.values()])
-        message.header.frame_id = MAP_FRAME
+        message.header.frame_id = FRAME
         message.header.stamp = rospy.Time.now()
         self._publisher.publish(message)
 

@@ -19,9 +19,9 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, 
 
 from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Entry, numbered
-from graph_editor.editor.text_places import Text
-from graph_editor.nodes import drawing
-from graph_editor.nodes.drawing import MAP_FRAME, colour
+from rviz_drawing import drawing, flat
+from rviz_drawing.drawing import FRAME, colour
+from rviz_drawing.text_places import Text, text_size
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
@@ -108,7 +108,7 @@ def vertices_handle(group: int, places: Iterable[Tuple[float, float]],
     """
     marker = _handle(f'{VERTICES} {group}', moved)
     marker.menu_entries = _VERTEX_ENTRIES
-    shape = drawing.flat(drawing.moved(drawing.disc(VERTEX_SIZE, HANDLE_Z - 0.01, UNSEEN), place)
+    shape = flat.flat(flat.moved(flat.disc(VERTEX_SIZE, HANDLE_Z - 0.01, UNSEEN), place)
                          for place in places)
     shape.color, shape.colors = UNSEEN, []
     marker.controls.append(_plane_control('move', 'Vertex: drag, or right click', [shape]))
@@ -121,7 +121,7 @@ def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMa
     shown = [_drawn_vertex(*one) for one in vertices]
     marker.controls.append(InteractiveMarkerControl(
         name='drawn', interaction_mode=InteractiveMarkerControl.NONE, always_visible=True,
-        markers=[drawing.together(shape for shape, _ in shown),
+        markers=[flat.together(shape for shape, _ in shown),
                  *(words for _, words in shown if words is not None)]))
     return marker
 
@@ -129,7 +129,7 @@ def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMa
 @lru_cache(maxsize=KEPT)
 def id_text(vertex: Vertex) -> Text:
     """Returns the id of a vertex as a text beside it."""
-    width, height = drawing.number_size(vertex.id, ID_HEIGHT)
+    width, height = flat.number_size(vertex.id, ID_HEIGHT)
     edge = (height - ID_HEIGHT) / 2.0
     return Text(vertex.position, (width, height),
                 (ID_PLACE[0] - edge + width / 2.0, ID_PLACE[1] - edge + height / 2.0))
@@ -140,7 +140,7 @@ def label_text(vertex: Vertex) -> Optional[Text]:
     """Returns the label of a vertex as a text beside it; None if the label is not shown."""
     if vertex.label in UNLABELLED:
         return None
-    return Text(vertex.position, drawing.text_size(vertex.label, LABEL_HEIGHT), LABEL_PLACE)
+    return Text(vertex.position, text_size(vertex.label, LABEL_HEIGHT), LABEL_PLACE)
 
 
 @lru_cache(maxsize=KEPT)
@@ -148,22 +148,23 @@ def _drawn_vertex(vertex: Vertex, look: Look, id_place: Optional[Tuple[float, fl
                   label_place: Optional[Tuple[float, float]]) -> Tuple[Marker, Optional[Marker]]:
     """Returns a disc, an arrow along the heading and the id as one marker, and the label."""
     paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
-    parts = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
-             drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
+    parts = [flat.disc(VERTEX_SIZE, VERTEX_Z, paint),
+             flat.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
     if look.selected or look.waiting:
         halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
-        parts.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
-    parts = [drawing.moved(part, vertex.position) for part in parts]
+        parts.append(flat.disc(halo, VERTEX_Z - 0.015, YELLOW))
+    parts = [flat.moved(part, vertex.position) for part in parts]
     if id_place is not None:
-        width, height = drawing.number_size(vertex.id, ID_HEIGHT)
+        width, height = flat.number_size(vertex.id, ID_HEIGHT)
         edge = (height - ID_HEIGHT) / 2.0
         corner = id_place[0] - width / 2.0 + edge, id_place[1] - height / 2.0 + edge
-        parts += [drawing.moved(stroke, corner)
-                  for stroke in drawing.number(vertex.id, ID_HEIGHT, TEXT_Z, BLACK)]
-    shape = drawing.flat(parts)
+        parts += [flat.moved(stroke, corner)
+                  for stroke in flat.number(vertex.id, ID_HEIGHT, TEXT_Z, BLACK)]
+    shape = flat.flat(parts)
     if label_place is None:
         return shape, None
-    return shape, drawing.text(vertex.label, *label_place, TEXT_Z, LABEL_HEIGHT, BLACK)
+    return shape, drawing.text('', 0, vertex.label, label_place, LABEL_HEIGHT, BLACK,
+                               TEXT_Z, frame='')
 
 
 def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
@@ -173,7 +174,7 @@ def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
     marker.controls.append(InteractiveMarkerControl(
         name='select', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
         description='Edge: click, or right click',
-        markers=[drawing.together(_drawn(shown) for shown in edges)]))
+        markers=[flat.together(_drawn(shown) for shown in edges)]))
     return marker
 
 
@@ -189,13 +190,13 @@ def _drawn(shown: ShownEdge) -> Marker:
     except GraphError:
         points = np.array((origin.position, destination.position))
         middle, heading = origin.position, 0.0
-    parts = [drawing.strip(points, EDGE_WIDTH, EDGE_Z, paint)]
+    parts = [flat.strip(points, EDGE_WIDTH, EDGE_Z, paint)]
     if look.selected:
-        parts.append(drawing.strip(points, 3.0 * EDGE_WIDTH, EDGE_Z - 0.01, YELLOW))
-    parts += [drawing.moved(drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint), middle)
+        parts.append(flat.strip(points, 3.0 * EDGE_WIDTH, EDGE_Z - 0.01, YELLOW))
+    parts += [flat.moved(flat.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint), middle)
               for yaw, speed in ((heading, edge.velocity_forward),
                                  (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
-    return drawing.flat(parts)
+    return flat.flat(parts)
 
 
 def turner(vertex: Vertex) -> InteractiveMarker:
@@ -240,8 +241,8 @@ def _warning(look: Look) -> Optional[ColorRGBA]:
 
 def _handle(name: str, place: Tuple[float, float]) -> InteractiveMarker:
     marker = InteractiveMarker(name=name, scale=0.5)  # no description, so RViz shows no label
-    marker.header.frame_id = MAP_FRAME
-    marker.pose = drawing.pose_at(*place)
+    marker.header.frame_id = FRAME
+    marker.pose = drawing.pose_at(place)
     return marker
 
 
@@ -255,6 +256,6 @@ def _plane_control(name: str, description: str, shapes: List[Marker]) -> Interac
 
 
 def _ball(paint: ColorRGBA) -> Marker:
-    marker = Marker(type=Marker.SPHERE, color=paint, pose=drawing.pose_at(0.0, 0.0, HANDLE_Z))
+    marker = Marker(type=Marker.SPHERE, color=paint, pose=drawing.pose_at((0.0, 0.0), z=HANDLE_Z))
     marker.scale.x = marker.scale.y = marker.scale.z = HANDLE_SIZE
     return marker

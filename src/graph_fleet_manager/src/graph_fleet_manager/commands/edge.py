@@ -14,7 +14,7 @@ from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
     Listener,
     connect,
-    connected_publisher,
+    connected_sender,
     run,
 )
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand, Graph
@@ -49,7 +49,6 @@ def _edge(arguments: List[str]) -> int:
             raise CommandError(f'The graph has no edge {unknown[0]}.')
         command = EdgeCommand(edges=sorted(asked), requested_by=rospy.get_name(),
                               command=_CODES[options.command])
-        command.header.stamp = rospy.Time.now()
         told = _carried_out(command, in_force)
     print('Closed edges: ' + (', '.join(map(str, sorted(told.edges))) or 'none'))
     return OK
@@ -57,9 +56,9 @@ def _edge(arguments: List[str]) -> int:
 
 def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
     """Sends a command. Returns the closed edges that graph_server publishes after it."""
-    publisher = connected_publisher('/edge_command', EdgeCommand)
+    sender = connected_sender(EdgeCommand)
     in_force.take()  # messages from before the command are no answer to it
-    publisher.publish(command)
+    sender.send(command)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         in_force.wait(deadline - time.monotonic())

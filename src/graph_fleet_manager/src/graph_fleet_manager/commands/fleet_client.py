@@ -11,6 +11,8 @@ import rosgraph
 import rospy
 from std_srvs.srv import Trigger
 
+import fleet_requests
+from fleet_requests import NoAnswer, NotDone, Sender
 from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
 from node_lifecycle.log_file import init_node
 
@@ -79,17 +81,17 @@ class Listener:
         return self.messages[-1]
 
 
-def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
-    """A publisher that has a subscriber. Raises CommandError if there is no subscriber."""
-    publisher = rospy.Publisher(topic, kind, queue_size=10)
+def connected_sender(kind: Type[Any]) -> Sender:
+    """A sender that is heard. Raises CommandError if no program listens."""
+    sender = Sender(kind)
     deadline = time.monotonic() + PATIENCE
-    while publisher.get_num_connections() == 0:
+    while not sender.is_heard:
         if time.monotonic() > deadline:
             raise CommandError(name_problem(rosgraph.network.get_host_name()) or (
-                f'No node listens to {topic}: is the fleet manager running? Start it with '
+                f'No node listens to {sender.topic}: is the fleet manager running? Start it with '
                 'fleet_manager.launch.'))
         time.sleep(0.02)
-    return publisher
+    return sender
 
 
 def name_problem(host: str) -> str:
@@ -108,14 +110,11 @@ def call(service: str, kind: Type[Any] = Trigger) -> str:
     Raises CommandError if the service does not answer or does not succeed.
     """
     try:
-        rospy.wait_for_service(service, PATIENCE)
-        answer = rospy.ServiceProxy(service, kind)()
-    except (rospy.ROSException, rospy.ServiceException) as error:
-        raise CommandError(f'The service {service} does not answer ({error}): is the fleet manager '
-                           'running?') from None
-    if not answer.success:
-        raise CommandError(answer.message, NOT_DONE)
-    return str(answer.message)
+        return fleet_requests.call(service, kind, wait=PATIENCE)
+    except NoAnswer as error:
+        raise CommandError(f'The service {error}: is the fleet manager running?') from None
+    except NotDone as reason:
+        raise CommandError(str(reason), NOT_DONE) from None
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:

@@ -14,7 +14,6 @@ import csv
 import getpass
 import os
 import platform
-import random
 import sys
 import time
 from datetime import datetime
@@ -24,15 +23,16 @@ import rosgraph
 import rospkg
 import rospy
 
-from fleet_core.supervision.journal import HISTORY_COLUMNS, HistoryLine, history
+from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import Command, MissionState
+from fleet_requests import mission_request
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
     Listener,
     connect,
-    connected_publisher,
+    connected_sender,
     run,
     table,
 )
@@ -110,11 +110,10 @@ def _send(arguments: List[str]) -> int:
     graph = _graph()
     destinations = [_vertex(word, graph) for word in options.destinations]
     dwells = options.dwell * len(destinations) if len(options.dwell) == 1 else options.dwell
-    request = MissionRequest(
-        request_id=random.randint(1, 2 ** 31 - 1) if options.id is None else options.id,
-        destination_vertices_id=destinations, robot_type=options.type, robot=options.robot,
-        priority=options.priority, dwell=dwells, requested_by=_requested_by())
-    request.header.stamp = rospy.Time.now()
+    given = {} if options.id is None else {'request_id': options.id}
+    request = mission_request(
+        destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
+        dwell=dwells, requested_by=_requested_by(), **given)
     listener = Listener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
@@ -157,16 +156,17 @@ def _vertex(word: str, graph: Graph) -> int:
 
 def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
     """Sends the request until the fleet manager acknowledges or refuses it. Returns the status."""
-    publisher = connected_publisher('/mission_request', MissionRequest)
+    requests = connected_sender(MissionRequest)
+    requests.send(request)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
-        publisher.publish(request)
         again = time.monotonic() + _RESEND
         while time.monotonic() < again:
             listener.wait(again - time.monotonic())
             for status in listener.take():
                 if is_about(status, request):
                     return status
+        requests.repeat(request)
     raise CommandError('The fleet manager does not answer; it may have no graph, or hang.')
 
 
@@ -225,13 +225,12 @@ def _change(word: str, arguments: List[str]) -> int:
     options = _options(word, f'tells the fleet manager to {word} a mission', arguments)
     connect('mission_command')
     listener = Listener('/mission_status', MissionStatus)
-    publisher = connected_publisher('/mission_command', MissionCommand)
+    commands = connected_sender(MissionCommand)
     message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
                              requested_by=_requested_by())
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)
-    message.header.stamp = rospy.Time.now()
     deadline = time.monotonic() + 2.0
     known: Optional[MissionStatus] = None
     while time.monotonic() < deadline and not known:  # a new subscriber gets the open missions
@@ -240,7 +239,7 @@ def _change(word: str, arguments: List[str]) -> int:
                       if s.request_id == options.id and MissionState(s.state).is_open), None)
     if known is None:
         raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
-    publisher.publish(message)
+    commands.send(message)
     if _is_so(known, _CHANGES[word]):
         print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
               f'{word}.')
@@ -288,7 +287,7 @@ def _history(arguments: List[str]) -> int:
     options = parser.parse_args(arguments[1:])
     path = options.journal or os.path.join(
         rospkg.get_ros_home(), _journal_in_use() or 'graph_fleet_manager/fleet.sqlite')
-    rows = map(_row, history(path))
+    rows = (row_of(line, _moment) for line in history(path))
     try:
         if options.csv:
             writer = csv.writer(sys.stdout, lineterminator='\n')
@@ -317,18 +316,5 @@ def _journal_in_use() -> str:
     return str(rospy.get_param('/path_supervisor/journal', ''))
 
 
-def _row(line: HistoryLine) -> List[str]:
-    return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
-            str(line.priority), line.state.name, line.robot, str(line.reached),
-            _moment(line.accepted), _moment(line.started), _moment(line.ended),
-            _duration(line.waited), _duration(line.took), line.reason, line.requested_by]
-
-
-def _duration(seconds: Optional[float]) -> str:
-    return '' if seconds is None else f'{seconds:.1f}'
-
-
-def _moment(seconds: Optional[float]) -> str:
-    if seconds is None:
-        return ''
+def _moment(seconds: float) -> str:
     return datetime.fromtimestamp(seconds).astimezone().isoformat(timespec='milliseconds')

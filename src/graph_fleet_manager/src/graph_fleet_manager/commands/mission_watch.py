@@ -9,13 +9,9 @@ from __future__ import annotations
 import time
 from typing import Callable, FrozenSet, List, Optional, Protocol
 
-import rospy
-
+from fleet_requests import SILENCE, stored_status
 from graph_fleet_manager.messages.missions import is_about
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
-from itrci_nav_msgs.srv import GetMissionStatus
-
-SILENCE = 10.0  # s without news after which the watch asks again
 
 Ask = Callable[[], Optional[MissionStatus]]
 """Returns the stored status; None: the fleet manager does not answer, or has no such mission."""
@@ -63,12 +59,7 @@ class MissionWatch:
 
 def ask_for(request: MissionRequest) -> Ask:
     """Returns a function that asks the fleet manager's service for this mission."""
-    service = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
-
     def ask() -> Optional[MissionStatus]:
-        try:
-            answer = service(request.request_id, request.header.stamp)
-        except rospy.ServiceException:  # the fleet manager restarts: the watch asks again
-            return None
-        return answer.status if answer.found else None
+        answer = stored_status(request.request_id, request.header.stamp)
+        return None if answer is None or not answer.found else answer.status
     return ask

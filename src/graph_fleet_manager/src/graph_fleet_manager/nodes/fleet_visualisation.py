@@ -28,13 +28,12 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from graph_fleet_manager.nodes.fleet_acts import FleetActs
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
-from graph_fleet_manager.nodes.rviz.label_places import Label, LabelPlaces
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
+    LONGEST_TEXT,
     DrawnPose,
     label_of,
     place_on_graph,
@@ -52,6 +51,8 @@ from itrci_nav_msgs.msg import (
 )
 from node_lifecycle import parameter, run
 from node_lifecycle.periodic import Periodic
+from rviz_drawing import drawing
+from rviz_drawing.label_places import Label, LabelPlaces
 from trajectory_graph import Graph
 
 PERIOD = 0.1         # s between two pictures of the robots
@@ -192,8 +193,9 @@ class FleetVisualisation:
                 return
             xs = [vertex.x for vertex in self._graph.vertices.values()]
             top = max(vertex.y for vertex in self._graph.vertices.values())
-        marker = drawing.text('feedback', 0, sentence, ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4),
-                              0.4, drawing.colour(1.0, 0.9, 0.4), z=2.0)
+        marker = drawing.text('feedback', 0, sentence[:LONGEST_TEXT],
+                              ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4), 0.4,
+                              drawing.colour(1.0, 0.9, 0.4), z=2.0)
         marker.lifetime = rospy.Duration(FEEDBACK_TIME)
         self._feedback.publish(MarkerArray([marker]))
 

@@ -24,7 +24,7 @@ from typing import Dict, List
 
 import rospy
 
-from graph_fleet_manager.commands.mission_watch import SILENCE, ask_for
+from fleet_requests import SILENCE, Sender, mission_request, stored_status
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
 from node_lifecycle import parameter, run
@@ -57,7 +57,7 @@ class RandomMissions:
         self._heard: Dict[int, float] = {}
         """The time of the last status of each open mission; no entry: no status came yet."""
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
-        self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
+        self._requests = Sender(MissionRequest)
         FollowedGraph(self._on_graph).subscribe()
         rospy.Subscriber('/fleet_state', FleetState, self._on_state, queue_size=1)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
@@ -94,20 +94,19 @@ class RandomMissions:
             for request_id, request in self._open.items():
                 if request_id not in self._heard and (
                         time.monotonic() - self._sent[request_id] > REPEAT):
-                    self._requests.publish(request)
+                    self._requests.repeat(request)
             self._fill()
 
     def _fill(self) -> None:
         """Requests missions until each robot that works can have one."""
         homes = [self._places[edge] for edge in self._robots if edge in self._places]
-        if not self._requests.get_num_connections() or not homes:
+        if not self._requests.is_heard or not homes:
             return
-        now = rospy.Time.now()
         while len(self._open) < len(self._robots) and self._left:
-            request = self._request(self._random.choice(homes), now)
+            request = self._request(self._random.choice(homes))
             self._open[request.request_id] = request
             self._sent[request.request_id] = time.monotonic()
-            self._requests.publish(request)
+            self._requests.send(request)
             self._left -= 1
 
     def _ask(self) -> None:
@@ -116,16 +115,13 @@ class RandomMissions:
         with self._lock:
             requests = [self._open[id] for id, heard in self._heard.items() if heard < silent]
         for request in requests:
-            status = ask_for(request)()
-            if status is not None:
-                self._on_status(status)
+            answer = stored_status(request.request_id, request.header.stamp)
+            if answer is not None and answer.found:
+                self._on_status(answer.status)
 
-    def _request(self, places: List[int], now: rospy.Time) -> MissionRequest:
+    def _request(self, places: List[int]) -> MissionRequest:
         count = self._random.randint(1, min(self._most, len(places)))
-        request = MissionRequest(request_id=random.SystemRandom().randint(1, 2 ** 31 - 1),
-                                 destination_vertices_id=self._random.sample(places, count))
-        request.header.stamp = now
-        return request
+        return mission_request(self._random.sample(places, count))
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:

@@ -8,14 +8,14 @@ fences, or with gates between corridors that the graph does not have, the assump
 """
 from __future__ import annotations
 
-import heapq
 import math
 from itertools import accumulate
-from typing import AbstractSet, Dict, MutableMapping, Sequence, Tuple
+from typing import Dict, MutableMapping, Sequence, Tuple
 from weakref import WeakKeyDictionary
 
 from omron_ld90.robot_model import HALF_WIDTH
 from trajectory_graph import Graph
+from trajectory_graph.shortest_paths import distances
 
 PLANNING_ERROR = 0.05    # m, error of the robot's own planner and its localization
 STEP = 0.02              # m between the examined points along a curve
@@ -86,23 +86,3 @@ def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) ->
     # To turn off at the first vertex, which is behind it, the robot must drive back: hence abs.
     return any(around.get(vertex, math.inf) + abs(position) <= end + margin
                for vertex, position in ahead.items())
-
-
-def distances(graph: Graph, source: int, limit: float,
-              without: AbstractSet[int] = frozenset()) -> Dict[int, float]:
-    """Length in m of the shortest path from `source` to every vertex that is within `limit` m.
-
-    Edges can be driven in both directions; those whose ids are in `without` are closed.
-    """
-    found: Dict[int, float] = {}
-    queue = [(0.0, source)]
-    while queue:
-        distance, vertex = heapq.heappop(queue)
-        if vertex in found or distance > limit:
-            continue
-        found[vertex] = distance
-        for edge in graph.edges_from(vertex):
-            if abs(edge) not in without:
-                heapq.heappush(queue, (distance + graph.curve(abs(edge)).length,
-                                       graph.end_vertex(edge).id))
-    return found

@@ -15,16 +15,15 @@ import json
 import math
 import threading
 import xmlrpc.client
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
 
+from json_records import from_json, to_json
 from node_lifecycle.worker import start_worker
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
-from route_protocol.values import EpochCause, Phase, RouteOrder, reason_of
-from route_protocol.vehicle import VehicleState
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s after which an unchanged record is written again
@@ -80,7 +79,8 @@ class RouteMemory:
             try:
                 content = json.loads(text)
                 counts = content['launch'] == self._launch or outlives and not content['closed']
-                found.append((Moment.read(content), _record_of(content), counts))
+                record = from_json(RouteRecord, content['record'])
+                found.append((Moment.read(content), record, counts))
             except (KeyError, TypeError, ValueError):
                 continue
         if not found:
@@ -124,7 +124,8 @@ class RouteMemory:
         with self._writing:
             assert self._record is not None
             content = {'launch': self._launch, 'closed': self._closed,
-                       **_content_of(self._record)}
+                       **Moment.now().content(),
+                       'record': to_json(self._record)}
             try:
                 if self._file:
                     replace_json(self._file, content)
@@ -149,48 +150,3 @@ class RouteMemory:
                 return stream.read()
         except (OSError, ValueError):
             return ''
-
-
-def _content_of(record: RouteRecord) -> Dict[str, Any]:
-    """The record as plain values; large integers are texts, because some readers of JSON round
-    them.
-    """
-    return {**Moment.now().content(), 'vehicle': _content_of_state(record.vehicle),
-            'target': -1 if record.target is None else record.target,
-            'number': str(record.number),
-            'owes_stop': record.owes_stop, 'epoch': str(record.epoch),
-            'last': [] if record.last is None else [
-                record.last.route_id, list(record.last.edges), str(record.last.stamp)]}
-
-
-def _content_of_state(state: VehicleState) -> Dict[str, Any]:
-    return {'epoch': str(state.epoch), 'cause': int(state.cause),
-            'master': [] if state.master is None else [state.master],
-            'order': str(state.order), 'refused': str(state.refused),
-            'refusal': state.refusal.text, 'refusal_code': int(state.refusal.code),
-            'done': str(state.done), 'route_id': state.route_id, 'first': str(state.first),
-            'edges': list(state.edges), 'phase': state.phase.value, 'reason': state.reason.text,
-            'reason_code': int(state.reason.code), 'report': str(state.report)}
-
-
-def _record_of(content: Dict[str, Any]) -> RouteRecord:
-    """The record in a parameter; raises KeyError, TypeError or ValueError if it contains none."""
-    target, last = int(content['target']), content['last']
-    return RouteRecord(
-        _state_of(content['vehicle']), None if target < 0 else target, int(content['number']),
-        bool(content['owes_stop']), int(content['epoch']),
-        RouteOrder(int(last[0]), _edges_of(last[1]), int(last[2])) if last else None)
-
-
-def _state_of(content: Dict[str, Any]) -> VehicleState:
-    return VehicleState(
-        int(content['epoch']), EpochCause(content['cause']),
-        next(map(str, content['master']), None), int(content['order']), int(content['refused']),
-        reason_of(content['refusal_code'], str(content['refusal'])), int(content['done']),
-        int(content['route_id']), int(content['first']), _edges_of(content['edges']),
-        Phase(content['phase']), reason_of(content['reason_code'], str(content['reason'])),
-        int(content['report']))
-
-
-def _edges_of(content: Iterable[Any]) -> Tuple[int, ...]:
-    return tuple(int(edge) for edge in content)

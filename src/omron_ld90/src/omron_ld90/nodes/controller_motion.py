@@ -5,22 +5,16 @@ import dataclasses
 import json
 import os
 from contextlib import suppress
-from typing import Any, Dict, Optional
+from typing import Optional
 
 import rospy
 
+from json_records import from_json, to_json
 from node_lifecycle import warn
 from omron_arcl.drives import (
-    Cause,
-    CommandFate,
-    Fate,
-    Kind,
-    LastCommand,
     Memory,
     Motion,
-    Record,
 )
-from omron_arcl.execution import Giver
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
 
@@ -46,15 +40,10 @@ class MotionFile:
         try:
             with open(self._path, encoding='utf-8') as stream:
                 content = json.load(stream)
-            memory = Memory(**{
-                **content, 'cause': Cause(content['cause']),
-                'records': tuple(_record(record) for record in content['records']),
-                'last_commands': tuple(
-                    LastCommand(last['giver'], last['number'], CommandFate(last['fate']))
-                    for last in content.get('last_commands', ()))})
+            memory = from_json(Memory, content, added=('last_commands', 'ending'))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, TypeError) as error:
             rospy.logwarn('%s cannot be read, so the last driver of the robot is unknown: %s',
                           self._path, error)
             return None
@@ -71,9 +60,7 @@ class MotionFile:
         """
         if not self._path or memory == self._kept:
             return
-        content = dataclasses.asdict(memory)
-        for record in content['records']:
-            record.update(kind=record['kind'].value, fate=record['fate'].value)
+        content = to_json(memory)
         try:
             try:
                 replace_json(self._path, content)
@@ -90,13 +77,6 @@ class MotionFile:
     def _warn(self, why: str) -> None:
         warn('motion_file', f'{self._path} cannot be written ({why}): after a restart '
                             'omron_controller would not know the last driver of the robot.')
-
-
-def _record(content: Dict[str, Any]) -> Record:
-    """The record that was stored as `content`; raises ValueError, KeyError or TypeError."""
-    return Record(**{**content, 'kind': Kind(content['kind']), 'fate': Fate(content['fate']),
-                     'ending': CommandFate(content.get('ending', CommandFate.NOT_OBEYED)),
-                     'giver': Giver(*content['giver']), 'names': tuple(content['names'])})
 
 
 class MotionTopic:

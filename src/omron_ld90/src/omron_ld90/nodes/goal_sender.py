@@ -48,6 +48,7 @@ import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
 from std_msgs.msg import String
 
+from fleet_requests import SILENCE
 from node_lifecycle import number, parameter, run
 from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.periodic import Periodic
@@ -59,7 +60,7 @@ from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
-from omron_ld90.nodes.support.fleet_missions import SILENCE, FleetMissions
+from omron_ld90.nodes.support.fleet_missions import FleetMissions
 from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
 from omron_ld90.nodes.support.transforms import wait_for_transform
 from omron_ld90.operator.goal_clicks import (

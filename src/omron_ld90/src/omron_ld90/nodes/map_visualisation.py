@@ -47,7 +47,6 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run
 from omron_ld90.nodes.rviz import map_markers
-from omron_ld90.nodes.rviz.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 from omron_ld90.nodes.support.clouds import places_in
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.nodes.support.shared_parameters import map_sources
@@ -65,6 +64,7 @@ from omron_map import (
 from omron_map import (
     OccupancyGrid as Grid,
 )
+from rviz_drawing.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 
 POLL_PERIOD = 0.5  # s between two checks of the file
 MAX_WARNINGS = 10  # in the log, about one file

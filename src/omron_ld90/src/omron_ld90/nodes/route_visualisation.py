@@ -43,7 +43,6 @@ from graph_topic import FollowedGraph
 from node_lifecycle import ConfigurationError, number, parameter, run
 from node_lifecycle.periodic import Periodic
 from omron_ld90.nodes.driven_path import DrivenPath
-from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.body_markers import body_markers
 from omron_ld90.nodes.rviz.route_markers import GraphPicture
 from omron_ld90.nodes.rviz.status_markers import banner, status_markers
@@ -55,6 +54,7 @@ from omron_ld90.operator.goal_clicks import Target, TargetKind, target_named, ta
 from omron_ld90.operator.route_watch import EdgeProgress, RouteView
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 from omron_map import MapDocument
+from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 ROW_HEIGHT = 0.8  # m

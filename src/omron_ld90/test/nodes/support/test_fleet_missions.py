@@ -7,9 +7,10 @@ from typing import Any, Dict, List, Optional, Tuple
 import pytest
 import rospy
 
+from fleet_requests import SILENCE
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
-from omron_ld90.nodes.support.fleet_missions import SILENCE, FleetMissions
+from omron_ld90.nodes.support.fleet_missions import FleetMissions
 from omron_ld90.operator.goal_clicks import Target, TargetKind
 from omron_ld90.operator.notices import Notice, Severity
 
@@ -98,7 +99,7 @@ def test_where_nobody_takes_missions_none_is_sent(topics, missions):
     notice = missions.send(TARGET)
     assert topics.requests == []
     assert notice == Notice(
-        Severity.BAD, 'Not sent: no node accepts missions. Is path_supervisor running?')
+        Severity.BAD, 'Not sent. No program takes missions: is path_supervisor running?')
 
 
 @pytest.mark.parametrize(('state', 'reason', 'severity', 'words'), [

@@ -3,12 +3,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.action_queue import Entry
+from vda5050_protocol.values import ActionStatus, Edge, Reference
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import WrongAction
 from vda5050_vehicle.core.context import Context
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.action_queue import Entry
-from vda5050_vehicle.protocol.values import ActionStatus, Edge, Reference
 
 AWAY = 'the adapter was not running when the action was due'
 

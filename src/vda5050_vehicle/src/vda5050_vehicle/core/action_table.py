@@ -11,8 +11,8 @@ import string
 from dataclasses import dataclass, field, replace
 from typing import Any, Dict, FrozenSet, Mapping, Optional, Tuple
 
-from vda5050_vehicle.protocol.action_queue import Scope
-from vda5050_vehicle.protocol.values import Action, BlockingType
+from vda5050_protocol.action_queue import Scope
+from vda5050_protocol.values import Action, BlockingType
 
 TEXT_LIMIT = 200  # characters of a parameter
 PRINTABLE = r'[^\x00-\x1f\x7f]*'

@@ -5,17 +5,17 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any, Deque, List
 
+from vda5050_protocol import values as v
+from vda5050_protocol.action_queue import Entry
+from vda5050_protocol.codecs import Codec
+from vda5050_protocol.order_state import OrderState
+from vda5050_protocol.reporting import Reporter
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import ActionTable
 from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.core.state import VehicleState
 from vda5050_vehicle.drivers.driver import Driver, NotDrivable
 from vda5050_vehicle.drivers.robot_view import RobotView
-from vda5050_vehicle.protocol import values as v
-from vda5050_vehicle.protocol.action_queue import Entry
-from vda5050_vehicle.protocol.codecs import Codec
-from vda5050_vehicle.protocol.order_state import OrderState
-from vda5050_vehicle.protocol.reporting import Reporter
 
 HISTORY = 500        # number of events in a log report
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional, Tuple, Union
 
+from vda5050_protocol.values import State
 from vda5050_vehicle.core.action_table import ActionSpec
 from vda5050_vehicle.core.state import VehicleState
 from vda5050_vehicle.drivers.robot_view import Pose
-from vda5050_vehicle.protocol.values import State
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.values import Error, EStop, Reference
 from vda5050_vehicle.drivers.robot_view import RobotView
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.values import Error, EStop, Reference
 
 # Masters interpret an error without references as a rejection of their last order.
 _OF_NO_ORDER = Reference('topic', 'state')

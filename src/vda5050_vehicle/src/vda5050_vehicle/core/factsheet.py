@@ -3,11 +3,11 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
+from vda5050_protocol.action_queue import MAX_INSTANT_ACTIONS
+from vda5050_protocol.fields import MAX_ARRAY, MAX_MESSAGE, MAX_TEXT
+from vda5050_protocol.reporting import IDLE_PERIOD
 from vda5050_vehicle.core.action_table import ActionSpec, ActionTable, Parameter
 from vda5050_vehicle.drivers.order_fields import Abilities
-from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS
-from vda5050_vehicle.protocol.fields import MAX_ARRAY, MAX_MESSAGE, MAX_TEXT
-from vda5050_vehicle.protocol.reporting import IDLE_PERIOD
 
 SECTIONS = ('typeSpecification', 'physicalParameters', 'agvGeometry', 'loadSpecification')
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vda5050_vehicle.protocol.fields import Malformed
-from vda5050_vehicle.protocol.values import Header
+from vda5050_protocol.fields import Malformed
+from vda5050_protocol.values import Header
 
 
 @dataclass(frozen=True)

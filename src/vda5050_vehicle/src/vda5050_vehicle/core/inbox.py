@@ -3,12 +3,12 @@ from __future__ import annotations
 
 from typing import Any, Iterator, Mapping, Tuple
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.codecs import Codec
+from vda5050_protocol.fields import TEXT, UINT, Kind, Malformed, read_json
+from vda5050_protocol.order_rules import check_order
+from vda5050_protocol.values import Error, Reference
 from vda5050_vehicle.core.identity import Identity
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.codecs import Codec
-from vda5050_vehicle.protocol.fields import TEXT, UINT, Kind, Malformed, read_json
-from vda5050_vehicle.protocol.order_rules import check_order
-from vda5050_vehicle.protocol.values import Error, Reference
 
 # The ids by which a master recognises the error. An actionId would make it an error of one action.
 _IDS: Mapping[str, Tuple[Tuple[str, Kind], ...]] = {

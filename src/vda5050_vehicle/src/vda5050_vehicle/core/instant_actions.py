@@ -8,6 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Callable, Dict, FrozenSet, List, Tuple
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.action_queue import MAX_INSTANT_ACTIONS, Entry, Scope
+from vda5050_protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_runner import ActionRunner
 from vda5050_vehicle.core.action_table import ActionSpec, Parameter, WrongAction
@@ -15,9 +18,6 @@ from vda5050_vehicle.core.context import Context
 from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.core.initial_pose import PoseWish
 from vda5050_vehicle.drivers.robot_view import Pose
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.action_queue import MAX_INSTANT_ACTIONS, Entry, Scope
-from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
 
 # These actions stop the vehicle or only report. A late copy of any other action is not executed.
 STOPPING = frozenset({'cancelOrder', 'startPause'})

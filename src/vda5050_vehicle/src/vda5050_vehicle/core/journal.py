@@ -11,27 +11,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import fields, is_dataclass
-from enum import Enum
-from functools import lru_cache
-from typing import (
-    Any,
-    Dict,
-    FrozenSet,
-    Iterable,
-    Mapping,
-    Optional,
-    Type,
-    Union,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Any, Dict, Iterable, Mapping, Optional, Type
 
+from json_records import from_json, to_json
 from vda5050_vehicle.core.state import VehicleState
 from vda5050_vehicle.drivers.driver import Drive
 
 VERSION = 4
-_PLAIN: FrozenSet[type] = frozenset({str, int, float, bool})
 
 
 class WrongRecord(Exception):
@@ -43,7 +29,7 @@ def line(before: Optional[VehicleState], now: VehicleState, boot: str = '') -> s
 
     boot -- id of the computer's boot
     """
-    return json.dumps({'version': VERSION, 'boot': boot, '=': _json(now)} if before is None
+    return json.dumps({'version': VERSION, 'boot': boot, '=': to_json(now)} if before is None
                       else _change(before, now))
 
 
@@ -64,8 +50,7 @@ def read(lines: Iterable[str], drive: Type[Drive]) -> VehicleState:
             if number == 0 and change.get('version') != VERSION:
                 raise WrongRecord(f'it is of version {change.get("version")}, not {VERSION}')
             value = _changed(value, change)
-        state: VehicleState = _value(VehicleState, value, {'drive': drive})
-        return state
+        return from_json(VehicleState, value, instead={'drive': drive})
     except (AttributeError, KeyError, IndexError, TypeError, ValueError,
             RecursionError) as error:
         raise WrongRecord(f'{type(error).__name__}: {error}') from None
@@ -83,15 +68,15 @@ def _change(before: Any, now: Any) -> Dict[str, Any]:
         new = {key: item for key, item in now.items() if before.get(key) is not item}
         kept = [key for key in before if key in now]
         if list(now)[:len(kept)] == kept:  # the new entries are behind the kept ones
-            return {'+': {key: _json(item) for key, item in new.items()}, '-': gone}
+            return {'+': {key: to_json(item) for key, item in new.items()}, '-': gone}
     if isinstance(now, tuple) and isinstance(before, tuple):
         begin = len(before) - len(now)
         if begin > 0 and before[begin:] == now:
             return {'<': begin, 'keep': len(now), '+': []}
         keep = next((i for i, (old, new) in enumerate(zip(before, now)) if old != new),
                     min(len(before), len(now)))
-        return {'<': 0, 'keep': keep, '+': [_json(item) for item in now[keep:]]}
-    return {'=': _json(now)}
+        return {'<': 0, 'keep': keep, '+': [to_json(item) for item in now[keep:]]}
+    return {'=': to_json(now)}
 
 
 def _differ(before: Any, now: Any) -> bool:
@@ -109,53 +94,3 @@ def _changed(value: Any, change: Mapping[str, Any]) -> Any:
                 **change['+']}
     kept = value[change['<']:]
     return kept[:change['keep']] + change['+']
-
-
-# --- values ---------------------------------------------------------------------------------------
-
-def _json(value: Any) -> Any:
-    if is_dataclass(value):
-        return {field.name: _json(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, Enum):
-        return value.value
-    if isinstance(value, dict):
-        return {key: _json(item) for key, item in value.items()}
-    if isinstance(value, (tuple, list)):
-        return [_json(item) for item in value]
-    return value
-
-
-@lru_cache(maxsize=None)
-def _hints(kind: type) -> Dict[str, Any]:
-    return get_type_hints(kind)
-
-
-def _value(kind: Any, found: Any, instead: Mapping[str, type]) -> Any:
-    """Converts JSON to a value of type `kind`; raises TypeError, ValueError, KeyError.
-
-    instead -- types of fields that are narrower than the annotations in the class
-    """
-    origin, arguments = get_origin(kind), get_args(kind)
-    if kind is Any:
-        return found
-    if origin is Union:  # Optional
-        return None if found is None else _value(arguments[0], found, {})
-    if origin is tuple:
-        return tuple(_value(arguments[0], item, {}) if arguments[1] is ...
-                     else _value(arguments[index], item, {}) for index, item in enumerate(found))
-    if origin is not None:
-        return {key: _value(arguments[1], item, {}) for key, item in found.items()}
-    if is_dataclass(kind):
-        make: Any = kind
-        hints = {**_hints(make), **instead}
-        if set(found) != {field.name for field in fields(make)}:
-            raise ValueError(f'{make.__name__} has other fields than {sorted(found)}')
-        return make(**{name: _value(hints[name], item, {}) for name, item in found.items()})
-    if issubclass(kind, tuple):  # a NamedTuple
-        return kind(*(_value(hint, item, {})
-                      for hint, item in zip(_hints(kind).values(), found)))
-    if kind in _PLAIN:
-        if not isinstance(found, (int, float) if kind is float else kind):
-            raise TypeError(f'{found!r:.40} is not of type {kind.__name__}')
-        return found
-    return kind(found)  # an enum

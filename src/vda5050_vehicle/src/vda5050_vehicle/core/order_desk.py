@@ -4,18 +4,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Optional, Set
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.acceptance import Acceptance, Held, Rejection, judge
+from vda5050_protocol.action_queue import Entry, Scope
+from vda5050_protocol.order_rules import actions_of
+from vda5050_protocol.order_state import OrderState
+from vda5050_protocol.received import digest
+from vda5050_protocol.values import Order, Reference
 from vda5050_vehicle.core.action_table import WrongAction
 from vda5050_vehicle.core.context import Context
 from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.drivers.driver import NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities, check_fields, check_start_heading
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
-from vda5050_vehicle.protocol.action_queue import Entry, Scope
-from vda5050_vehicle.protocol.order_rules import actions_of
-from vda5050_vehicle.protocol.order_state import OrderState
-from vda5050_vehicle.protocol.received import digest
-from vda5050_vehicle.protocol.values import Order, Reference
 
 
 class OrderDesk:

@@ -5,12 +5,12 @@ from copy import copy
 from dataclasses import dataclass, fields
 from typing import Optional, Tuple
 
+from vda5050_protocol.action_queue import ActionQueue
+from vda5050_protocol.order_state import OrderState
+from vda5050_protocol.received import ReceivedMessages
 from vda5050_vehicle.core.errors import Errors
 from vda5050_vehicle.core.initial_pose import PoseWish
 from vda5050_vehicle.drivers.driver import Drive, Leg
-from vda5050_vehicle.protocol.action_queue import ActionQueue
-from vda5050_vehicle.protocol.order_state import OrderState
-from vda5050_vehicle.protocol.received import ReceivedMessages
 
 
 @dataclass

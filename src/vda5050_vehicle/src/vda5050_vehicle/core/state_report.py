@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from typing import Optional, Tuple
 
+from vda5050_protocol import problems as e
+from vda5050_protocol import values as v
 from vda5050_vehicle.core.context import Context
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol import values as v
 
 BASE_REQUEST = 10.0  # m; the vehicle requests a new base at this distance from the base's end
 

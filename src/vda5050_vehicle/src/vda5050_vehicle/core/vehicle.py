@@ -17,6 +17,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Callable, Optional, Sequence, Tuple
 
+from vda5050_protocol import problems as e
+from vda5050_protocol import values as v
+from vda5050_protocol.codecs import Codec
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_runner import ActionRunner
 from vda5050_vehicle.core.action_table import ActionTable
@@ -30,9 +33,6 @@ from vda5050_vehicle.core.state_report import position_of, state_of
 from vda5050_vehicle.drivers.driver import Driver, Memory
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.robot_view import RobotView
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol import values as v
-from vda5050_vehicle.protocol.codecs import Codec
 
 MakeDriver = Callable[[Memory], Driver[Any]]
 

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, Tuple, TypeVar
 
+from vda5050_protocol.values import Edge, ErrorKind, Node
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
-from vda5050_vehicle.protocol.values import Edge, ErrorKind, Node
 
 SETTLING = 1.0  # s; a report of the robot's motion may be this much older than the last command
 

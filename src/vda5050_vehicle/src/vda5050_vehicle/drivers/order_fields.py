@@ -9,10 +9,10 @@ import math
 from dataclasses import dataclass
 from typing import Callable, Dict, FrozenSet, Optional, Sequence, Tuple
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.values import Edge, Node, NodePosition, Order
 from vda5050_vehicle.drivers.driver import NotDrivable
 from vda5050_vehicle.drivers.robot_view import Pose
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.values import Edge, Node, NodePosition, Order
 
 HEADING_TOLERANCE = 0.1  # rad; the tolerance of a heading for which the node sets no deviation
 

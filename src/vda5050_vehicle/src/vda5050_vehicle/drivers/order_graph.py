@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph, Vertex
+from vda5050_protocol import problems as e
+from vda5050_protocol.values import Edge, Node
 from vda5050_vehicle.drivers.driver import Leg, NotDrivable
 from vda5050_vehicle.drivers.robot_view import Pose
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.values import Edge, Node
 
 
 @dataclass(frozen=True)

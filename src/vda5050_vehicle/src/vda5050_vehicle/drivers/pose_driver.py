@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple, Union
 
+from vda5050_protocol import problems as e
+from vda5050_protocol.values import Edge, Node
 from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
-from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.values import Edge, Node
 
 SAME_PLACE = 0.01  # m; within this distance a robot need not move from one node to the next
 PASSING = 0.5  # m; a node without a deviation counts as passed within this distance

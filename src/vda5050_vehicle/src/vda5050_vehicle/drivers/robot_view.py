@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional
 
-from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
+from vda5050_protocol.values import BatteryState, EStop, Velocity
 
 STANDING_SPEED = 0.02     # m/s
 STANDING_ROTATION = 0.03  # rad/s

@@ -34,6 +34,7 @@ from route_protocol.master import (
 from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import EdgeState, EpochCause, RouteReport, SymbolicPose
 from trajectory_graph import Graph
+from vda5050_protocol.values import Edge, Node
 from vda5050_vehicle.drivers.driver import Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
@@ -45,7 +46,6 @@ from vda5050_vehicle.drivers.order_fields import (
 )
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView
-from vda5050_vehicle.protocol.values import Edge, Node
 
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""

@@ -7,8 +7,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from node_lifecycle import publish_diagnostics
+from vda5050_mqtt.link import MqttLink
 from vda5050_vehicle.core.vehicle import Vehicle
-from vda5050_vehicle.mqtt.link import MqttLink
 from vda5050_vehicle.nodes.settings import Settings
 
 

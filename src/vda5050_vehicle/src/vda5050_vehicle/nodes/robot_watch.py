@@ -24,8 +24,8 @@ from node_lifecycle import ConfigurationError
 from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.measurements import measured
 from node_lifecycle.periodic import Periodic
+from vda5050_protocol.values import BatteryState, EStop, Velocity
 from vda5050_vehicle.drivers.robot_view import REST, Pose, RobotView, has_moved, silence
-from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
 TF_PERIOD = 0.2  # s between two queries of TF

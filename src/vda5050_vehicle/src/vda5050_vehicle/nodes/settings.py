@@ -14,6 +14,10 @@ from node_lifecycle.secret_files import warn_if_exposed
 from route_protocol.vehicle import milliseconds
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 from trajectory_graph.messages import graph_from_message
+from vda5050_mqtt.credentials import WrongCredentials, read_credentials
+from vda5050_mqtt.link import Broker
+from vda5050_protocol.codec_3 import CODECS
+from vda5050_protocol.codecs import Codec
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.action_table import ActionTable, WrongTable, read_table
 from vda5050_vehicle.core.identity import Identity
@@ -22,14 +26,10 @@ from vda5050_vehicle.drivers.order_fields import FIELDS, Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
-from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
-from vda5050_vehicle.mqtt.link import Broker
 from vda5050_vehicle.nodes.files import JournalFile, LogReports
 from vda5050_vehicle.nodes.parameters import topic_level, yaml_file
 from vda5050_vehicle.nodes.robot_watch import Signal, read_signals
 from vda5050_vehicle.nodes.ros_actions import check_types
-from vda5050_vehicle.protocol.codec_3 import CODECS
-from vda5050_vehicle.protocol.codecs import Codec
 
 
 class Settings:

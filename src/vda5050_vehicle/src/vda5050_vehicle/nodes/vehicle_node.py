@@ -53,6 +53,10 @@ from node_lifecycle import run
 from node_lifecycle.event_loop import EventLoop
 from node_lifecycle.headings import quaternion_from_yaw
 from node_lifecycle.worker import start_worker
+from vda5050_mqtt.link import MqttLink
+from vda5050_protocol.fields import write_json
+from vda5050_protocol.headers import Headers
+from vda5050_protocol.values import Connection, ConnectionState, Visualization
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
@@ -61,16 +65,12 @@ from vda5050_vehicle.drivers.driver import Driver
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.drivers.route_driver import RouteDriver
-from vda5050_vehicle.mqtt.link import MqttLink
 from vda5050_vehicle.nodes.diagnostics import show_state
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
 from vda5050_vehicle.nodes.ros_actions import RosActions
 from vda5050_vehicle.nodes.route_link import RouteLink
 from vda5050_vehicle.nodes.settings import Settings
-from vda5050_vehicle.protocol.fields import write_json
-from vda5050_vehicle.protocol.headers import Headers
-from vda5050_vehicle.protocol.values import Connection, ConnectionState, Visualization
 
 TICK = 0.1    # s between two periodic steps
 AT_ONCE = 50  # messages of the master that are processed together

@@ -5,7 +5,7 @@ from typing import Collection, List
 
 from visualization_msgs.msg import Marker
 
-from graph_fleet_manager.nodes.rviz import drawing
+from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 EDGE, CLOSED = drawing.colour(0.55, 0.56, 0.62), drawing.colour(1.0, 0.18, 0.15)

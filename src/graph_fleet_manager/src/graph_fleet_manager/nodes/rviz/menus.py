@@ -13,10 +13,10 @@ from visualization_msgs.msg import (
     Marker,
 )
 
-from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import is_place
 from graph_fleet_manager.nodes.rviz.robot_picture import DrawnPose
 from node_lifecycle.marker_server import OrderedMarkerServer
+from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 VERTEX_SIZE, EDGE_SIZE, ROBOT_SIZE = 0.6, 0.3, 1.2  # m across

@@ -5,8 +5,8 @@ from typing import Dict, List, Mapping, Sequence, Set
 
 from visualization_msgs.msg import Marker
 
-from graph_fleet_manager.nodes.rviz import drawing
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState
+from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 PLAN_WIDTH, RELEASED_WIDTH, BLOCKED_WIDTH = 0.04, 0.13, 0.22

@@ -9,15 +9,16 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 from visualization_msgs.msg import Marker
 
-from graph_fleet_manager.nodes.rviz import drawing
-from graph_fleet_manager.nodes.rviz.label_places import Label
 from itrci_nav_msgs.msg import FleetRobot
+from rviz_drawing import drawing
+from rviz_drawing.label_places import Label
 from trajectory_graph import Graph
 
 GREY, RED = drawing.colour(0.62, 0.62, 0.62), drawing.colour(1.0, 0.25, 0.2)
 DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
 LIFETIME = 3.0  # s after which RViz removes the markers, so that none stay when the node ends
 TEXT_HEIGHT = 0.42
+LONGEST_TEXT = 120  # characters
 WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
 _WORDS: Dict[int, str] = {
     FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
@@ -69,8 +70,8 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
     nose = drawing.shape(Marker.ARROW, 'noses', number, DARK, (length * 0.8, width * 0.45, 0.05),
                          drawing.pose_at(_along(place, -0.4 * length), place.heading, 0.4))
     trouble = robot.state in _TROUBLE
-    words = drawing.text('names', number, label.words, label.middle(side), label.height,
-                         RED if trouble else GREY if gone else
+    words = drawing.text('names', number, label.words[:LONGEST_TEXT], label.middle(side),
+                         label.height, RED if trouble else GREY if gone else
                          drawing.own_colour(number, WORDS_SATURATION), 1.5)
     markers = [body, nose, words]
     outline = drawing.lines('outlines', number, RED if trouble else WHITE, 0.08,

@@ -13,7 +13,7 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from omron_ld90.nodes.rviz import drawing
+from rviz_drawing import drawing
 
 PLAIN = drawing.colour(0.6, 0.6, 0.6)  # for shapes without a material
 
@@ -51,7 +51,7 @@ def _marker(frame: str, visual: ElementTree.Element, paints: Dict[str, ColorRGBA
         return None
     material = visual.find('material')
     paint = PLAIN if material is None else paints.get(material.get('name', ''), PLAIN)
-    marker = drawing.shape(kind, frame, 'body', paint, size, number)
+    marker = drawing.shape(kind, 'body', number, paint, size, frame=frame)
     if origin is not None:
         marker.pose.position = Point(*_triple(origin.get('xyz', '0 0 0')))
     marker.frame_locked = True

@@ -19,8 +19,8 @@ from visualization_msgs.msg import (
 )
 
 from node_lifecycle.marker_server import OrderedMarkerServer
-from omron_ld90.nodes.rviz import drawing
 from omron_ld90.operator.goal_clicks import Target, TargetKind
+from rviz_drawing import drawing
 
 ROBOT_HANDLE = 'robot'
 HANDLE_COLOURS = {

@@ -14,11 +14,11 @@ import rospy
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.nodes.rviz import drawing
-from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.units import MM_PER_M, metres
 from omron_map import MapDocument, MapObject
+from rviz_drawing import drawing
+from rviz_drawing.fast_messages import PointsMarker
 
 BLACK = drawing.colour(0.0, 0.0, 0.0)
 RED = drawing.colour(0.85, 0.05, 0.05)
@@ -79,8 +79,8 @@ def goal_names(document: MapDocument, frame: str) -> MarkerArray:
         half_width = len(obj.label) * CHARACTER_WIDTH * TEXT_HEIGHT / 2.0
         reach = ARROW[0] if obj.heads_left else SQUARE[0] / 2.0
         place = (metres(obj.x) - reach - TEXT_GAP - half_width, metres(obj.y))
-        names.append(drawing.text(frame, 'goal_names', obj.label, place, TEXT_HEIGHT, WHITE,
-                                  len(names), z=TEXT_Z))
+        names.append(drawing.text('goal_names', len(names), obj.label, place, TEXT_HEIGHT,
+                                  WHITE, TEXT_Z, frame))
     return drawing.complete(names)
 
 
@@ -89,7 +89,8 @@ def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
     arrows: List[Marker] = []
     for obj in document.goals + document.docks:
         if obj.has_heading:
-            marker = drawing.shape(Marker.ARROW, frame, 'goal_headings', BLACK, ARROW, len(arrows))
+            marker = drawing.shape(Marker.ARROW, 'goal_headings', len(arrows), BLACK, ARROW,
+                                   frame=frame)
             marker.pose = pose_from_robot(obj.x, obj.y, obj.theta)
             marker.pose.position.z = ARROW_Z
             arrows.append(marker)
@@ -101,8 +102,8 @@ def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
     markers: List[Marker] = []
     for number, area in enumerate(document.forbidden_areas):
         box = area.rectangle
-        marker = drawing.shape(Marker.CUBE, frame, 'forbidden_areas', ORANGE,
-                               (metres(box.width), metres(box.height), AREA_HEIGHT), number)
+        marker = drawing.shape(Marker.CUBE, 'forbidden_areas', number, ORANGE,
+                               (metres(box.width), metres(box.height), AREA_HEIGHT), frame=frame)
         marker.pose = pose_from_robot(box.centre_x, box.centre_y, box.yaw)
         marker.pose.position.z = AREA_Z
         markers.append(marker)
@@ -122,15 +123,15 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
                              np.concatenate((outline, outline[:1])), AREA_Z, number))
         if sector.label:
             x, y = outline.mean(axis=0)
-            markers.append(drawing.text(frame, 'sector_names', sector.label,
-                                        (metres(x), metres(y)), TEXT_HEIGHT * 0.7, VIOLET, number,
-                                        z=TEXT_Z))
+            markers.append(drawing.text('sector_names', number, sector.label,
+                                        (metres(x), metres(y)), TEXT_HEIGHT * 0.7, VIOLET, TEXT_Z,
+                                        frame))
     return drawing.complete(markers)
 
 
 def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
     """The laser's hits at `places` (N, 2), m, light blue; removed after `lifetime` seconds."""
-    marker = drawing.many(Marker.POINTS, header.frame_id, 'laser', LIGHT_BLUE,
+    marker = drawing.many(Marker.POINTS, 'laser', 0, LIGHT_BLUE,
                           (LASER_SIZE, LASER_SIZE, 0.0), drawing.at_height(places, LASER_Z))
     marker.header = header
     marker.lifetime = rospy.Duration.from_sec(lifetime)
@@ -142,7 +143,7 @@ def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
           number: int = 0) -> PointsMarker:
     """A marker of many `positions` (N, 2) in mm; if there are none, it deletes an older one."""
     places = drawing.at_height(positions / MM_PER_M, z)
-    return drawing.many(kind, frame, namespace, paint, size, places, number)
+    return drawing.many(kind, namespace, number, paint, size, places, frame)
 
 
 def _positions(objects: Sequence[MapObject]) -> np.ndarray:

@@ -12,10 +12,10 @@ import numpy as np
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.nodes.rviz import drawing
-from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.operator.route_watch import EdgeProgress
 from route_protocol.values import EdgeState
+from rviz_drawing import drawing
+from rviz_drawing.fast_messages import PointsMarker
 from trajectory_graph import Curve, Graph
 
 STEP = 0.1  # m between the points of a drawn curve
@@ -70,14 +70,14 @@ class GraphPicture:
                 radii.append(END_RING)
             if vertex.id == self._dock_vertex:
                 radii.append(DOCK_RING)
-            rings += [drawing.segments(drawing.circle(vertex.position, radius), GRAPH_Z)
+            rings += [drawing.segments(drawing.ring(vertex.position, radius), GRAPH_Z)
                       for radius in radii]
             goal = (named or {}).get(str(vertex.id))
             if goal and math.dist(goal, vertex.position) <= NAMED_WITHIN:
                 continue
             place = (vertex.x + radii[-1] + 0.12, vertex.y - radii[-1] - 0.05)  # off most edges
-            names.append(drawing.text(self._frame, 'vertex_ids', str(vertex.id), place, 0.3, GRAPH,
-                                      vertex.id, z=0.5))
+            names.append(drawing.text('vertex_ids', vertex.id, str(vertex.id), place, 0.3, GRAPH,
+                                      0.5, self._frame))
         return drawing.complete([
             *self._edges('edges', 'directions', shapes, GRAPH, EDGE_WIDTH, 0),
             self._lines('vertices', rings, GRAPH, EDGE_WIDTH, 0), *names])
@@ -115,13 +115,13 @@ class GraphPicture:
                width: float, number: int) -> List[Marker]:
         """Two markers, with these namespaces, for many edges."""
         return [self._lines(lines, [shape.segments for shape in shapes], paint, width, number),
-                drawing.many(Marker.TRIANGLE_LIST, self._frame, heads, paint, (1.0, 1.0, 1.0),
-                                _joined(shape.head for shape in shapes), number)]
+                drawing.many(Marker.TRIANGLE_LIST, heads, number, paint, (1.0, 1.0, 1.0),
+                             _joined(shape.head for shape in shapes), self._frame)]
 
     def _lines(self, namespace: str, segments: Sequence[np.ndarray], paint: ColorRGBA,
                width: float, number: int) -> PointsMarker:
-        return drawing.many(Marker.LINE_LIST, self._frame, namespace, paint, (width, 0.0, 0.0),
-                               _joined(segments), number)
+        return drawing.many(Marker.LINE_LIST, namespace, number, paint, (width, 0.0, 0.0),
+                            _joined(segments), self._frame)
 
 
 def _paint(edge: EdgeProgress, current: Optional[EdgeProgress]) -> ColorRGBA:

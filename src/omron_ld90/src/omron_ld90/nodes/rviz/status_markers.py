@@ -16,11 +16,11 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90 import robot_model
-from omron_ld90.nodes.rviz import drawing
-from omron_ld90.nodes.rviz.fast_messages import FastMarkerArray
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90.nodes.support.robot_health import LOW_CHARGE
 from omron_ld90_msgs.msg import LinkState, RobotStatus
+from rviz_drawing import drawing
+from rviz_drawing.fast_messages import FastMarkerArray
 
 LIFETIME = 2.5  # s
 ARROW = drawing.colour(1.0, 0.1, 0.1)
@@ -31,6 +31,7 @@ CARE = drawing.colour(1.0, 0.80, 0.25)
 WRONG = drawing.colour(1.0, 0.38, 0.30)
 GHOST_SIZE = (robot_model.LENGTH, robot_model.WIDTH, robot_model.HEIGHT)
 ARROW_Z = robot_model.HEIGHT + 0.07  # m, on top of the body
+TEXT_Z = 1.5    # m
 AT_THE_DOCK = (RobotStatus.DOCKING, RobotStatus.DOCKED, RobotStatus.UNDOCKING,
                RobotStatus.UNDOCKED)
 
@@ -92,27 +93,27 @@ def status_markers(frame: str, words: Banner, banner_at: drawing.XY, pose: Optio
 
     A robot that is `alive` is shown as its body with an arrow, else as a grey box "last seen here".
     """
-    markers = [drawing.text(frame, 'status', words.text, banner_at, 0.42, words.paint)]
+    markers = [drawing.text('status', 0, words.text, banner_at, 0.42, words.paint, TEXT_Z, frame)]
     if pose is not None and alive:
-        arrow = drawing.shape(Marker.ARROW, frame, 'robot', ARROW, (0.9, 0.18, 0.1))
+        arrow = drawing.shape(Marker.ARROW, 'robot', 0, ARROW, (0.9, 0.18, 0.1), frame=frame)
         arrow.pose = copy.deepcopy(pose)
         arrow.pose.position.z = ARROW_Z
         markers += [arrow, *body]
         if destination is not None:
             markers += _destination(frame, destination)
     elif pose is not None:
-        ghost = drawing.shape(Marker.CUBE, frame, 'last_seen', GHOST, GHOST_SIZE)
+        ghost = drawing.shape(Marker.CUBE, 'last_seen', 0, GHOST, GHOST_SIZE, frame=frame)
         ghost.pose = copy.deepcopy(pose)
         ghost.pose.position.z = GHOST_SIZE[2] / 2
         place = (pose.position.x, pose.position.y - 0.75)
-        markers += [ghost, drawing.text(frame, 'last_seen_words', 'last seen here', place, 0.34,
-                                        WRONG)]
+        markers += [ghost, drawing.text('last_seen_words', 0, 'last seen here', place, 0.34,
+                                        WRONG, TEXT_Z, frame)]
     for marker in markers:
         marker.lifetime = rospy.Duration(LIFETIME)
     return FastMarkerArray(markers=markers)
 
 
 def _destination(frame: str, place: Tuple[float, float]) -> List[Marker]:
-    rings = [drawing.segments(drawing.circle(place, radius), 0.05) for radius in (0.48, 0.62)]
-    return [drawing.many(Marker.LINE_LIST, frame, 'destination', DESTINATION, (0.06, 0.0, 0.0),
-                         np.concatenate(rings))]
+    rings = [drawing.segments(drawing.ring(place, radius), 0.05) for radius in (0.48, 0.62)]
+    return [drawing.many(Marker.LINE_LIST, 'destination', 0, DESTINATION, (0.06, 0.0, 0.0),
+                         np.concatenate(rings), frame)]

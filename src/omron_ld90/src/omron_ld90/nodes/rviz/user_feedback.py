@@ -13,8 +13,8 @@ import rospy
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.nodes.rviz import drawing
 from omron_ld90.operator.notices import Notice, Severity
+from rviz_drawing import drawing
 
 TEXT_HEIGHT = 0.38  # m
 LINE_PITCH, CHARACTER_PITCH = 1.2, 0.48  # in units of the text's height
@@ -66,8 +66,7 @@ class UserFeedback:
         x, y = place or self.robot
         x = max(self._west + width / 2, min(self._east - width / 2, x))
         middle = (x, y + GAP + height / 2)
-        panel = drawing.shape(Marker.CUBE, self._frame, 'feedback_panel', PANEL,
-                              (width, height, 0.01))
-        panel.pose = drawing.pose_at(middle, z=Z - 0.2)
-        return [panel, drawing.text(self._frame, 'feedback', '\n'.join(lines), middle,
-                                    TEXT_HEIGHT, COLOURS[notice.severity], z=Z)]
+        panel = drawing.shape(Marker.CUBE, 'feedback_panel', 0, PANEL, (width, height, 0.01),
+                              drawing.pose_at(middle, z=Z - 0.2), self._frame)
+        return [panel, drawing.text('feedback', 0, '\n'.join(lines), middle, TEXT_HEIGHT,
+                                    COLOURS[notice.severity], Z, self._frame)]

@@ -1,18 +1,15 @@
 """Turns clicks on a robot that a fleet manager manages into missions."""
 from __future__ import annotations
 
-import random
 import time
 from typing import Callable, Dict, Optional
 
 import rospy
 
+from fleet_requests import SILENCE, NotSent, Sender, mission_request, stored_status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
-from itrci_nav_msgs.srv import GetMissionStatus
 from omron_ld90.operator.goal_clicks import Target
 from omron_ld90.operator.notices import Notice, Severity
-
-SILENCE = 10.0  # s without news of a mission after which the fleet manager is queried
 
 _ENDINGS = {
     MissionStatus.SUCCEEDED: (Severity.GOOD, 'has succeeded'),
@@ -36,21 +33,19 @@ class FleetMissions:
         self._sent: Dict[int, Target] = {}
         self._heard: Dict[int, float] = {}
         """When each mission was sent, or the last news of it came."""
-        self._stored = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
-        self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=10)
+        self._requests = Sender(MissionRequest)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
 
     def send(self, target: Target) -> Notice:
         """Sends the robot to the vertex that `target` names; returns a message about it."""
-        if not self._requests.get_num_connections():
-            return Notice(Severity.BAD, 'Not sent: no node accepts missions. Is path_supervisor '
-                                        'running?')
-        request = MissionRequest(request_id=random.randint(1, 2 ** 31 - 1), robot=self._robot,
-                                 destination_vertices_id=[int(target.name)])
-        request.header.stamp = rospy.Time.now()
+        request = mission_request([int(target.name)], robot=self._robot)
         self._heard[request.request_id] = time.monotonic()
         self._sent[request.request_id] = target
-        self._requests.publish(request)
+        try:
+            self._requests.send(request)
+        except NotSent as reason:
+            del self._heard[request.request_id], self._sent[request.request_id]
+            return Notice(Severity.BAD, f'Not sent. {reason}')
         return Notice(Severity.INFO, f'{self._robot} to vertex {target.name}, as mission '
                                      f'{request.request_id} ...')
 
@@ -60,9 +55,8 @@ class FleetMissions:
         for id, heard in list(self._heard.items()):
             if heard > silent or id not in self._sent:
                 continue
-            try:
-                answer = self._stored(id, rospy.Time())
-            except rospy.ServiceException:  # it is being restarted: the next call queries it again
+            answer = stored_status(id)
+            if answer is None:
                 continue
             if answer.found:
                 self._on_status(answer.status)

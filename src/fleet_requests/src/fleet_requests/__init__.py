@@ -1,0 +1,92 @@
+"""Requests and commands to the fleet manager, as all programs of this workspace send them."""
+from __future__ import annotations
+
+import random
+from typing import Any, Dict, Optional, Sequence, Tuple, Type
+
+import rospy
+from std_srvs.srv import Trigger
+
+from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
+from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
+
+SILENCE = 10.0  # s without news of a mission after which its sender asks for the stored status
+WAIT = 1.0      # s to wait for a service that may not exist
+_NEW_ID = random.SystemRandom()
+_TOPICS: Dict[Type[Any], Tuple[str, str]] = {
+    MissionRequest: ('/mission_request', 'No program takes missions: is path_supervisor running?'),
+    MissionCommand: ('/mission_command', 'No program takes commands: is path_supervisor running?'),
+    EdgeCommand: ('/edge_command',
+                  'No program takes commands for edges: is graph_server running?')}
+
+
+class NotSent(Exception):
+    """No program takes a message. The text says which one is missing."""
+
+
+class NoAnswer(Exception):
+    """A service does not answer. The text is a clause."""
+
+
+class NotDone(Exception):
+    """A service has answered that it did not do what was asked. The text is its message."""
+
+
+class Sender:
+    """The topic for one kind of message: MissionRequest, MissionCommand or EdgeCommand."""
+
+    def __init__(self, kind: Type[Any]) -> None:
+        self.topic, self._complaint = _TOPICS[kind]
+        self._publisher = rospy.Publisher(self.topic, kind, queue_size=100)
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether a program receives what is sent."""
+        return bool(self._publisher.get_num_connections())
+
+    def send(self, message: Any) -> None:
+        """Stamps a message with the present time, and sends it. Raises NotSent."""
+        if not self.is_heard:
+            raise NotSent(self._complaint)
+        message.header.stamp = rospy.Time.now()
+        self._publisher.publish(message)
+
+    def repeat(self, message: Any) -> None:
+        """Sends a message again. It keeps its stamp, so the fleet manager knows it."""
+        self._publisher.publish(message)
+
+
+def mission_request(destinations: Sequence[int], **fields: Any) -> MissionRequest:
+    """Returns a request of a mission. Its id is random if `fields` of the message name none."""
+    return MissionRequest(**{'request_id': _NEW_ID.randint(1, 2 ** 31 - 1),
+                             'destination_vertices_id': list(destinations), **fields})
+
+
+def stored_status(request_id: int, stamp: Optional[rospy.Time] = None,
+                  ) -> Optional[GetMissionStatusResponse]:
+    """Asks for the stored status of a mission. None: the fleet manager does not answer.
+
+    stamp -- the stamp of the request; None: of the last mission with this id
+    """
+    ask = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
+    try:
+        return ask(request_id, stamp or rospy.Time())
+    except rospy.ServiceException:  # the fleet manager restarts: ask again
+        return None
+
+
+def call(service: str, kind: Type[Any] = Trigger, *arguments: Any, wait: float = WAIT) -> str:
+    """Calls a service whose answer has the fields of Trigger, and returns the answer's message.
+
+    wait -- s to wait for the service
+
+    Raises NoAnswer and NotDone.
+    """
+    try:
+        rospy.wait_for_service(service, wait)
+        answer = rospy.ServiceProxy(service, kind)(*arguments)
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        raise NoAnswer(f'{service} does not answer ({error})') from None
+    if not answer.success:
+        raise NotDone(str(answer.message))
+    return str(answer.message)

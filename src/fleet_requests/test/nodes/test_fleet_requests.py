@@ -1,0 +1,116 @@
+"""What is sent is stamped once; what nobody takes or does is told."""
+from __future__ import annotations
+
+from typing import Any, List
+
+import pytest
+import rospy
+from std_srvs.srv import TriggerResponse
+
+from fleet_requests import (
+    NoAnswer,
+    NotDone,
+    NotSent,
+    Sender,
+    call,
+    mission_request,
+    stored_status,
+)
+from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
+from itrci_nav_msgs.srv import GetMissionStatusResponse
+
+
+class Topic:
+    """A publisher that keeps the stamps of its messages."""
+
+    listeners = 1
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        self.stamps: List[rospy.Time] = []
+
+    def publish(self, message: Any) -> None:
+        self.stamps.append(message.header.stamp)
+
+    def get_num_connections(self) -> int:
+        return self.listeners
+
+
+@pytest.fixture(autouse=True)
+def topics(monkeypatch):
+    clock = iter(map(rospy.Time, range(5, 100)))
+    monkeypatch.setattr(rospy, 'Publisher', Topic)
+    monkeypatch.setattr(rospy.Time, 'now', lambda: next(clock))
+
+
+@pytest.mark.parametrize('kind', [MissionRequest, MissionCommand, EdgeCommand])
+def test_a_message_is_stamped_when_it_is_sent(kind):
+    sender = Sender(kind)
+    sender.send(kind())
+    sender.send(kind())
+    assert sender._publisher.stamps == [rospy.Time(5), rospy.Time(6)]
+
+
+def test_a_repeated_request_keeps_its_stamp_by_which_it_is_known():
+    requests, request = Sender(MissionRequest), mission_request([3])
+    requests.send(request)
+    requests.repeat(request)
+    assert requests._publisher.stamps == [rospy.Time(5)] * 2
+
+
+@pytest.mark.parametrize('kind, node', [
+    (MissionRequest, 'path_supervisor'), (MissionCommand, 'path_supervisor'),
+    (EdgeCommand, 'graph_server')])
+def test_what_no_program_takes_is_not_sent(monkeypatch, kind, node):
+    monkeypatch.setattr(Topic, 'listeners', 0)
+    sender = Sender(kind)
+    with pytest.raises(NotSent, match=node):
+        sender.send(kind())
+    assert sender._publisher.stamps == [] and not sender.is_heard
+
+
+def test_each_request_has_an_id_of_its_own_unless_one_is_given():
+    first, second = mission_request([1, 2], robot='a'), mission_request([1, 2])
+    assert first.request_id != second.request_id and min(first.request_id, second.request_id) > 0
+    assert (first.destination_vertices_id, first.robot) == ([1, 2], 'a')
+    assert mission_request([1], request_id=7).request_id == 7
+
+
+def service(monkeypatch, answer: Any) -> List[Any]:
+    """All services give this answer, or raise it. Returns the arguments of the calls."""
+    asked: List[Any] = []
+
+    def ask(*arguments: Any) -> Any:
+        asked.append(arguments)
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+    monkeypatch.setattr(rospy, 'wait_for_service', lambda *_: None)
+    monkeypatch.setattr(rospy, 'ServiceProxy', lambda *_: ask)
+    return asked
+
+
+def test_a_fleet_manager_that_restarts_has_no_stored_status_yet(monkeypatch):
+    service(monkeypatch, rospy.ServiceException('gone'))
+    assert stored_status(7) is None
+
+
+def test_the_stored_status_of_any_stamp_is_asked_for_with_zero(monkeypatch):
+    asked = service(monkeypatch, GetMissionStatusResponse(found=True))
+    assert stored_status(7).found and stored_status(7, rospy.Time(3)).found
+    assert asked == [(7, rospy.Time()), (7, rospy.Time(3))]
+
+
+def test_a_service_that_did_it_gives_its_message(monkeypatch):
+    asked = service(monkeypatch, TriggerResponse(True, 'a: done'))
+    assert call('/a/leave_fleet') == 'a: done'
+    assert asked == [()]
+
+
+@pytest.mark.parametrize('answer, error, words', [
+    (TriggerResponse(False, 'it stands in the way'), NotDone, '^it stands in the way$'),
+    (rospy.ServiceException('gone'), NoAnswer, r'^/a/leave_fleet does not answer \(gone\)$'),
+    (rospy.ROSException('late'), NoAnswer, r'does not answer \(late\)$')])
+def test_a_service_that_did_not_do_it_says_why(monkeypatch, answer, error, words):
+    service(monkeypatch, answer)
+    with pytest.raises(error, match=words):
+        call('/a/leave_fleet')

@@ -1,0 +1,79 @@
+"""The structure of a rule, and the list of all rules."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Callable, List, Tuple
+
+from vda5050_bench.trial import Trial
+
+ALL = ('2.', '3.')        # versions of the standard
+SINCE_2_1 = ('2.1', '3.')  # in figure 8 of 2.0 only nodes and edges and actions make it busy
+ONLY_2 = ('2.',)
+ONLY_3 = ('3.',)
+
+
+class Level(Enum):
+    """The level of obligation in the standard."""
+
+    MUST = 'must'
+    SHOULD = 'should'
+    DERIVED = 'derived'  # no sentence says it, but it follows from what the standard describes
+
+
+class Start(Enum):
+    """The condition that a rule requires before it is tried."""
+
+    NOTHING = 'nothing'    # no condition; the rule evaluates messages that came
+    ANYWHERE = 'anywhere'  # the vehicle has no order, if that is possible
+    AT_END = 'at an end'   # the vehicle has no order and stands at an end of the track
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule: the sentence of the standard that it checks, its section, and its test function."""
+
+    level: Level
+    section: str
+    sentence: str
+    start: Start
+    versions: Tuple[str, ...]
+    attempt: Callable[[Trial], None]
+
+
+Attempt = Callable[[Trial], None]
+RULES: List[Rule] = []
+
+
+def must(section: str, sentence: str, start: Start = Start.AT_END,
+         versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
+    """Adds a function to the rules.
+
+    section -- section of 2.1.0, or of 3.0.0 if only 3.0.0 has the rule
+    """
+    return _rule(Level.MUST, section, sentence, start, versions)
+
+
+def should(section: str, sentence: str, start: Start = Start.AT_END,
+           versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
+    """Like `must`, for a recommendation of the standard."""
+    return _rule(Level.SHOULD, section, sentence, start, versions)
+
+
+def derived(section: str, sentence: str, start: Start = Start.AT_END,
+            versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
+    """Like `must`, for a rule that only follows from what the standard describes."""
+    return _rule(Level.DERIVED, section, sentence, start, versions)
+
+
+def rules_of(version: str) -> List[Rule]:
+    """Returns the rules of a version of the standard."""
+    return [rule for rule in RULES if version.startswith(rule.versions)]
+
+
+def _rule(level: Level, section: str, sentence: str, start: Start,
+          versions: Tuple[str, ...]) -> Callable[[Attempt], Attempt]:
+    def add(attempt: Attempt) -> Attempt:
+        RULES.append(Rule(level, section, sentence, start, versions, attempt))
+        return attempt
+    return add

@@ -1,1 +1,0 @@
-"""MQTT without ROS: the connection to a broker, the credentials, and an embedded broker."""
