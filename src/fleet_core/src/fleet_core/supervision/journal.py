@@ -11,7 +11,7 @@ import math
 import os
 import sqlite3
 import time
-from dataclasses import asdict, astuple
+from dataclasses import asdict, astuple, fields
 from typing import (
     Any,
     Callable,
@@ -373,8 +373,7 @@ def _memory_text(memory: RobotMemory) -> str:
     master, kind = memory.master, memory.kind
     protocol = master.protocol
     return json.dumps({
-        'protocol': {**asdict(protocol), 'open': protocol.open, 'behind': protocol.behind,
-                     'held': protocol.held},
+        'protocol': {one.name: getattr(protocol, one.name) for one in fields(protocol)},
         'cleared': master.cleared, 'place': _position_values(master.position),
         'locations': master.locations,
         'lost': [[area.line, area.radius] for area in master.lost.areas],
