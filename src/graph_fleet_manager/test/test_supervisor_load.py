@@ -11,7 +11,6 @@ from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision import assignment
 from fleet_core.supervision.actions import SendRoute
-from fleet_core.supervision.assumptions import World
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import MissionState, Request
 from fleet_core.supervision.outbox import TOGETHER
@@ -191,7 +190,7 @@ def test_an_answer_by_which_another_robot_goes_first_is_not_used():
     fleet.request(1, 4, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     supervisor = fleet.supervisor
-    world = World(supervisor.robots, supervisor.errands(), supervisor.network)
+    world = supervisor._world()
     question = question_of(world, supervisor.plan_executor.plan, 0, fleet.now)
     own = supervisor.plan_executor.plan.plans['a']
     base = question.assumptions.robots['a'].base

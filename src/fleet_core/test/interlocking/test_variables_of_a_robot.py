@@ -23,9 +23,9 @@ OTHERS: Dict[str, Set[str]] = {
     # what never changes; the record's protocol; what plans and the display read
     'RouteRecord': {'graph', 'kind', 'slack', 'protocol', 'pose', 'generation', 'driven'},
     # what never changes; the label of a route; which shorter route is tried; a gate; a sign of an
-    # outage; what follows from all this
+    # outage; what follows from all this; whom it tells
     'RouteMaster': {'record', 'clock', 'label', 'cut_refused', 'clock_is_off', 'off_graph',
-                    'allocation', 'elsewhere'},
+                    'allocation', 'elsewhere', 'progress', 'tell'},
     # missions, charging, outages, learned times, and when to try again
     'ManagedRobot': {'name', 'type', 'settings', 'master', 'outage', 'why', 'battery', 'liveness',
                      'is_halted', 'comes_to_rest', 'dock', 'passed', 'driven', 'timer', 'refusals',

@@ -75,6 +75,7 @@ from typing import (
 from fleet_core.fleet import Fleet, Robot, RobotType
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.interlocking.changes import Changes
 from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.reports import Pose, Report, check_report
 from fleet_core.supervision.journal import RobotMemory
@@ -452,7 +453,8 @@ class Yard:
 
     def _started(self, name: str, memories: Mapping[str, RobotMemory]) -> ManagedRobot:
         fleet = Fleet((self.kind,), (Robot(name, self.kind, self._begins[name]),))
-        return robots_of(fleet, SETTINGS, self.graph, memories, None, NOW, self.clock)[name]
+        return robots_of(fleet, SETTINGS, self.graph, memories, None, NOW, self.clock,
+                         Changes())[name]
 
     def _restart(self, side: Side) -> ManagedRobot:
         name = self._beliefs[side.belief].name

@@ -19,6 +19,7 @@ WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth
 _LOOK = 10          # steps between two samples of what the robots do
 _BATTERY = 100      # steps between two battery reports
 _REPLANNING = 50    # steps between two complete new plans, with Order.REPLANNING
+_CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
 _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 
@@ -40,7 +41,7 @@ class Run:
             self._make, site.fleet.clearance, seed, planning=site.latency,
             settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
-            switches=site.order is Order.SWITCHING)
+            switches=site.order is Order.SWITCHING, check_every=_CHECK_EVERY)
         self.world.rounds = site.rounds
         self.figures = Figures(robots, seed)
         self._seed = seed

@@ -32,6 +32,7 @@ from typing import (
 import numpy as np
 
 from fleet_core.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
+from fleet_core.interlocking.allocation import Allocation
 from fleet_core.interlocking.conformance import (
     Conformance,
     ObservedRobot,
@@ -169,6 +170,7 @@ class VirtualFleet(Generic[Body]):
     settings -- of all robots, or of each robot by its name
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
+    check_every -- number of events from one check against the model of allocations to the next
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -177,7 +179,8 @@ class VirtualFleet(Generic[Body]):
                  planning: float = 0.1,
                  settings: Union[None, RobotSettings, Mapping[str, RobotSettings]] = None,
                  parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
-                 rhythm: Optional[Rhythm] = None, switches: bool = False) -> None:
+                 rhythm: Optional[Rhythm] = None, switches: bool = False,
+                 check_every: int = 1) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
         self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
@@ -239,7 +242,7 @@ class VirtualFleet(Generic[Body]):
         self._supervising = self._stepping = self._planning_time = 0.0
         self._told: Dict[str, Tuple[float, object]] = {}
         self._ticks_at = self._looks_at = 0.0
-        self._switches = switches
+        self._switches, self._check_every = switches, check_every
         self._begin()
 
     def __repr__(self) -> str:
@@ -252,7 +255,8 @@ class VirtualFleet(Generic[Body]):
         # No time limit for switching: the speed of the computer must not change the results.
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now,
-                                     switching=switching, conformance=StrictConformance())
+                                     switching=switching,
+                                     conformance=StrictConformance(self._check_every))
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:
@@ -339,28 +343,23 @@ class VirtualFleet(Generic[Body]):
         if self.now < self._ticks_at and all(at > self.now for at in arrivals):
             return
         self._ticks_at = self.now + self.rhythm.supervisor - _TOGETHER
+        begun, planning = time.thread_time(), self._planning_time
         reports, self._reports = self._reports, []
         for at, name, report in reports:
             if at <= self.now:
                 aged = Report(report, self.now - report.stamp / 1e9)
                 self.ages[name] = aged.age
-                self.do(self._timed(self.supervisor.report, name, aged, self.now))
+                self.do(self.supervisor.report(name, aged, self.now))
             else:
                 self._reports.append((at, name, report))
         answers, self._answers = self._answers, []
         for at, number, outcome in answers:
             if at <= self.now:
-                self.do(self._timed(self.supervisor.plan_made, number, outcome, self.now))
+                self.do(self.supervisor.plan_made(number, outcome, self.now))
             else:
                 self._answers.append((at, number, outcome))
-        self.do(self._timed(self.supervisor.tick, self.now))
-
-    def _timed(self, act: Callable[..., List[Action]], *arguments: Any) -> List[Action]:
-        """Calls the supervisor, adds up its processor time, and returns its actions."""
-        begun = time.thread_time()
-        actions = act(*arguments)
-        self._supervising += time.thread_time() - begun
-        return actions
+        self.do(self.supervisor.tick(self.now))
+        self._supervising += time.thread_time() - begun - (self._planning_time - planning)
 
     def _copies(self) -> int:
         if self.random.random() < self.loss:
@@ -473,10 +472,10 @@ class VirtualFleet(Generic[Body]):
 class StrictConformance(Conformance):
     """Raises AssertionError at the first event that is not a step of the model of allocations."""
 
-    def event(self, robots: Mapping[str, ObservedRobot],
+    def event(self, robots: Mapping[str, ObservedRobot], known: Mapping[str, Allocation],
               excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
         """Checks an event; returns nothing."""
-        found = super().event(robots, excluding)
+        found = super().event(robots, known, excluding)
         assert not found, '; '.join(map(str, found))
         return found
 

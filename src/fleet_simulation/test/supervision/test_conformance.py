@@ -69,6 +69,16 @@ def test_robots_that_exclude_each_other_and_are_not_stopped_are_found(
         fleet.run(5.0)
 
 
+def test_a_change_that_the_interlocking_does_not_read_is_found(
+        monkeypatch: pytest.MonkeyPatch) -> None:
+    fleet = fleet_that_drives()
+    fleet.run(0.5)
+    for robot in fleet.supervisor.robots.values():
+        monkeypatch.setattr(robot.master, '_tell', lambda: None)
+    with pytest.raises(AssertionError, match=Invariant.READ.value):
+        fleet.run(5.0)
+
+
 def test_a_site_that_checks_itself_stops_the_fleet(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Interlocking, 'violations', lambda _: [])
     fleet = fleet_that_drives()

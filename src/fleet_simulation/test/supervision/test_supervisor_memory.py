@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from fleet_builders import AGV, corridor, ladder
 
+from fleet_core.interlocking.changes import Changes
 from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import MANUAL_REACH
@@ -65,7 +66,7 @@ def test_allocations_in_the_journal_never_exclude_each_other():
     while fleet.supervisor.book.open:
         fleet.step()
         robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.journal.robots(), None, fleet.now,
-                           int)
+                           int, Changes())
         stored = Interlocking(fleet.supervisor.network.geometry, fleet.clearance, robots)
         assert [stored.excluding(name) for name in robots] == [(), (), ()], fleet.picture()
 

@@ -140,7 +140,7 @@ class MasterState:
         route = self.farthest
         return () if route is None else tuple(step.edge for step in route.steps(self.done))
 
-    @property
+    @cached_property
     def end(self) -> int:
         """Record number behind that route."""
         return self.done + len(self.ahead)
@@ -202,6 +202,34 @@ class News:
 OLD_NEWS = News()
 
 
+class _Reading(NamedTuple):
+    """What a report says of the orders of this master.
+
+    order, refused -- 0 if the report names another master
+    is_new -- its epoch is a new one
+    is_older -- it shows a number that the journal lacks
+    shown -- the open order with the number `order`
+    failed -- the route of that order is lost
+    """
+
+    is_mine: bool
+    order: int
+    refused: int
+    is_new: bool
+    is_older: bool
+    shown: Optional[Order]
+    failed: bool
+
+
+def _read(state: MasterState, said: RouteReport, me: str) -> _Reading:
+    is_mine = said.master == me
+    order, refused = (said.order, said.refused) if is_mine else (0, 0)
+    return _Reading(is_mine, order, refused, said.epoch != state.epoch,
+                    is_mine and _is_in_gap(state, said),
+                    next((one for one in state.open if one.number == order), None),
+                    order > 0 and said.is_failed)
+
+
 def hear(state: MasterState, said: RouteReport, me: str, next_number: int,
          is_located: bool = True) -> Tuple[MasterState, News]:
     """Returns the state after a report, and what has changed. Raises WrongReport.
@@ -212,52 +240,69 @@ def hear(state: MasterState, said: RouteReport, me: str, next_number: int,
     """
     if said.number <= state.report:
         return state, OLD_NEWS
-    is_mine = said.master == me
-    order, refused = (said.order, said.refused) if is_mine else (0, 0)
-    is_new = said.epoch != state.epoch
-    is_older = is_mine and _is_in_gap(state, said)
-    shown = next((one for one in state.open if one.number == order), None)
-    _check(state, said, order, refused, is_new, is_older, shown)
-    failed = is_mine and order > 0 and said.is_failed
-    still = tuple(one for one in state.open if (
-        (not one.edges or one.epoch == said.epoch)
-        and one.number >= order and not order < one.number <= refused
-        and not (one.number == order and failed)))
+    read = _read(state, said, me)
+    _check(state, said, read)
+    still = tuple(one for one in state.open if _is_still_open(one, said, read))
     stands = said.motion is Motion.STANDING and is_located
-    knows_where = stands or bool(order and still) and not is_new and not failed and (
-        said.motion in (Motion.ON_ROUTE, Motion.STANDING))
+    knows_where = stands or _is_on_open_route(said, read, still)
     passed: Tuple[Step, ...] = ()
-    done = state.end + 1 if is_new else state.done
-    if order:
-        if not is_new and shown is not None:
-            passed = tuple(step for step in shown.steps(state.done) if step.number < said.done)
-        done = said.done
-    held: Tuple[Step, ...] = ()
-    if not knows_where:
-        gone = state.may_be_on if is_new else tuple(
-            step for one in state.open if one not in still for step in one.steps(state.done))
-        held = tuple(dict.fromkeys((*state.held, *gone)))
-    is_anywhere = state.is_anywhere and not knows_where
-    if not stands and (said.motion is Motion.MOVED or not is_mine and said.motion in (
-            Motion.ON_ROUTE, Motion.COMING_TO_REST)):
-        is_anywhere = True
-    unknown = state.unknown
-    if is_older:
-        unknown = unknown or next_number
-    elif unknown and stands and order >= unknown:
-        unknown = 0
-    behind = () if stands or is_new else (*state.behind, *passed)
-    refusals = [one for one in state.open if order < one.number <= refused]
-    lost = shown is not None and failed and bool(shown.edges)
-    news = News(
-        True, said.cause if is_new else None, tuple(step.edge for step in passed),
-        order > (0 if is_new else state.order), (said.reason or SAID_NONE) if lost else NO_REASON,
-        (said.refusal or SAID_NONE) if refusals else NO_REASON,
-        bool(refusals) and refusals[-1].end < state.end, stands, is_older)
+    if read.order and not read.is_new and read.shown is not None:
+        passed = tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
+    behind = () if stands or read.is_new else (*state.behind, *passed)
+    done = state.end + 1 if read.is_new else state.done
     return replace(
-        state, epoch=said.epoch, report=said.number, order=order, refused=refused, done=done,
-        open=still, behind=behind, held=held, is_anywhere=is_anywhere, commands=is_mine,
-        unknown=unknown), news
+        state, epoch=said.epoch, report=said.number, order=read.order, refused=read.refused,
+        done=said.done if read.order else done, open=still, behind=behind,
+        held=() if knows_where else _held(state, still, read.is_new),
+        is_anywhere=not stands and _is_moved_otherwise(said, read.is_mine) or (
+            state.is_anywhere and not knows_where),
+        commands=read.is_mine, unknown=_unknown(state, read, stands, next_number),
+    ), _news(state, said, read, passed, stands)
+
+
+def _is_still_open(one: Order, said: RouteReport, read: _Reading) -> bool:
+    """May the vehicle still follow an order that was open before the report?"""
+    if one.edges and one.epoch != said.epoch:
+        return False
+    return one.number > read.refused if one.number > read.order else (
+        one.number == read.order and not read.failed)
+
+
+def _is_on_open_route(said: RouteReport, read: _Reading, still: Tuple[Order, ...]) -> bool:
+    """Is the vehicle on the route of an open order, in the same epoch?"""
+    return bool(read.order and still) and not read.is_new and not read.failed and (
+        said.motion in (Motion.ON_ROUTE, Motion.STANDING))
+
+
+def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
+    """Does anything but an order of this master move the vehicle?"""
+    return said.motion is Motion.MOVED or not is_mine and said.motion in (
+        Motion.ON_ROUTE, Motion.COMING_TO_REST)
+
+
+def _held(state: MasterState, still: Tuple[Order, ...], is_new: bool) -> Tuple[Step, ...]:
+    """The edges that are held until the vehicle stands."""
+    gone = state.may_be_on if is_new else tuple(
+        step for one in state.open if one not in still for step in one.steps(state.done))
+    return tuple(dict.fromkeys((*state.held, *gone)))
+
+
+def _unknown(state: MasterState, read: _Reading, stands: bool, next_number: int) -> int:
+    if read.is_older:
+        return state.unknown or next_number
+    return 0 if stands and read.order >= state.unknown else state.unknown
+
+
+def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[Step, ...],
+          stands: bool) -> News:
+    refusals = [one for one in state.open if read.order < one.number <= read.refused]
+    lost = read.failed and read.shown is not None and bool(read.shown.edges)
+    return News(
+        True, said.cause if read.is_new else None, tuple(step.edge for step in passed),
+        read.order > (0 if read.is_new else state.order),
+        (said.reason or SAID_NONE) if lost else NO_REASON,
+        (said.refusal or SAID_NONE) if refusals else NO_REASON,
+        bool(refusals) and refusals[-1].end < state.end, stands, read.is_older)
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
@@ -270,15 +315,14 @@ def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
         low < said.order or said.refused < high)
 
 
-def _check(state: MasterState, said: RouteReport, order: int, refused: int, is_new: bool,
-           is_older: bool, shown: Optional[Order]) -> None:
+def _check(state: MasterState, said: RouteReport, read: _Reading) -> None:
     """Raises WrongReport for a report that contradicts what was ordered or reported before."""
-    if is_older:
+    if read.is_older:
         return
-    newest = max(order, refused)
+    order, shown, newest = read.order, read.shown, max(read.order, read.refused)
     if newest > state.number:
         raise WrongReport(f'it shows order {newest}, but the last one was {state.number}')
-    if is_new:
+    if read.is_new:
         return
     if order < state.order:
         raise WrongReport(f'it shows order {order} after order {state.order}')

@@ -163,13 +163,12 @@ class Graph:
 
     def curve(self, signed_id: int) -> Curve:
         """Returns the edge's curve in driving direction."""
-        edge = self.edge(signed_id)
-        if signed_id not in self._curves:
-            if signed_id < 0:
-                self._curves[signed_id] = self.curve(-signed_id).reversed()
-            else:
-                self._curves[signed_id] = self._curve_of(edge)
-        return self._curves[signed_id]
+        curve = self._curves.get(signed_id)
+        if curve is None:
+            edge = self.edge(signed_id)
+            curve = self._curves[signed_id] = (
+                self._curve_of(edge) if signed_id > 0 else self.curve(-signed_id).reversed())
+        return curve
 
     def whole_edges(self, ids: Iterable[int]) -> FrozenSet[int]:
         """Returns the ids of all sections of these edges.

@@ -54,6 +54,19 @@ class Conflicts(NamedTuple):
         return self.other[self.starts[place]:self.starts[place + 1]].tolist()
 
 
+class Conflict(NamedTuple):
+    """One place that excludes a place p: the numbers of a row, and those of the same pair from it.
+
+    As in `Conflicts`; the `other_` fractions are those of edge `other`.
+    """
+
+    other: int
+    forward: float
+    backward: float
+    other_forward: float
+    other_backward: float
+
+
 class Exclusions:
     """Conflicts between places, for each distance that two robots must keep.
 
@@ -73,6 +86,22 @@ class Exclusions:
         self.deadline = inf
         """Monotonic s after which the search for conflicts stops, and `at` raises OutOfTime."""
         self._by_distance: Dict[float, Conflicts] = {}
+        self._rows: Dict[Tuple[float, int], List[Conflict]] = {}
+
+    def excluding(self, place: int, distance: float) -> List[Conflict]:
+        """The places that exclude one place for robots whose curves must stay `distance` m apart.
+
+        For single places lists are far faster than arrays.
+        """
+        row = self._rows.get((distance, place))
+        if row is None:
+            starts, other, forward, backward, transpose = self.at(distance)
+            part = slice(*starts[place:place + 2])
+            mirrored = transpose[part]
+            row = self._rows[distance, place] = list(map(Conflict._make, zip(*(
+                column.tolist() for column in (other[part], forward[part], backward[part],
+                                               forward[mirrored], backward[mirrored])))))
+        return row
 
     def at(self, distance: float) -> Conflicts:
         """The conflicts of robots whose curves must stay `distance` m apart."""

@@ -65,17 +65,15 @@ class ClaimIndex:
         """Names of other robots with a claim that excludes this claim of `robot`."""
         exclusions = self._geometry.exclusions
         for other_kind, at in self._at.items():
-            conflicts = exclusions.at(kind.reach + other_kind.reach + self._clearance)
-            first, last = conflicts.starts[claim.place:claim.place + 2]
-            for row in range(first, last):
-                held = at.get(int(conflicts.other[row]))
+            distance = kind.reach + other_kind.reach + self._clearance
+            for conflict in exclusions.excluding(claim.place, distance):
+                held = at.get(conflict.other)
                 if not held:
                     continue
-                clears = conflicts.forward if claim.forward else conflicts.backward
-                if claim.cleared and clears[row] <= claim.cleared:
+                clear = conflict.forward if claim.forward else conflict.backward
+                if claim.cleared and clear <= claim.cleared:
                     continue
-                mirrored = conflicts.transpose[row]
                 for name, other in held:
-                    clears = conflicts.forward if other.forward else conflicts.backward
-                    if name != robot and not (other.cleared and clears[mirrored] <= other.cleared):
+                    clear = conflict.other_forward if other.forward else conflict.other_backward
+                    if name != robot and not (other.cleared and clear <= other.cleared):
                         yield name

@@ -44,6 +44,7 @@ class Invariant(Enum):
     CHECKED = 'it holds edges that it was not granted'
     CONTAINED = 'it was sent over edges that it does not hold'
     STORED = 'it was sent over edges that the journal does not have'
+    READ = 'the interlocking does not know its present allocation'
     APART = 'it is too near to another robot, and is not stopped'
 
 
@@ -51,7 +52,7 @@ class Invariant(Enum):
 class Violation:
     """A step that is not one of the model's.
 
-    edges -- signed ids; empty for APART
+    edges -- signed ids; empty for APART and READ
     other -- name of the other robot; only for APART
     """
 
@@ -61,8 +62,9 @@ class Violation:
     other: str = ''
 
     def __str__(self) -> str:
-        where = f'robot {self.other}' if self.other else f'edges {listed(sorted(self.edges))}'
-        return f'{self.robot}: {self.invariant.value} ({where})'
+        where = f' (robot {self.other})' * bool(self.other) or (
+            f' (edges {listed(sorted(self.edges))})' * bool(self.edges))
+        return f'{self.robot}: {self.invariant.value}{where}'
 
 
 class ModelState(NamedTuple):
@@ -111,10 +113,11 @@ class Conformance:
         """This allocation of a robot is in the journal."""
         self._journal[name] = edges_of(allocation)
 
-    def event(self, robots: Mapping[str, ObservedRobot],
+    def event(self, robots: Mapping[str, ObservedRobot], known: Mapping[str, Allocation],
               excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
         """Returns what is wrong after an event; empty: nothing, or no check is due.
 
+        known     -- the allocations that the interlocking has read
         excluding -- returns the names of the robots that exclude a robot
         """
         self._events += 1
@@ -122,6 +125,8 @@ class Conformance:
             return []
         found = []
         for name, robot in robots.items():
+            if known.get(name) is not robot.master.allocation:
+                found.append(Violation(Invariant.READ, name))
             if self._is_seen(name, robot.master):
                 continue
             now, before = self._state(name, robot), self._before.get(name)

@@ -119,11 +119,14 @@ class Interlocking:
     clearance   -- m that stays free between any two robots
     robots      -- all robots that the fleet manager knows, also those that left the fleet file
     conformance -- checks each step against the model; None: nothing does
+    news        -- returns the names of the robots that changed since it was last called; None: any
+                   robot may have changed at any time
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
                  robots: Mapping[str, InterlockedRobot],
-                 conformance: Optional[Conformance] = None) -> None:
+                 conformance: Optional[Conformance] = None,
+                 news: Optional[Callable[[], Collection[str]]] = None) -> None:
         self.is_stopped = False
         """Is the fleet stopped?"""
         self.trouble = ''
@@ -133,6 +136,7 @@ class Interlocking:
         self._geometry, self._clearance = geometry, clearance
         self._robots = robots
         self._conformance = conformance
+        self._news = news or (lambda: robots)
         self._known: Dict[str, Allocation] = {}
         self._holds = ClaimIndex(geometry, clearance)
         self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
@@ -208,7 +212,8 @@ class Interlocking:
         """
         if self._conformance is None:
             return []
-        return self._conformance.event(self._robots, self.excluding)
+        self._refresh()
+        return self._conformance.event(self._robots, self._known, self.excluding)
 
     # -- orders that are sent ---------------------------------------------------------------------
 
@@ -334,8 +339,10 @@ class Interlocking:
 
     def _refresh(self) -> None:
         """Reads each allocation that has changed since the last call."""
-        for name, robot in self._robots.items():
-            allocation = robot.master.allocation
+        for name in self._news():
+            if name not in self._robots:
+                continue
+            allocation = self._robots[name].master.allocation
             if allocation is self._known.get(name):
                 continue
             self._known[name] = allocation

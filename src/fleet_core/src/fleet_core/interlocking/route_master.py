@@ -48,7 +48,7 @@ from route_protocol.master import (
     label_of,
     next_number,
 )
-from route_protocol.values import EpochCause, Motion
+from route_protocol.values import EpochCause, Motion, RouteReport
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 from trajectory_graph.id_lists import listed
 
@@ -151,11 +151,14 @@ class RouteMaster:
     """Orders routes, repeats orders that no report shows, and keeps where the robot may be.
 
     Only the interlocking gives it routes.
+
+    tell -- is called after each change, so that the interlocking reads the allocation again
     """
 
-    def __init__(self, record: RouteRecord, clock: Clock) -> None:
+    def __init__(self, record: RouteRecord, clock: Clock,
+                 tell: Callable[[], None] = lambda: None) -> None:
         self.record = record
-        self._clock = clock
+        self._clock, self._tell = clock, tell
         # Number of the last order that may have been sent, and when, if by this program.
         self._sent: Tuple[int, float] = (0, -math.inf)
         self._label = 0  # of the route that is being extended
@@ -175,6 +178,7 @@ class RouteMaster:
         # What follows from all this, as far as it was asked for since the last change.
         self._allocation: Optional[Allocation] = None
         self._elsewhere: Optional[Tuple[Located, ...]] = None
+        self._progress: Optional[Tuple[object, ...]] = None
 
     # -- state ------------------------------------------------------------------------------------
 
@@ -236,8 +240,8 @@ class RouteMaster:
         earlier orders may still reach it.
         """
         protocol = self.protocol
-        return self.is_heard and not self.is_stopping and not self.is_absent and (
-            not protocol.commands or bool(protocol.unknown))
+        return (not protocol.commands or bool(protocol.unknown)) and (
+            self.is_heard and not self.is_stopping and not self.is_absent)
 
     @property
     def location(self) -> Optional[Point]:
@@ -302,7 +306,8 @@ class RouteMaster:
         if position is not None and math.dist(
                 point, position.point(graph)) <= self.record.near + TREMBLE:
             return True
-        for hold in holds:
+        here = self.record.pose.edge  # most probably the point is on this edge
+        for hold in sorted(holds, key=lambda hold: hold.edge != here):
             curve = graph.curve(hold.edge)
             nearest = curve.project(*point)
             if nearest.distance <= play + TREMBLE and (
@@ -313,13 +318,17 @@ class RouteMaster:
     @property
     def progress(self) -> Tuple[object, ...]:
         """The part of the state that must be stored as soon as a report changes it."""
-        protocol, record = self.protocol, self.record
-        return (protocol.epoch, protocol.order, protocol.refused, protocol.done, protocol.open,
+        if self._progress is None:
+            protocol, record = self.protocol, self.record
+            self._progress = (
+                protocol.epoch, protocol.order, protocol.refused, protocol.done, protocol.open,
                 protocol.held, protocol.is_anywhere, protocol.unknown, record.generation,
                 record.position, self._stored_locations, self._lost)
+        return self._progress
 
     def _changed(self) -> None:
-        self._allocation = self._elsewhere = None
+        self._allocation = self._elsewhere = self._progress = None
+        self._tell()
 
     def _set(self, protocol: MasterState) -> None:
         self.record.follow(protocol)
@@ -414,14 +423,10 @@ class RouteMaster:
         is_first = not self.is_heard
         self._told = self._told or (0.0, None)
         record.pose = report.pose
-        self._off_graph = 0 if report.pose.edge else self._off_graph + 1
+        self._off_graph = 0 if record.pose.edge else self._off_graph + 1
         heard = Heard(news, record.passed(news.passed), news.cause if before.epoch else None,
                       had_route)
-        if news.refused and news.was_shorter:
-            self._cut_refused = max((one.end for one in before.open
-                                     if protocol.order < one.number <= said.refused), default=0)
-        if news.cause is not None or news.failed or news.took and not said.edges:
-            record.begin_anew()
+        self._follow_news(news, said, before)
         heard.is_off_graph = self._off_graph >= 2
         heard.is_located = self._locate(report, point, is_covered, is_stray)
         self.clock_is_off = report.is_ahead
@@ -437,6 +442,14 @@ class RouteMaster:
                 heard.expected = f'{expected}, but is {_place(record.position)}'
         self._changed()
         return heard
+
+    def _follow_news(self, news: News, said: RouteReport, before: MasterState) -> None:
+        if news.refused and news.was_shorter:
+            self._cut_refused = max((one.end for one in before.open
+                                     if self.protocol.order < one.number <= said.refused),
+                                    default=0)
+        if news.cause is not None or news.failed or news.took and not said.edges:
+            self.record.begin_anew()
 
     def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
         """Does the robot count as where it may be, although it is not exactly there?

@@ -1,14 +1,16 @@
 """The assumptions of a plan about the fleet, and the check whether they still hold."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
-from typing import FrozenSet, Mapping, NamedTuple, Optional, Tuple
+from typing import AbstractSet, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.geometry.areas import Area
 from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.interlocking.changes import Changes
 from fleet_core.planning.road_network import RoadNetwork
-from fleet_core.supervision.duties import Duty, Errand
+from fleet_core.supervision.duties import Duty, Errand, errand_of
+from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
 
 
@@ -41,11 +43,42 @@ class Assumption(NamedTuple):
 
 
 class World(NamedTuple):
-    """The present state of all that a plan depends on."""
+    """The present state of all that a plan depends on.
+
+    versions -- a number for each robot, which grows when anything of it or its errand changes
+    """
 
     robots: Mapping[str, ManagedRobot]
     errands: Mapping[str, Errand]
     network: RoadNetwork
+    versions: Mapping[str, int]
+
+
+class WorldView:
+    """Finds out which robots and errands have changed from one look at the world to the next.
+
+    changes -- of the robots' route masters
+    """
+
+    def __init__(self, robots: Mapping[str, ManagedRobot], changes: Changes) -> None:
+        self._robots, self._changes = robots, changes
+        self._states: Dict[str, Tuple[object, ...]] = {}
+        self._errands: Dict[str, Errand] = {}
+        self._versions: Dict[str, int] = {}
+
+    def world(self, serving: Mapping[str, Mission], network: RoadNetwork) -> World:
+        """The present world. `serving` has the missions that robots serve."""
+        for name, robot in self._robots.items():
+            mission = serving.get(name)
+            state = (self._changes.of(name), robot.outage, robot.is_halted, robot.comes_to_rest,
+                     robot.dock, None if mission is None else (
+                         mission.serial, mission.state, mission.reached, mission.stays_since,
+                         mission.request, mission.changes))
+            if state != self._states.get(name):
+                self._states[name] = state
+                self._errands[name] = errand_of(mission, robot.dock)
+                self._versions[name] = self._versions.get(name, 0) + 1
+        return World(self._robots, self._errands, network, self._versions)
 
 
 @dataclass(frozen=True)
@@ -55,11 +88,15 @@ class Assumptions:
     robots: Mapping[str, Assumption]
     closed: FrozenSet[int]
     seed: int
+    _held: Dict[str, Tuple[int, bool]] = field(default_factory=dict, compare=False, repr=False)
+    """The last version of each robot, and whether the assumption about it held; kept on demand."""
 
-    def still_useful(self, world: World) -> bool:
-        """Do the assumptions hold, at least so far that the plan is still useful?"""
-        return self.closed == world.network.closed and all(
-            self.holds(name, world) for name in world.robots)
+    def misfits(self, world: World) -> AbstractSet[str]:
+        """Robots about which the assumption does not hold."""
+        for name, version in world.versions.items():
+            if self._held.get(name, (0, False))[0] != version:
+                self._held[name] = version, self.holds(name, world)
+        return {name for name, (_, holds) in self._held.items() if not holds}
 
     def holds(self, name: str, world: World) -> bool:
         """Does the assumption about one robot hold?"""

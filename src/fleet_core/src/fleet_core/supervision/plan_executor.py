@@ -12,7 +12,7 @@ from fleet_core.supervision.duties import Duty, goes_until
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.questions import Question, question_of
-from fleet_core.supervision.release import due_edges, has_enough
+from fleet_core.supervision.release import Due, due_edges, has_enough
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.switching import OrderSwitching
 
@@ -50,6 +50,7 @@ class PlanExecutor:
         self.trouble = ''
         """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
+        self._records = {name: robot.record for name, robot in robots.items()}
         self._switching = switching
         self._open: Dict[int, Question] = {}
         self._number = 0
@@ -130,7 +131,8 @@ class PlanExecutor:
 
     def _is_useful(self, world: World, now: float) -> bool:
         """Is the plan in force still useful?"""
-        if self.plan is None or not self.plan.assumptions.still_useful(world):
+        if self.plan is None or self.plan.assumptions.misfits(world) or (
+                self.plan.assumptions.closed != world.network.closed):
             return False
         late = [name for name, delay in self._delays.items() if now - delay.since > HELD_UP]
         if not late:
@@ -149,26 +151,30 @@ class PlanExecutor:
         If not all assumptions of the plan hold, it does so only for the robots whose assumption
         holds.
         """
-        records = {name: robot.record for name, robot in self._robots.items()}
+        misfits = frozenset() if is_useful else plan.assumptions.misfits(world)
         agents = [name for name, errand in world.errands.items()
                   if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
-        asked = plan.asked_to_move(agents, {name: record.end for name, record in records.items()})
+        asked = plan.asked_to_move(agents, self._records)
+        versions = world.versions
         for name, own in plan.plans.items():
+            waits_for = self.waits_for.get(name, '')
+            rest = versions[name], name in asked, waits_for, versions.get(waits_for)
+            if plan.rests.get(name) == rest:
+                continue
+            plan.rests.pop(name, None)
             robot, errand = self._robots[name], world.errands[name]
-            if not robot.works or robot.comes_to_rest or not (
-                    is_useful or plan.assumptions.holds(name, world)):
+            if not robot.works or robot.comes_to_rest or name in misfits:
                 self._delays.pop(name, None)
                 continue
-            if has_enough(robot.record, robot.settings.release_ahead):
-                self.waits_for[name] = ''
-                self._delays.pop(name, None)
-                continue
-            until = goes_until(robot, errand, own, name in asked,
-                               plan.assumptions.robots[name].reach)
-            due = due_edges(name, plan, records, until, robot.settings.release_ahead)
+            due = Due([]) if has_enough(robot.record, robot.settings.release_ahead) else due_edges(
+                name, plan, self._records, goes_until(
+                    robot, errand, own, name in asked, plan.assumptions.robots[name].reach),
+                robot.settings.release_ahead)
             self.waits_for[name] = due.waits_for
             if not due.edges:
                 self._delays.pop(name, None)
+                plan.rests[name] = (versions[name], name in asked, due.waits_for,
+                                    versions.get(due.waits_for))
                 continue
             serial = errand.mission.serial if errand.mission is not None else 0
             renews = bool(serial) and self._missions.get(name, serial) != serial

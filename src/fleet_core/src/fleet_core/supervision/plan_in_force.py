@@ -35,6 +35,9 @@ class PlanInForce:
         self.unserved: Dict[str, str] = dict(outcome.unserved)
         self.made_at = made_at
         self.assumptions = assumptions
+        self.rests: Dict[str, Tuple[object, ...]] = {}
+        """Robots for which nothing is due while this stays as it is: their version, whether they
+        are asked to move, the robot for which they wait, and its version."""
         self._turns: Dict[Tuple[str, int], List[_Turn]] = {}
         self._waited_for: Dict[str, List[Tuple[int, str]]] = {}
         for first, before, fraction, then, drive in outcome.precedence:
@@ -52,10 +55,11 @@ class PlanInForce:
                 return turn.first
         return ''
 
-    def asked_to_move(self, working: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
+    def asked_to_move(self, working: Iterable[str],
+                      records: Mapping[str, RouteRecord]) -> Set[str]:
         """Robots that must move because one of `working`, or another such robot, waits for them.
 
-        ends -- number behind the record of each robot: drives that are released need no request
+        records -- of all robots: drives that are released need no request
         """
         moving = set(working)
         asked: Set[str] = set()
@@ -66,8 +70,8 @@ class PlanInForce:
                 plan = self.plans.get(first)
                 if plan is None or first in moving:
                     continue
-                if any(then in moving and plan.base + before >= ends[first]
-                       for before, then in waiting):
+                end = records[first].end
+                if any(then in moving and plan.base + before >= end for before, then in waiting):
                     asked.add(first)
                     moving.add(first)
                     grew = True

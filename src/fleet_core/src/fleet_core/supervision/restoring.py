@@ -2,10 +2,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Dict, List, Mapping, Optional, Tuple
 
 from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.areas import Area, Point
+from fleet_core.interlocking.changes import Changes
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_master import Clock, Memory, RouteMaster
 from fleet_core.interlocking.route_record import RouteRecord
@@ -34,17 +36,18 @@ class RemovedRobot:
 
 def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
               memories: Mapping[str, RobotMemory], before: Optional[Graph],
-              now: float, clock: Clock) -> Dict[str, ManagedRobot]:
+              now: float, clock: Clock, changes: Changes) -> Dict[str, ManagedRobot]:
     """All robots by name, each with its stored state.
 
     settings -- a robot without an entry gets the defaults of RobotSettings
     before   -- the other graph to which the stored states refer; None: they refer to this graph
+    changes  -- where the robots' changes are noted
     """
     robots: Dict[str, ManagedRobot] = {}
     for robot in fleet.robots:
         own = settings.get(robot.name, RobotSettings())
         managed = ManagedRobot(robot.name, robot.type, own, RouteMaster(
-            RouteRecord(graph, robot.type, own.slack), clock))
+            RouteRecord(graph, robot.type, own.slack), clock, partial(changes.add, robot.name)))
         memory = memories.get(robot.name)
         if memory is not None:
             _restore(managed, memory, graph, before, now)
@@ -57,14 +60,15 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 
 
 def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
-               before: Optional[Graph], now: float,
-               clock: Clock) -> Dict[str, RemovedRobot]:
+               before: Optional[Graph], now: float, clock: Clock,
+               changes: Changes) -> Dict[str, RemovedRobot]:
     """Robots that are stored, but are not in the fleet file any more."""
     names = {robot.name for robot in fleet.robots}
     removed: Dict[str, RemovedRobot] = {}
     for name, memory in memories.items():
         if name not in names and memory.kind is not None and not memory.master.is_absent:
-            master = RouteMaster(RouteRecord(graph, memory.kind), clock)
+            master = RouteMaster(RouteRecord(graph, memory.kind), clock,
+                                 partial(changes.add, name))
             # It has no topics here any more, so that not even a stop can be sent to it.
             kept, areas = on_graph(memory.master, graph, before)
             master.restore(kept, now)

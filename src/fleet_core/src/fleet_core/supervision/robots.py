@@ -222,7 +222,8 @@ class ManagedRobot:
 
         Returns whether it did.
         """
-        if not self.is_at_rest or self.outage not in (None, Outage.STOPPED, Outage.LOST_LINK):
+        if self.works or self.outage not in (None, Outage.STOPPED, Outage.LOST_LINK) or (
+                not self.is_at_rest):
             return False
         before = self.is_halted, self.outage
         self.is_halted = False

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from fleet_core.fleet import Fleet
+from fleet_core.interlocking.changes import Changes
 from fleet_core.interlocking.conformance import Conformance
 from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
 from fleet_core.interlocking.reports import (
@@ -23,7 +24,7 @@ from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
-from fleet_core.supervision.assumptions import World
+from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargeQueue
 from fleet_core.supervision.duties import Errand, errand_of
 from fleet_core.supervision.journal import STOPPED, Journal
@@ -87,10 +88,11 @@ class Supervisor:
         memories, stored = journal.robots(), journal.graph()
         is_same = graph.is_same(stored)
         before = None if is_same else stored
+        changes = Changes()
         self.robots = robots_of(fleet, settings, graph, memories, before, now,
-                                journal.milliseconds)
+                                journal.milliseconds, changes)
         self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now,
-                                                           journal.milliseconds)
+                                                           journal.milliseconds, changes)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
         """The data by which requests are checked."""
@@ -106,8 +108,9 @@ class Supervisor:
         self._waiting = WaitingMissions(self.book, self.robots)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
         self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
-                                         self._everywhere, conformance)
+                                         self._everywhere, conformance, changes.follow())
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
+        self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching)
         self.interlocking.stored(self._everywhere)
@@ -525,7 +528,7 @@ class Supervisor:
                 for name, robot in self.robots.items()}
 
     def _world(self) -> World:
-        return World(self.robots, self.errands(), self.network)
+        return self._view.world(self.book.serving, self.network)
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():

@@ -125,7 +125,7 @@ class Vehicle:
     @property
     def news(self) -> Tuple[VehicleState, Motion, ReasonCode]:
         """What is reported at once when it changes."""
-        return replace(self.state, report=0), self.motion, self._unready
+        return self.state, self.motion, self._unready
 
     def handle(self, order: RouteOrder) -> None:
         """Takes an order."""

@@ -1,0 +1,34 @@
+"""The changes of all robots, numbered. So a reader looks only at robots that have changed."""
+from __future__ import annotations
+
+from itertools import takewhile
+from typing import Callable, Dict, List
+
+
+class Changes:
+    """The last change of each robot."""
+
+    def __init__(self) -> None:
+        self._number = 0
+        self._last: Dict[str, int] = {}  # the robot that changed last comes last
+
+    def add(self, name: str) -> None:
+        """A robot has changed."""
+        self._number += 1
+        self._last.pop(name, None)
+        self._last[name] = self._number
+
+    def of(self, name: str) -> int:
+        """Number of the last change of a robot; it only grows."""
+        return self._last.get(name, 0)
+
+    def follow(self) -> Callable[[], List[str]]:
+        """Returns a function: names of the robots that changed since it was last called."""
+        read = 0
+
+        def news() -> List[str]:
+            nonlocal read
+            names = list(takewhile(lambda name: self._last[name] > read, reversed(self._last)))
+            read = self._number
+            return names[::-1]
+        return news
