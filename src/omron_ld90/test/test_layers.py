@@ -52,7 +52,7 @@ def imported_by(file: Path) -> Set[str]:
 
 
 def layer_of(module: str) -> str:
-    """`omron_ld90.bridge` for `omron_ld90.bridge.events.Link`, `omron_map` for its modules."""
+    """`omron_ld90.bridge` for `omron_ld90.bridge.motions.Motion`, `omron_map` for its modules."""
     package, _, rest = module.partition('.')
     layer = f'{package}.{rest.split(".")[0]}'
     has_layers = package in WITH_LAYERS and (
