@@ -13,7 +13,6 @@ import time
 from itertools import chain
 from random import Random
 from typing import (
-    Any,
     Callable,
     Dict,
     Generic,

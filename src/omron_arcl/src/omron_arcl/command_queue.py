@@ -3,14 +3,11 @@ from __future__ import annotations
 
 from typing import Callable, List, Optional
 
-from omron_arcl.drives import Drives
+from omron_arcl.drives import UNHEEDED, Drives
 from omron_arcl.errors import Busy
 from omron_arcl.execution import Execution, Outcome
 
 MAXIMUM_WAITING = 200
-
-# The outcomes of a stop that the robot did not obey.
-_UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 
 
 class CommandQueue:
@@ -24,9 +21,13 @@ class CommandQueue:
         self.now = 0.0
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
-        self.drives: List[Execution] = []  # of `sent`: drives under way or to come, oldest first
         self._callbacks: List[Callable[[], None]] = []
         self._count = 0  # of commands sent
+
+    @property
+    def drives(self) -> List[Execution]:
+        """The drives in `sent`, the oldest first."""
+        return [execution for execution in self.sent if execution.command.spec.drives]
 
     @property
     def motion_executions(self) -> List[Execution]:
@@ -61,9 +62,8 @@ class CommandQueue:
             elif not self._must_wait(execution):
                 self.waiting.remove(execution)
                 self.sent.append(execution)
-                if execution.command.spec.drives:
-                    self.drives.append(execution)
                 execution.heard = execution.sent_at = now
+                execution.shown_when_sent = self.records.heard.shown
                 self._count += 1
                 execution.order = self._count
                 self.records.sent(execution)
@@ -106,11 +106,13 @@ class CommandQueue:
         if execution.end(outcome, words):
             self._callbacks.append(execution.announce)
         if not keep:
-            for executions in (self.waiting, self.sent, self.drives):
+            for executions in (self.waiting, self.sent):
                 if execution in executions:
                     executions.remove(execution)
             self.records.ended(execution, outcome, words, self.now)
-        if execution.command.spec.stops and outcome in _UNHEEDED:
+        if execution.command.spec.stops and outcome is Outcome.SUCCEEDED:
+            self.end_before(execution, words)
+        elif execution.command.spec.stops and outcome in UNHEEDED:
             self._give_up_cancelled(execution, outcome, words)
 
     def end_before(self, execution: Execution, words: str) -> None:
@@ -121,7 +123,7 @@ class CommandQueue:
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
         """A stop failed: ends the cancelled drives that waited for its effect."""
-        for drive in list(self.drives):
+        for drive in self.drives:
             if drive.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')
 

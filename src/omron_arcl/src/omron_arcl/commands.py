@@ -3,7 +3,7 @@
 ARCL has no request ids. Only the text of the robot's lines connects them with a command. A
 specification therefore contains predicates on replies: which reply acknowledges the command, which
 replies are related to it, which reply completes it. Failures and refusals are the same for all
-commands: see `endings`. `drive_watch` judges drives by the robot's status.
+commands: see `attribution`. `drive_watch` judges drives by the robot's status.
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Callable, Optional, Tuple
 
-from omron_arcl.replies.reply import Reply, same_name
+from omron_arcl.replies import Reply, same_name
 
 ACKNOWLEDGE_TIMEOUT = 60.0  # s in which a drive must be acknowledged; it may leave the dock first
 

@@ -23,7 +23,7 @@ from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command, Course
 from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
-from omron_arcl.replies.reply import Reply
+from omron_arcl.replies import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
 _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come
@@ -105,10 +105,7 @@ class Dispatcher:
         """The next line that may be sent now, or None; its command counts as sent."""
         self._commands.now = now
         execution = self._commands.next_to_send(now)
-        if execution is None:
-            return None
-        execution.shown_when_sent = self._attribution.watch.shown
-        return execution.command.line
+        return execution.command.line if execution else None
 
     @property
     def in_doubt(self) -> bool:
