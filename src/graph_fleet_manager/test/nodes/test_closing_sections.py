@@ -28,7 +28,7 @@ def closures(tmp_path, monkeypatch, graph) -> EdgeClosures:
     monkeypatch.setattr(edge_closures.rospy.Time, 'now',
                         staticmethod(lambda: SimpleNamespace(to_nsec=lambda: 10 ** 18)))
     return EdgeClosures(Closures(tmp_path / 'closed.json'), threading.RLock(),
-                        lambda: graph.edges, graph.whole_edges, lambda: None)
+                        lambda: graph, lambda: None)
 
 
 def command(action: int, *edges: int) -> EdgeCommand:

@@ -15,14 +15,14 @@ from itrci_nav_msgs.srv import DeclareAbsent
 def test_every_state_has_its_word(state):
     robot = FleetRobot(name='a', type='agv', state=int(state),
                        outage_code=FleetRobot.OUTAGE_SILENT)
-    line = fleet._listed(FleetState(robots=[robot])).splitlines()[1]
+    line = fleet._listed(FleetState(robots=[robot]), None).splitlines()[1]
     assert line.split('agv')[1].strip().startswith(state.name.lower().replace('_', ' '))
 
 
 def test_below_the_table_it_says_how_each_robot_without_work_comes_back():
     robots = [FleetRobot(name='a'), FleetRobot(
         name='b', state=FleetRobot.TAKEN_OVER, outage_code=FleetRobot.OUTAGE_TOO_NEAR)]
-    assert fleet._listed(FleetState(robots=robots)).splitlines()[3:] == [
+    assert fleet._listed(FleetState(robots=robots), None).splitlines()[3:] == [
         'b: When they are apart, bring it back with `fleet in b`.']
 
 
