@@ -36,11 +36,12 @@ def what_breaks(old: Graph, new: Graph, routes: Mapping[str, ReportedRoute]) -> 
             if problem is None and abs(edge) in new.edges and speed_of(new, edge) <= 0.0:
                 problem = f'may not be driven {"forwards" if edge > 0 else "backwards"} any more'
             if problem is not None:
-                return (f'{edge_name(old, abs(edge)).capitalize()} {problem}, but robot {robot} is to drive it on its '
-                        'running route: wait until it has arrived, or stop it.')
+                return (f'{edge_name(old, abs(edge)).capitalize()} {problem}, but robot '
+                        f'{robot} is to drive it on its running route: wait until it has arrived, '
+                        'or stop it.')
         if route.edge:
             problem = change_of(old, new, route.edge)
             if problem is not None:
-                return (f'{edge_name(old, abs(route.edge)).capitalize()} {problem}, but robot {robot} is on it: drive it '
-                        'elsewhere first.')
+                return (f'{edge_name(old, abs(route.edge)).capitalize()} {problem}, but '
+                        f'robot {robot} is on it: drive it elsewhere first.')
     return None

@@ -1,6 +1,6 @@
 """Sentences about a survey, for people who draw the graph or run the fleet.
 
-If long edges were cut into sections, the sentences are about the edges and vertices that were drawn.
+If long edges are cut into sections, the sentences are about the drawn edges and vertices.
 """
 from __future__ import annotations
 

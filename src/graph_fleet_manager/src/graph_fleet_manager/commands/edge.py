@@ -47,8 +47,8 @@ def _edge(arguments: List[str]) -> int:
     graph = graph_from_message(Listener('/graph', GraphMessage).last())
     told: ClosedEdges = in_force.last()
     if options.command != 'list':
-        command = EdgeCommand(edges=asked_edges(graph, options.edges), requested_by=rospy.get_name(),
-                              command=_CODES[options.command])
+        command = EdgeCommand(edges=asked_edges(graph, options.edges),
+                              requested_by=rospy.get_name(), command=_CODES[options.command])
         command.header.stamp = rospy.Time.now()
         told = _carried_out(command, in_force)
     closed = sorted(drawn_ids(graph, told.edges))
