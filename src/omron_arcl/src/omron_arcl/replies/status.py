@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import Optional, Tuple
 
 from omron_arcl.replies.reply import Reply
 
@@ -60,7 +60,10 @@ class Temperature(Reply):
 
 @dataclass(frozen=True)
 class OneLineStatus(Reply):
-    """`oneLineStatus`: several status fields on one line; None: the field was not sent."""
+    """`oneLineStatus`: several status fields on one line; None: the field was not sent.
+
+    ignored -- the fields with impossible values, as they were sent; they count as not sent
+    """
 
     status: str
     extended_status: Optional[str] = None
@@ -69,6 +72,7 @@ class OneLineStatus(Reply):
     location: Optional[Location] = None
     localization_score: Optional[LocalizationScore] = None
     temperature: Optional[Temperature] = None
+    ignored: Tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
