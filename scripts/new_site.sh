@@ -38,13 +38,14 @@ is_own "$picture" 'written by make_graph' || die "$picture was not made by this 
 prepare "${run_packages[@]}"
 commands=()
 graph_value() { python_module graph_editor.graph_values "$@"; }
+editor="roslaunch graph_editor edit.launch$(printf ' %q' "map_file:=$map" "graph_file:=$graph")"
 do_and_note() { commands+=("$(printf '%q ' "$@")"); "$@"; }
 
 
 if [ -e "$graph" ] && ! graph_value unedited "$graph"; then
   say "$graph was edited and is used as it is"
   do_and_note rosrun graph_editor check_graph --graph "$graph" --map "$map" ||
-    die "the graph has errors: open it with  roslaunch graph_editor edit.launch map_file:=$map graph_file:=$graph"
+    die "the graph has errors: open it with $editor"
 else
   say "Making $graph"
   do_and_note rosrun graph_editor make_graph --map "$map" --output "$graph" --draw "$picture" ${make_options[@]+"${make_options[@]}"}
@@ -62,6 +63,6 @@ run=("${full_stack[@]}" "map_file:=$made" "graph_file:=$graph" "dock_vertex:=${d
 commands+=("$(printf '%q ' "${run[@]}")")
 say "The three commands"
 printf '  %s\n' "${commands[@]}"
-say "Change the graph with: roslaunch graph_editor edit.launch map_file:=$map graph_file:=$graph"
+say "Change the graph with: $editor"
 [ "$start" = true ] || exit 0
 exec "${run[@]}"

@@ -57,7 +57,7 @@ start_fleet() {
   unset OMRON_LD90_PASSWORD
   refuse_what_runs "$launch"
   keep_private
-  say "Starting: roslaunch $launch"
+  say "Starting: roslaunch $(printf '%q' "$launch")"
   exec roslaunch "$launch"
 }
 
@@ -150,5 +150,5 @@ fi
 unset OMRON_LD90_PASSWORD
 
 keep_private
-say "Starting: roslaunch omron_ld90 full_stack.launch ${args[*]:-}"
+say "Starting: roslaunch omron_ld90 full_stack.launch$([ ${#args[@]} = 0 ] || printf ' %q' "${args[@]}")"
 exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}

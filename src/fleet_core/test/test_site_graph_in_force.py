@@ -148,8 +148,9 @@ def test_what_routes_do_not_need_may_change(new):
 @pytest.mark.parametrize('new, words', [
     (changed(without=[4]), 'Edge 3 is missing, but robot agv_1 is to drive it'),
     (changed(vertices=[moved(4, x=7.0)]), 'Edge 3 runs elsewhere'),
-    (changed(edges=[edge(2, origin=3, destination=2)]), 'Edge 2 joins vertices 3 and 2 and no '),
-    (changed(edges=[edge(3, velocity_forward=0.0)]), 'Edge 3 may not be driven as 3 any more'),
+    (changed(edges=[edge(2, origin=3, destination=2)]),
+     'Edge 2 joins vertex 3 and vertex 2 and no longer vertex 2'),
+    (changed(edges=[edge(3, velocity_forward=0.0)]), 'Edge 3 may not be driven forwards any more'),
     (changed(vertices=[moved(4, dock=True)]), 'Edge 3 ends at vertex 4, which is a dock now'),
     (changed(vertices=[moved(1, x=-1.0)]), 'Edge 1 runs elsewhere, but robot agv_1 is on it'),
 ])

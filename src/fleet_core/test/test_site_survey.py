@@ -1,6 +1,7 @@
 """The survey of a graph: its capacity and its weak points, in numbers and in text."""
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from fleet_core.site.survey import (
     parking_for_all,
     survey,
 )
-from trajectory_graph import Graph, load_graph
+from trajectory_graph import Graph, load_graph, split_edges
 
 LAB = Path(__file__).resolve().parents[3] / 'maps' / 'lab_graph.yaml'
 LD90 = RobotType('omron_ld90', 0.43, 1.35, 0.25, False, frozenset({16}))
@@ -170,3 +171,17 @@ class TestRemarks:
                          {1: (1, 2), 2: (2, 3), 3: (3, 1), 4: (2, 4), 5: (4, 5)})
         assert 'Behind vertex 2 lies a dead end of 8.0 m with vertices 4, 5' in ' '.join(
             told(graph, AGV))
+
+    @pytest.mark.parametrize('drawn', [
+        load_graph(LAB), ring(1, 3, radius=30.0), ring(2, one_way=[12]),
+        graph_of({1: (0, 0), 2: (8, 0), 3: (0, 4), 4: (8, 0.5), 5: (16, 0), 6: (0, 0.5)},
+                 {1: (1, 2), 2: (2, 3), 3: (3, 1), 4: (3, 4), 5: (2, 5), 6: (3, 6)})])
+    @pytest.mark.parametrize('longest', [0.9, 2.0])
+    def test_of_a_graph_with_cut_edges_only_drawn_edges_and_vertices_are_named(self, drawn,
+                                                                               longest):
+        text = ' '.join(told(split_edges(drawn, longest), AGV))
+        assert 'Parking: ' in text
+        for kind, ids in re.findall(r'(edge|vert)(?:s|ex|ices)? ((?:\d+(?:, | and )?)+)', text,
+                                    re.IGNORECASE):
+            known = drawn.edges if kind.lower() == 'edge' else drawn.vertices
+            assert set(map(int, re.findall(r'\d+', ids))) <= set(known), text

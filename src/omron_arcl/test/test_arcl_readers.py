@@ -5,7 +5,7 @@ import struct
 
 import pytest
 
-from omron_arcl import parse_line
+from omron_arcl import ignored_fields, parse_line
 from omron_arcl.readers import unquoted
 from omron_arcl.replies import (
     ArrivedAt,
@@ -51,7 +51,17 @@ def test_the_largest_measurements_fit_a_float32():
 
 def test_a_bad_field_costs_a_status_on_one_line_only_that_field():
     status = parse_line('Status: Going to 12 StateOfCharge: 1e41 Location: 1 2 3 Temperature: hot')
-    assert status == OneLineStatus('Going to 12', location=Location(1, 2, 3))
+    assert status == OneLineStatus('Going to 12', location=Location(1, 2, 3),
+                                   ignored=('StateOfCharge: 1e41', 'Temperature: hot'))
+    assert ignored_fields(status) == ('StateOfCharge: 1e41', 'Temperature: hot')
+
+
+@pytest.mark.parametrize(('line', 'fields'), [
+    ('StateOfCharge: 123', ('StateOfCharge: 123',)), ('Location: nan 0 0', ('Location: nan 0 0',)),
+    ('StateOfCharge: 79.4', ()), ('Temperature: -127', ()), ('hello', ()), ('Goal:', ()),
+    ('Status: Stopped Location: 1 2 3', ())])
+def test_impossible_values_are_told_also_those_on_lines_of_their_own(line, fields):
+    assert ignored_fields(parse_line(line)) == fields
 
 
 @pytest.mark.parametrize(('line', 'reply'), [

@@ -45,6 +45,15 @@ def test_numbers_in_the_way_c_plus_plus_writes_them(tmp_path):
     assert load_graph(file).edge(3).param_b == 1e-5
 
 
+@pytest.mark.parametrize(('right', 'wrong'), [
+    ('ParamB: 0.25', 'ParamB: 0_25'), ('ParamB: 0.25', 'ParamB: 1_5.0'), ('Id: 3', 'Id: 3_0')])
+def test_a_number_with_an_underscore_is_no_other_number(tmp_path, right, wrong):
+    file = tmp_path / 'graph.yaml'
+    file.write_text(GOOD.replace(right, wrong))
+    with pytest.raises(GraphError, match=f"{wrong.split()[1]}', but must be a"):
+        load_graph(file)
+
+
 def test_fields_we_do_not_know_are_left_alone(tmp_path):
     file = tmp_path / 'graph.yaml'
     file.write_text(GOOD.replace('Label: pass', 'Label: pass, Colour: {r: 1}'))

@@ -199,7 +199,7 @@ def test_who_is_elsewhere_once_its_link_is_back_needs_a_person():
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     why = fleet.supervisor.robots['a'].why
-    assert 'it was expected at vertex 1, but is at 50 % of edge 7' in why
+    assert 'it was expected at vertex 1, but is on edge 7 at 50 %' in why
 
 
 def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():

@@ -498,7 +498,7 @@ def test_a_robot_that_was_moved_meanwhile_is_not_ordered_on_as_from_where_it_was
     fleet.disk_fails(False)
     fleet.run(5.0)
     assert fleet.supervisor.robots['a'].why == (
-        'it was moved without a route: it was expected at 85 % of edge 1, but is at 50 % of edge 7')
+        'it was moved without a route: it was expected on edge 1 at 85 %, but is on edge 7 at 50 %')
     assert fleet.sent == []
 
 

@@ -7,23 +7,33 @@ from fleet_core.supervision.fleet_view import RobotState
 from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandError
 from graph_fleet_manager.commands.fleet_client import name_problem
-from itrci_nav_msgs.msg import FleetRobot, FleetState
+from itrci_nav_msgs.msg import FleetRobot, FleetState, SymbolicPose
 from itrci_nav_msgs.srv import DeclareAbsent
+from trajectory_graph import Edge, Graph, Vertex, split_edges
 
 
 @pytest.mark.parametrize('state', RobotState)
 def test_every_state_has_its_word(state):
     robot = FleetRobot(name='a', type='agv', state=int(state),
                        outage_code=FleetRobot.OUTAGE_SILENT)
-    line = fleet._listed(FleetState(robots=[robot])).splitlines()[1]
+    line = fleet._listed(FleetState(robots=[robot]), None).splitlines()[1]
     assert line.split('agv')[1].strip().startswith(state.name.lower().replace('_', ' '))
 
 
 def test_below_the_table_it_says_how_each_robot_without_work_comes_back():
     robots = [FleetRobot(name='a'), FleetRobot(
         name='b', state=FleetRobot.TAKEN_OVER, outage_code=FleetRobot.OUTAGE_TOO_NEAR)]
-    assert fleet._listed(FleetState(robots=robots)).splitlines()[3:] == [
+    assert fleet._listed(FleetState(robots=robots), None).splitlines()[3:] == [
         'b: When they are apart, bring it back with `fleet in b`.']
+
+
+@pytest.mark.parametrize(('edge', 'place'), [(10, 'edge 7 at 50 %'), (-11, 'edge -7 at 17 %')])
+def test_a_robot_on_a_section_is_listed_on_the_drawn_edge(edge, place):
+    graph = split_edges(Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 6.0, 0.0, 0.0)],
+                              [Edge(7, 1, 2), Edge(8, 2, 1)]), 2.0)
+    robots = [FleetRobot(name='a', pose=SymbolicPose(edge, 50.0))]
+    assert place in fleet._listed(FleetState(robots=robots), graph)
+    assert f'edge {edge} at 50 %' in fleet._listed(FleetState(robots=robots), None)
 
 
 @pytest.fixture

@@ -70,6 +70,12 @@ def test_without_a_master_the_fleet_manager_of_this_computer_is_asked(monkeypatc
     assert 'refused' in told, 'the log must have a warning'
 
 
+def test_also_if_the_name_of_this_computer_has_no_address(monkeypatch):
+    monkeypatch.setattr(socket, 'gethostname', lambda: 'no-such-computer.invalid')
+    stop_address.note('http://no-such-computer.invalid:1', FleetManager(STOPPED).address)
+    assert stop.stop().endswith('Every robot was told to stop.')
+
+
 def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the_stop(monkeypatch):
     def unknown(*_):
         raise NoAnswer('no provider')

@@ -5,6 +5,7 @@ import os
 import threading
 from types import SimpleNamespace
 from typing import List
+from unittest.mock import MagicMock
 
 import pytest
 import rospy
@@ -12,9 +13,13 @@ from fleet_builders import AGV, corridor
 
 from fleet_core.fleet import Fleet
 from fleet_core.site.closures import Closures
+from graph_fleet_manager.commands.command_line import CommandError
+from graph_fleet_manager.commands.edge import asked_edges
 from graph_fleet_manager.nodes import edge_closures
 from graph_fleet_manager.nodes.edge_closures import EdgeClosures
 from graph_fleet_manager.nodes.graph_server import GraphServer
+from graph_fleet_manager.nodes.rviz import menus
+from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand, ParkingPlaces
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 
@@ -52,7 +57,7 @@ def closures(tmp_path, monkeypatch, graph) -> EdgeClosures:
     monkeypatch.setattr(edge_closures.rospy.Time, 'now',
                         staticmethod(lambda: SimpleNamespace(to_nsec=lambda: 10 ** 18)))
     return EdgeClosures(Closures(tmp_path / 'closed.json'), threading.RLock(),
-                        lambda: graph.edges, graph.whole_edges, lambda: None)
+                        lambda: graph, lambda: None)
 
 
 def command(action: int, *edges: int) -> EdgeCommand:
@@ -77,3 +82,26 @@ def test_a_list_of_closed_edges_may_name_drawn_edges(closures):
 def test_an_edge_that_was_not_cut_is_closed_alone(closures):
     closures._on_command(command(EdgeCommand.CLOSE, 8))
     assert closures.edges == {8}
+
+
+def test_the_log_names_the_drawn_edges(closures, monkeypatch):
+    said = []
+    monkeypatch.setattr(edge_closures.rospy, 'loginfo', lambda text, *of: said.append(text % of))
+    closures._on_command(command(EdgeCommand.CLOSE, 8, 10))
+    assert said == ["'/person' closes edges: 7, 8.", 'Closed edges: 7, 8.']
+
+
+def test_the_command_edge_takes_drawn_edges(graph):
+    assert asked_edges(graph, [7]) == asked_edges(graph, [-10]) == [9, 10, 11]
+    with pytest.raises(CommandError, match='no edge 12'):
+        asked_edges(graph, [8, 12])
+
+
+def test_the_menu_of_a_section_is_about_the_drawn_edge(graph, monkeypatch):
+    subjects = {}
+    monkeypatch.setattr(menus, 'OrderedMarkerServer', MagicMock())
+    monkeypatch.setattr(menus, 'MenuHandler', MagicMock())
+    monkeypatch.setattr(FleetMenus, '_insert', lambda self, name, place, shapes, menu, subject, *_:
+                        subjects.__setitem__(name, subject))
+    FleetMenus(lambda *_: None).show_graph(graph)
+    assert {subject.edge for subject in subjects.values()} == {0, 7, 8}

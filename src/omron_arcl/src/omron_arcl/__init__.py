@@ -20,12 +20,12 @@ from omron_arcl.parser import parse_line
 from omron_arcl.replies import Reply, readable, same_name
 from omron_arcl.session import Received
 from omron_arcl.session_log import SessionLog
-from omron_arcl.status import StatusAssembler
+from omron_arcl.status import StatusAssembler, ignored_fields
 
 __all__ = [
     'Activity', 'ActivityKind', 'ArclError', 'Backoff', 'Busy', 'COMMANDS', 'Category', 'Client',
     'Command', 'Execution', 'Giver', 'HelpList', 'InvalidCommand', 'Link', 'LinkError', 'LinkPhase',
     'Listener', 'NotConnected', 'Outcome', 'Received', 'Reply', 'Result', 'SessionLog',
-    'StatusAssembler', 'parse_command', 'parse_line', 'printable', 'quote', 'read_activity',
-    'readable', 'replies', 'same_name',
+    'StatusAssembler', 'ignored_fields', 'parse_command', 'parse_line', 'printable', 'quote',
+    'read_activity', 'readable', 'replies', 'same_name',
 ]

@@ -4,7 +4,6 @@ Each takes that text and returns the reply, or raises ValueError if the text doe
 """
 from __future__ import annotations
 
-import contextlib
 import re
 from functools import partial
 from typing import Any, Callable, Dict, List, Tuple
@@ -84,7 +83,7 @@ def temperature(text: str) -> replies.Temperature:
     return replies.Temperature(None if celsius in (-127.0, -128.0) else celsius)
 
 
-_STATUS_FIELDS: Dict[str, Tuple[str, Callable[[str], object]]] = {
+STATUS_FIELDS: Dict[str, Tuple[str, Callable[[str], object]]] = {
     'extendedstatusforhumans': ('extended_status', str),
     'status': ('status', str),
     'stateofcharge': ('state_of_charge', state_of_charge),
@@ -94,13 +93,13 @@ _STATUS_FIELDS: Dict[str, Tuple[str, Callable[[str], object]]] = {
     'temperature': ('temperature', temperature),
 }
 _STATUS_KEYWORD = re.compile(
-    rf'(?:^| )({"|".join(_STATUS_FIELDS)}):(?: |$)', re.IGNORECASE)
+    rf'(?:^| )({"|".join(STATUS_FIELDS)}):(?: |$)', re.IGNORECASE)
 
 
 def one_line_status(first: str) -> Reader:
     """Reads several status fields on one line, in any order. The status text may contain colons.
 
-    A field with an impossible value is omitted, as if it had not been sent.
+    A field with an impossible value counts as not sent; the status names it.
     """
     def read(text: str) -> Reply:
         if ':' not in text:
@@ -109,11 +108,14 @@ def one_line_status(first: str) -> Reader:
         if len(parts) < 4:
             raise ValueError
         fields: Dict[str, Any] = {'status': ''}
+        ignored: List[str] = []
         for keyword, value in zip(parts[::2], parts[1::2]):
-            name, read_field = _STATUS_FIELDS[keyword.lower()]
-            with contextlib.suppress(ValueError):
+            name, read_field = STATUS_FIELDS[keyword.lower()]
+            try:
                 fields[name] = read_field(value.strip())
-        return replies.OneLineStatus(**fields)
+            except ValueError:
+                ignored.append(f'{keyword}: {value.strip()}')
+        return replies.OneLineStatus(**fields, ignored=tuple(ignored))
     return read
 
 

@@ -120,7 +120,10 @@ class Temperature(Reply):
 
 @dataclass(frozen=True)
 class OneLineStatus(Reply):
-    """`oneLineStatus`: several status fields on one line; None: the field was not sent."""
+    """`oneLineStatus`: several status fields on one line; None: the field was not sent.
+
+    ignored -- the fields with impossible values, as they were sent; they count as not sent
+    """
 
     status: str
     extended_status: Optional[str] = None
@@ -129,6 +132,7 @@ class OneLineStatus(Reply):
     location: Optional[Location] = None
     localization_score: Optional[LocalizationScore] = None
     temperature: Optional[Temperature] = None
+    ignored: Tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

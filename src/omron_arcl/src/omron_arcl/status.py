@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Callable, Dict, Optional, Set, Tuple, Type
 
+from omron_arcl.readers import STATUS_FIELDS
 from omron_arcl.replies import (
     BatteryVoltage,
     ExtendedStatus,
@@ -18,6 +19,7 @@ from omron_arcl.replies import (
     StateOfCharge,
     StatusText,
     Temperature,
+    UnknownLine,
 )
 
 _FIELDS: Dict[Type[Reply], Tuple[str, Callable[[Any], Any]]] = {
@@ -29,6 +31,15 @@ _FIELDS: Dict[Type[Reply], Tuple[str, Callable[[Any], Any]]] = {
     LocalizationScore: ('localization_score', lambda reply: reply),
     Temperature: ('temperature', lambda reply: reply),
 }
+
+
+def ignored_fields(reply: Reply) -> Tuple[str, ...]:
+    """Returns the status fields of a line whose values are impossible, as they were sent."""
+    if isinstance(reply, OneLineStatus):
+        return reply.ignored
+    if isinstance(reply, UnknownLine) and reply.text.lower().partition(':')[0] in STATUS_FIELDS:
+        return (reply.text,)
+    return ()
 
 
 class StatusAssembler:

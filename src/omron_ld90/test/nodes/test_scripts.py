@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -152,6 +153,15 @@ def test_new_site_overwrites_no_file_of_the_user(tmp_path, name):
     assert result.returncode == 1
     assert f'{name} was not made by this script' in result.stdout
     assert (tmp_path / name).read_text() == 'of the user'
+
+
+@pytest.mark.parametrize('script', sorted(ROOT.glob('scripts/*.sh')), ids=lambda path: path.name)
+def test_a_command_that_is_shown_to_people_can_be_copied_with_any_path_in_it(script):
+    shown = [line for line in script.read_text().splitlines()
+             if re.match(r' *(say|die|echo) ', line) and re.search(r'(roslaunch|rosrun) ', line)]
+    for line in shown:
+        plain = re.sub(r"\$\(.*printf ' ?%q' .*\)", '', line)
+        assert '$' not in plain.replace('$editor', ''), f'{line.strip()}: quote it with %q'
 
 
 def test_a_namespace_of_the_shell_is_refused_in_a_sentence(tmp_path, monkeypatch):

@@ -22,3 +22,10 @@ def test_a_malformed_fleet_is_told_in_a_sentence(tmp_path: Path, text: str, word
     path.write_text(text)
     with pytest.raises(FleetError, match=words):
         read_fleet(str(path))
+
+
+def test_a_file_that_is_no_text_is_told_in_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / 'fleet.yaml'
+    path.write_bytes(b'robots: [{port: 1, name: \xff}]')
+    with pytest.raises(FleetError, match='fleet.yaml: is not YAML'):
+        read_fleet(str(path))

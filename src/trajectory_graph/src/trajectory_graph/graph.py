@@ -102,6 +102,7 @@ class Graph:
         self._edges_from: Dict[int, List[int]] = {id: [] for id in self.vertices}
         self._curves: Dict[int, Curve] = {}
         self._segments: Optional[_Segments] = None
+        self._sections: Optional[Mapping[int, Tuple[int, ...]]] = None
         self._check_vertices()
         for edge in self.edges.values():
             self._check_edge(edge)
@@ -170,18 +171,27 @@ class Graph:
                 self._curve_of(edge) if signed_id > 0 else self.curve(-signed_id).reversed())
         return curve
 
+    @property
+    def sections(self) -> Mapping[int, Tuple[int, ...]]:
+        """By the id of each drawn edge, its sections from origin to destination; often only itself.
+        """
+        if self._sections is None:
+            sections: Dict[int, List[Edge]] = {}
+            for edge in self.edges.values():
+                sections.setdefault(edge.drawn_id, []).append(edge)
+            self._sections = MappingProxyType({id: _in_sequence(edges)
+                                               for id, edges in sections.items()})
+        return self._sections
+
     def whole_edges(self, ids: Iterable[int]) -> FrozenSet[int]:
         """Returns the ids of all sections of these edges.
 
         ids -- ids, signed or not, of edges and sections of this graph, or of drawn edges that were
             cut into sections; other ids are returned as they are
         """
-        sections: Dict[int, Set[int]] = {}
-        for edge in self.edges.values():
-            sections.setdefault(edge.drawn_id, set()).add(edge.id)
         wanted = {abs(id) for id in ids}
         drawn = {self.edges[id].drawn_id if id in self.edges else id for id in wanted}
-        return frozenset().union(*(sections.get(id, {id}) for id in drawn))
+        return frozenset().union(*(self.sections.get(id, (id,)) for id in drawn))
 
     def divides_an_edge(self, vertex: int) -> bool:
         """Returns whether the vertex is only there because a drawn edge was cut into sections."""
@@ -267,6 +277,21 @@ def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[
             seen |= part
             parts.append(frozenset(part))
     return tuple(sorted(parts, key=lambda part: (-len(part), min(part))))
+
+
+def _in_sequence(sections: List[Edge]) -> Tuple[int, ...]:
+    """Returns the ids of the sections of one drawn edge, from its origin to its destination.
+
+    In a file that was edited by hand they may be no chain; then the others follow by their ids.
+    """
+    after = {edge.origin: edge for edge in sections}
+    reached = {edge.destination for edge in sections}
+    here = next((edge for edge in sections if edge.origin not in reached), None)
+    chain: Dict[int, None] = {}
+    while here is not None and here.id not in chain:
+        chain[here.id] = None
+        here = after.get(here.destination)
+    return tuple({**chain, **dict.fromkeys(sorted(edge.id for edge in sections))})
 
 
 class _Segments:

@@ -10,6 +10,7 @@ from typing import Optional
 
 import numpy as np
 
+from trajectory_graph.drawn_names import at_vertex, vertex_name
 from trajectory_graph.graph import Graph
 
 _SAME = 1e-3  # m between control points of a curve that has not changed
@@ -24,15 +25,16 @@ def change_of(old: Graph, new: Graph, signed_id: int) -> Optional[str]:
         return 'is missing'
     before, after = old.edges[id], new.edges[id]
     if (before.origin, before.destination) != (after.origin, after.destination):
-        return (f'joins vertices {after.origin} and {after.destination} and no longer '
-                f'{before.origin} and {before.destination}')
+        ends = [' and '.join(vertex_name(graph, end) for end in (edge.origin, edge.destination))
+                for graph, edge in ((new, after), (old, before))]
+        return f'joins {ends[0]} and no longer {ends[1]}'
     if np.abs(old.control_points(id) - new.control_points(id)).max() > _SAME:
         return 'runs elsewhere'
     for end in (before.origin, before.destination):
         if old.vertices[end].dock and not new.vertices[end].dock:
-            return f'ends at vertex {end}, which is no longer a dock'
+            return f'ends {at_vertex(old, end)}, which is no longer a dock'
         if new.vertices[end].dock and not old.vertices[end].dock:
-            return f'ends at vertex {end}, which is a dock now'
+            return f'ends {at_vertex(new, end)}, which is a dock now'
     return None
 
 

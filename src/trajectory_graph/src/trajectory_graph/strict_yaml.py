@@ -186,11 +186,18 @@ def scalar(one: Field, expected: str) -> str:
     return node.value
 
 
+def _without_underscore(text: str) -> str:
+    """Raises ValueError for `1_5`, which Python and YAML take for 15."""
+    if '_' in text:
+        raise ValueError
+    return text
+
+
 def whole(one: Field) -> int:
     """Returns a whole number of 32 bits."""
     text = scalar(one, 'a whole number')
     try:
-        value = int(text)
+        value = int(_without_underscore(text))
     except ValueError:
         raise WrongYaml(f'{one[0]} is {text!r}, but must be a whole number', one[1]) from None
     if abs(value) >= 2 ** 31:
@@ -202,7 +209,7 @@ def real(one: Field) -> float:
     """Returns a number; NaN and infinities are allowed."""
     text = scalar(one, 'a number')
     try:
-        return float(text.replace('.inf', 'inf').replace('.nan', 'nan'))
+        return float(_without_underscore(text).replace('.inf', 'inf').replace('.nan', 'nan'))
     except ValueError:
         raise WrongYaml(f'{one[0]} is {text!r}, but must be a number', one[1]) from None
 

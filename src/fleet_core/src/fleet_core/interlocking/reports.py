@@ -11,6 +11,7 @@ from route_protocol import messages
 from route_protocol.messages import WrongReport
 from route_protocol.values import Motion, RouteReport
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import at_vertex, place_name
 
 # m from a vertex within which a robot can count as standing on it, for any play
 NEAR = 0.3
@@ -147,10 +148,11 @@ class GraphPosition:
             return any(graph.curve(e).project(*here).distance <= 2.0 * play for e in edges)
         return any(self.vertex in (graph.edge(e).origin, graph.edge(e).destination) for e in edges)
 
-    def __str__(self) -> str:
+    def told(self, graph: Graph) -> str:
+        """The position in words: `at vertex 5`, or `on edge 7 at 60 %`."""
         if self.vertex is not None:
-            return f'vertex {self.vertex}'
-        return f'{100.0 * self.fraction:.0f} % of edge {self.edge}'
+            return at_vertex(graph, self.vertex)
+        return f'on {place_name(graph, self.edge, self.fraction)}'
 
 
 def nearness(kind: RobotType) -> float:

@@ -50,6 +50,7 @@ from route_protocol.master import (
 )
 from route_protocol.values import EpochCause, Motion, RouteReport
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.drawn_names import drawn_ids
 from trajectory_graph.id_lists import listed
 
 ME = 'path_supervisor'
@@ -439,7 +440,7 @@ class RouteMaster:
             expected = self._expected(before)
             self._stand(report)
             if heard.left:
-                heard.expected = f'{expected}, but is {_place(record.position)}'
+                heard.expected = f'{expected}, but is {self._place()}'
         self._changed()
         return heard
 
@@ -467,8 +468,12 @@ class RouteMaster:
         """A clause that says where the robot may have been by its orders."""
         edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
                               if step.number >= self.record.cleared[0])
-        return (f'it was expected on the edges {listed(edges)}' if edges
-                else f'it was expected {_place(self.record.position)}')
+        return (f'it was expected on the edges {listed(drawn_ids(self.record.graph, edges))}'
+                if edges else f'it was expected {self._place()}')
+
+    def _place(self) -> str:
+        position = self.record.position
+        return 'off the graph' if position is None else position.told(self.record.graph)
 
     def _is_near(self, report: Report) -> bool:
         """Is the robot still on the edge on which it stood, or on one that leads to its vertex?"""
@@ -619,10 +624,6 @@ class RouteMaster:
         self._absent_since = None
         self._changed()
         return True
-
-
-def _place(position: Optional[GraphPosition]) -> str:
-    return 'off the graph' if position is None else f'at {position}'
 
 
 def is_dock(position: Optional[GraphPosition], graph: Graph) -> bool:

@@ -24,6 +24,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.planning.agents import Agent
 from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
+from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name, vertex_name
 from trajectory_graph.id_lists import listed
 
 # s: the cost of a robot that stands in the way, so that nearly each detour is preferred
@@ -76,7 +77,8 @@ def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
         return (f': each way leads through a dock, such as dock {docks[-1]}, and no route leads '
                 'through a dock')
     if network.closed and docks_on_path(with_closed=True) is not None:
-        return f' while edges {listed(sorted(network.closed))} are closed'
+        return (f' while edges {listed(sorted(drawn_ids(network.graph, network.closed)))} are '
+                'closed')
     return '; no edges lead there that it may drive'
 
 
@@ -86,8 +88,8 @@ def _entry(vertex: int, path: np.ndarray) -> float:
 
 def _where(network: RoadNetwork, agent: Agent) -> str:
     if agent.mid_edge is not None:
-        return f'edge {abs(network.signed_id(agent.mid_edge.drive))}'
-    return f'vertex {network.vertex_ids[agent.errand.vertex]}'
+        return edge_name(network.graph, abs(network.signed_id(agent.mid_edge.drive)))
+    return vertex_name(network.graph, network.vertex_ids[agent.errand.vertex])
 
 
 def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) -> List[str]:
@@ -132,13 +134,14 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
         if booked is None:
             where.append(f'{name}, which cannot move')
         elif booked.plan:
-            where.append(f'{name}, which will end at vertex '
-                         f'{network.vertex_ids[network.destination(booked.plan[-1].drive)]}')
+            end = network.vertex_ids[network.destination(booked.plan[-1].drive)]
+            where.append(f'{name}, which will end {at_vertex(network.graph, end)}')
         elif booked.mid_edge is None:
-            where.append(f'{name}, which stands at vertex {network.vertex_ids[booked.vertex]}')
+            where.append(f'{name}, which stands '
+                         f'{at_vertex(network.graph, network.vertex_ids[booked.vertex])}')
         else:
-            where.append(f'{name}, which stands on edge '
-                         f'{abs(network.signed_id(booked.mid_edge.drive))}')
+            edge = abs(network.signed_id(booked.mid_edge.drive))
+            where.append(f'{name}, which stands on {edge_name(network.graph, edge)}')
     return f'on the way to {goal} it is blocked by {"; ".join(where)}'
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Mapping, Optional, Tuple
 
 from trajectory_graph import Graph, change_of, speed_of
+from trajectory_graph.drawn_names import edge_name
 
 
 @dataclass(frozen=True)
@@ -33,13 +34,14 @@ def what_breaks(old: Graph, new: Graph, routes: Mapping[str, ReportedRoute]) -> 
         for edge in route.left:
             problem = change_of(old, new, edge)
             if problem is None and abs(edge) in new.edges and speed_of(new, edge) <= 0.0:
-                problem = f'may not be driven as {edge} any more'
+                problem = f'may not be driven {"forwards" if edge > 0 else "backwards"} any more'
             if problem is not None:
-                return (f'Edge {abs(edge)} {problem}, but robot {robot} is to drive it on its '
-                        'running route: wait until it has arrived, or stop it.')
+                return (f'{edge_name(old, abs(edge)).capitalize()} {problem}, but robot '
+                        f'{robot} is to drive it on its running route: wait until it has arrived, '
+                        'or stop it.')
         if route.edge:
             problem = change_of(old, new, route.edge)
             if problem is not None:
-                return (f'Edge {abs(route.edge)} {problem}, but robot {robot} is on it: drive it '
-                        'elsewhere first.')
+                return (f'{edge_name(old, abs(route.edge)).capitalize()} {problem}, but '
+                        f'robot {robot} is on it: drive it elsewhere first.')
     return None

@@ -1,12 +1,16 @@
-"""Sentences about a survey, for people who draw the graph or run the fleet."""
+"""Sentences about a survey, for people who draw the graph or run the fleet.
+
+If long edges are cut into sections, the sentences are about the drawn edges and vertices.
+"""
 from __future__ import annotations
 
 from collections import Counter
-from typing import FrozenSet, Iterable, List, NamedTuple
+from typing import FrozenSet, Iterable, List, NamedTuple, Tuple
 
 from fleet_core.fleet import Fleet
 from fleet_core.site.survey import Survey
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
 _NAMED = 5  # most objects of a kind that are named; the others are counted
@@ -27,21 +31,35 @@ def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
                            f'{"; ".join(map(_part, graph.parts))}. A mission stays in one part.'))
     told += _on_parking(fleet, found)
     for part in found.stranded:
-        for vertices, remedy in (
+        for ids, remedy in (
                 (part.vertices, 'let edges lead there both ways'),
                 (part.behind_docks, 'each way leads through a dock, and no route leads through a '
                  'dock; let edges lead around it')):
+            vertices = _drawn(graph, ids)
             if vertices:
                 told.append(Remark(True, f'Robots of type {part.type} cannot reach, or cannot '
                                    f'return from, {_named("vertex", "vertices", vertices)}: '
                                    f'{remedy}.'))
-    for one, other in found.near_edges[:_NAMED]:
+    pairs = _near_edges(graph, found)
+    for one, other in pairs[:_NAMED]:
         told.append(Remark(False, f'Edges {one} and {other} run so near each other that only one '
                            'robot at a time may be on the two.'))
-    if len(found.near_edges) > _NAMED:
-        told.append(Remark(False, f'The same is so for {len(found.near_edges) - _NAMED} more pairs '
-                                  'of edges.'))
-    return [*told, *_on_dead_ends(graph, found), *_on_long_edges(found)]
+    if len(pairs) > _NAMED:
+        told.append(Remark(False, f'The same is so for {len(pairs) - _NAMED} more pairs of edges.'))
+    return [*told, *_on_dead_ends(graph, found), *_on_long_edges(graph, found)]
+
+
+def _near_edges(graph: Graph, found: Survey) -> List[Tuple[int, ...]]:
+    """Pairs of drawn edges without a common vertex that have sections near each other."""
+    pairs = dict.fromkeys(drawn_ids(graph, pair) for pair in found.near_edges)
+    ends = {id: {graph.edges[sections[0]].origin, graph.edges[sections[-1]].destination}
+            for id, sections in graph.sections.items()}
+    return [pair for pair in pairs if len(pair) == 2 and not ends[pair[0]] & ends[pair[1]]]
+
+
+def _drawn(graph: Graph, vertices: Iterable[int]) -> List[int]:
+    """These vertices without those that only divide an edge."""
+    return [id for id in vertices if not graph.divides_an_edge(id)]
 
 
 def _wrong_in_fleet(graph: Graph, fleet: Fleet) -> Iterable[str]:
@@ -84,32 +102,36 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
 
 
 def _on_dead_ends(graph: Graph, found: Survey) -> Iterable[Remark]:
-    spurs = [end for end in found.dead_ends if end.entry is not None and len(end.vertices) == 1]
-    if spurs:
-        ids = sorted(end.vertices[0] for end in spurs)
+    ends = [(end, _drawn(graph, end.vertices)) for end in found.dead_ends]
+    ids = sorted(vertices[0] for end, vertices in ends
+                 if end.entry is not None and len(vertices) == 1)
+    if ids:
         yield Remark(False, f'{_named("Vertex", "Vertices", ids)} '
                      f'{"is" if len(ids) == 1 else "are"} at the end of a single edge: a robot '
                      'drives back the way it came.')
-    for end in found.dead_ends:
+    for end, vertices in ends:
         if end.entry is None:
             where = 'The graph' if len(graph.parts) == 1 else (
-                f'The part of the graph with vertex {min(end.vertices)}')
+                f'The part of the graph with vertex {min(vertices)}')
             yield Remark(True, f'{where} has no loop: robots that meet must drive back; join some '
                          'of its dead ends.')
-        elif len(end.vertices) > 1:
+        elif len(vertices) > 1:
             yield Remark(False, f'Behind vertex {end.entry} lies a dead end of {end.length:.1f} m '
-                         f'with {_named("vertex", "vertices", end.vertices)}: robots that are to '
+                         f'with {_named("vertex", "vertices", vertices)}: robots that are to '
                          'pass each other there wait outside.')
 
 
-def _on_long_edges(found: Survey) -> Iterable[Remark]:
-    if not found.long_edges:
+def _on_long_edges(graph: Graph, found: Survey) -> Iterable[Remark]:
+    worst_of = {drawn_ids(graph, (edge.id,)): edge for edge in reversed(found.long_edges)}
+    if not worst_of:
         return
-    worst = ', '.join(f'edge {edge.id} ({edge.length:.1f} m, on {edge.share:.0%} of all paths)'
-                      for edge in found.long_edges[:_NAMED])
+    worst = ', '.join(
+        f'{edge_name(graph, edge.id)} ({"sections of " if graph.edges[edge.id].section_of else ""}'
+        f'{edge.length:.1f} m, on {edge.share:.0%} of all paths)'
+        for edge in list(worst_of.values())[::-1][:_NAMED])
     longest = max(round(2.0 * found.following_distance, 1), 0.1)
     yield Remark(False, f'Edges so long that they cost throughput, because a robot blocks its '
-                 f'whole edge: {len(found.long_edges)}, most of all {worst}. To divide them: '
+                 f'whole edge: {len(worst_of)}, most of all {worst}. To divide them: '
                  f'rosrun trajectory_graph split_edges --longest {longest} GRAPH.yaml OUT.yaml')
 
 

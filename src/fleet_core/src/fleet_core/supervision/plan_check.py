@@ -16,6 +16,7 @@ from typing import Dict, List, Sequence
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import edge_name
 
 _SHOWN = 40  # characters shown of a name that no robot has
 
@@ -50,7 +51,8 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
             return f'leads {name} over edge {abs(edge)}, which the graph does not have'
     for before, edge in zip(edges, edges[1:]):
         if graph.end_vertex(before).id != graph.start_vertex(edge).id:
-            return f'leads {name} from edge {before} to edge {edge}, which do not meet'
+            return (f'leads {name} from {edge_name(graph, before)} to {edge_name(graph, edge)}, '
+                    'which do not meet')
     if not edges or not all(abs(edge) in graph.edges for edge in task.released):
         return ''
     if task.released:
@@ -60,7 +62,7 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
     else:
         begins_right = graph.start_vertex(edges[0]).id == task.vertex
     return ('' if begins_right else
-            f'leads {name} over edge {edges[0]} first, but {name} is elsewhere')
+            f'leads {name} over {edge_name(graph, edges[0])} first, but {name} is elsewhere')
 
 
 def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:

@@ -15,6 +15,8 @@ from fleet_core.supervision.questions import Question, question_of
 from fleet_core.supervision.release import Due, due_edges, has_enough
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.switching import OrderSwitching
+from trajectory_graph import Graph
+from trajectory_graph.drawn_names import edge_name
 
 PLANNER_PATIENCE = 10.0  # s without an answer after which the planner is asked again
 AGAIN = 2.0              # s between two plans while the plan does not serve all robots
@@ -139,8 +141,10 @@ class PlanExecutor:
             return True
         self._useless += 1
         if self._useless >= USELESS:
-            told = ', '.join(f'{name} waits for {_words(self._delays[name].refusal)}'
-                             for name in late)
+            told = ', '.join(
+                f'{name} waits for '
+                f'{_words(self._delays[name].refusal, self._robots[name].record.graph)}'
+                for name in late)
             self._outbox.note_state(_HELD_UP, f'{self._useless} plans in a row could not be '
                                     f'carried out: {told}. Look at these robots.', '')
         return False
@@ -186,7 +190,7 @@ class PlanExecutor:
 
     def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:
         if refusal is not None:
-            self.waits_for[name] = _words(refusal)
+            self.waits_for[name] = _words(refusal, self._robots[name].record.graph)
         if refusal is None or refusal.gate not in _DELAYS:
             if self._delays.pop(name, None) is not None or refusal is None:
                 self._useless = 0 if not self._delays else self._useless
@@ -227,10 +231,10 @@ _DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
 """Refusals that last as long as the plan does."""
 
 
-def _words(refusal: Refusal) -> str:
+def _words(refusal: Refusal, graph: Graph) -> str:
     """What a robot waits for after a refusal, in words."""
     if refusal.gate is Gate.CLOSED_EDGE:
-        return f'edge {abs(refusal.edge)}, which is closed'
+        return f'{edge_name(graph, abs(refusal.edge))}, which is closed'
     if refusal.gate is Gate.NOT_READY:
         return refusal.other or 'a new location of its own'
     if refusal.gate is Gate.UNKNOWN_ROBOT:

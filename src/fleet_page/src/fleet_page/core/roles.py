@@ -9,6 +9,7 @@ import secrets
 import stat
 from dataclasses import dataclass
 from enum import IntEnum
+from shlex import quote
 from typing import Dict, List, Optional, Tuple
 
 SHORTEST_TOKEN = 16       # characters
@@ -69,7 +70,7 @@ def load_tokens(path: str) -> Tokens:
     except (OSError, UnicodeDecodeError) as error:
         raise TokenFileError(f'The token file {path} cannot be read ({error}).') from None
     if stat.S_IMODE(status.st_mode) & 0o077:
-        raise TokenFileError(f'Others may read the token file {path}: chmod 600 {path}')
+        raise TokenFileError(f'Others may read the token file {path}: chmod 600 {quote(path)}')
     persons: Dict[bytes, Person] = {}
     for number, line in enumerate(lines, 1):
         if line.strip() and not line.lstrip().startswith('#'):

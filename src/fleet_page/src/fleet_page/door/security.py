@@ -4,6 +4,7 @@ from __future__ import annotations
 import os
 import ssl
 from dataclasses import dataclass
+from shlex import quote
 from typing import FrozenSet, Iterable, Optional
 from urllib.parse import urlsplit
 
@@ -47,8 +48,8 @@ def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
 
 def _check_private(path: str) -> None:
     if os.stat(path).st_mode & 0o007:
-        raise WrongCertificate(f'Others may read the key in {path}: chmod 600 {path}, or chmod 640 '
-                               'if a group must read it.')
+        raise WrongCertificate(f'Others may read the key in {path}: chmod 600 {quote(path)}, '
+                               'or chmod 640 if a group must read it.')
 
 
 def is_loopback(host: str) -> bool:

@@ -8,7 +8,8 @@ from route_protocol import order_rules
 from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
-from trajectory_graph import TrajectoryGraphError, check_route
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
 
@@ -23,10 +24,10 @@ def check_order(order: RouteOrder, drive: Drive) -> None:
         if not drive.speeds.may_drive(edge):
             raise RouteRefused(Reason(
                 ReasonCode.WRONG_ROUTE,
-                f'edge {edge} is not for driving this way: its speed is 0'))
+                f'{edge_name(drive.graph, edge)} is not for driving this way: its speed is 0'))
 
 
-def check_change(state: VehicleState, order: RouteOrder) -> None:
+def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:
     """Raises RouteRefused if an order without a number, with the route's id, cannot change it so.
     """
     if state.phase is Phase.FAILED:
@@ -37,7 +38,7 @@ def check_change(state: VehicleState, order: RouteOrder) -> None:
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(Reason(
             ReasonCode.WRONG_CHANGE, f'route {order.route_id} must go on with the edges done and '
-                                     f'the current one: {listed(kept)}'))
+                                     f'the current one: {listed(drawn_ids(graph, kept))}'))
 
 
 def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
@@ -63,17 +64,23 @@ def find_start(edges: Tuple[int, ...], state: VehicleState, drive: Drive) -> flo
     if not drive.at_rest:
         what_to_do = 'stop it first, or let it end its route' if state.is_running else (
             'let it come to rest first')
-        raise _elsewhere(f'the vehicle drives on edge {drive.edge}, with which the route does not '
+        raise _elsewhere(f'the vehicle drives on {_place(drive)}, with which the route does not '
                          f'begin: {what_to_do}')
     if drive.vertex is not None:
         if drive.graph.start_vertex(first).id == drive.vertex:
             return 0.0
         ends = drive.graph.end_vertex(first).id == drive.vertex
-        raise _elsewhere(f'edge {first} does not start where the vehicle is'
-                         + (', but ends there' if ends else '') + f', at vertex {drive.vertex}')
+        raise _elsewhere(f'{edge_name(drive.graph, first)} does not start where the vehicle is'
+                         + (', but ends there' if ends else '')
+                         + f', {at_vertex(drive.graph, drive.vertex)}')
     if drive.edge is not None and first == -drive.edge:
         return drive.graph.curve(first).length - drive.arc
-    raise _elsewhere(f'edge {first} does not start where the vehicle is: on edge {drive.edge}')
+    raise _elsewhere(f'{edge_name(drive.graph, first)} does not start where the vehicle is: on '
+                     f'{_place(drive)}')
+
+
+def _place(drive: Drive) -> str:
+    return 'no edge' if drive.edge is None else edge_name(drive.graph, drive.edge)
 
 
 def _check_braking(edges: Tuple[int, ...], drive: Drive, arc: float) -> None:

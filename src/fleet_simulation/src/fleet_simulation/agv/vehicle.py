@@ -304,7 +304,7 @@ class Vehicle:
         if due.goes_on:
             if self.state.edges and not self.drive.path:
                 raise RouteRefused(_GRAPH_CHANGED)
-            check_change(self.state, due.given)
+            check_change(self.state, due.given, self.drive.graph)
         elif has_just_left(due.given.edges, self.state):
             return replace(due, done=due.done + 1, rest=due.rest[1:])
         return due

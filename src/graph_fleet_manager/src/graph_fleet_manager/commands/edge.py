@@ -5,7 +5,7 @@ Exit status 0: done; 1: wrong input, or no fleet manager.
 from __future__ import annotations
 
 import time
-from typing import List, Optional, Sequence
+from typing import Iterable, List, Optional, Sequence
 
 import rospy
 
@@ -17,7 +17,11 @@ from graph_fleet_manager.commands.fleet_client import (
     connected_sender,
     run,
 )
-from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand, Graph
+from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from trajectory_graph import Graph
+from trajectory_graph.drawn_names import drawn_ids
+from trajectory_graph.messages import graph_from_message
 
 _CODES = {'close': EdgeCommand.CLOSE, 'open': EdgeCommand.OPEN}
 
@@ -40,18 +44,24 @@ def _edge(arguments: List[str]) -> int:
     options = parser.parse_args(arguments)
     connect('edge_command')
     in_force = Listener('/closed_edges_in_force', ClosedEdges)
+    graph = graph_from_message(Listener('/graph', GraphMessage).last())
     told: ClosedEdges = in_force.last()
     if options.command != 'list':
-        graph = Listener('/graph', Graph).last()
-        asked = {abs(id) for id in options.edges}
-        unknown = sorted(asked - {edge.id for edge in graph.edges})
-        if unknown:
-            raise CommandError(f'The graph has no edge {unknown[0]}.')
-        command = EdgeCommand(edges=sorted(asked), requested_by=rospy.get_name(),
-                              command=_CODES[options.command])
+        command = EdgeCommand(edges=asked_edges(graph, options.edges),
+                              requested_by=rospy.get_name(), command=_CODES[options.command])
         told = _carried_out(command, in_force)
-    print('Closed edges: ' + (', '.join(map(str, sorted(told.edges))) or 'none'))
+    closed = sorted(drawn_ids(graph, told.edges))
+    print('Closed edges: ' + (', '.join(map(str, closed)) or 'none'))
     return OK
+
+
+def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
+    """The edges of the graph in force that were named, with all sections of a drawn edge."""
+    edges = sorted(graph.whole_edges(ids))
+    unknown = [id for id in edges if id not in graph.edges]
+    if unknown:
+        raise CommandError(f'The graph has no edge {unknown[0]}.')
+    return edges
 
 
 def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:

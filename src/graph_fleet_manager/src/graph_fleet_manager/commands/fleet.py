@@ -23,8 +23,13 @@ from graph_fleet_manager.commands.fleet_client import (
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE
 from itrci_nav_msgs.msg import FleetRobot, FleetState
+from itrci_nav_msgs.msg import Graph as GraphMessage
 from itrci_nav_msgs.srv import DeclareAbsent
+from trajectory_graph import Graph
+from trajectory_graph.drawn_names import place_name
+from trajectory_graph.messages import graph_from_message
 
+GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _STATES = {int(state): state.name.lower().replace('_', ' ') for state in RobotState}
 
 
@@ -56,7 +61,8 @@ def _fleet(arguments: List[str]) -> int:
         return OK
     connect('fleet_command')
     if options.command == 'list':
-        print(_listed(Listener('/fleet_state', FleetState).last()))
+        graphs = Listener('/graph', GraphMessage)
+        print(_listed(Listener('/fleet_state', FleetState).last(), _graph(graphs)))
     elif options.command == 'resume':
         print(call('/resume_fleet'))
     elif options.command == 'absent':
@@ -97,12 +103,17 @@ def _absent(robots: Sequence[str]) -> int:
     return status
 
 
-def _listed(state: FleetState) -> str:
+def _graph(graphs: Listener) -> Optional[Graph]:
+    """The graph in force; None if graph_server does not run. The list is useful without it, too."""
+    graphs.wait(GRAPH_PATIENCE)
+    return graph_from_message(graphs.messages[-1]) if graphs.messages else None
+
+
+def _listed(state: FleetState, graph: Optional[Graph]) -> str:
     """The table of all robots, and below it how those without work come back."""
     rows = [('robot', 'type', 'state', 'place', 'battery', 'mission', 'to', 'waits for')]
     for robot in state.robots:
-        place = (f'edge {robot.pose.edge_id} at {robot.pose.percentage:.0f} %'
-                 if robot.pose.edge_id else 'off the graph')
+        place = _place(robot, graph) if robot.pose.edge_id else 'off the graph'
         name = _STATES.get(robot.state, str(robot.state))
         if robot.state == FleetRobot.OFFLINE:
             place = f'last: {place}' if robot.seen else 'never seen'
@@ -118,3 +129,10 @@ def _listed(state: FleetState) -> str:
         if outage is not None:
             ways_back.append(f'{robot.name}: {outage.way_back(robot.name)}')
     return '\n'.join((table(rows), *ways_back))
+
+
+def _place(robot: FleetRobot, graph: Optional[Graph]) -> str:
+    edge, fraction = robot.pose.edge_id, robot.pose.percentage / 100.0
+    if graph is None:
+        return f'edge {edge} at {100.0 * fraction:.0f} %'
+    return place_name(graph, edge, fraction)

@@ -8,6 +8,7 @@ from typing import Any, List, Optional, TextIO, Tuple
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionStatus
 from node_program.inert_text import return_to_line_begin
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import place_name
 
 EVERY = 5.0  # s between two lines if the output is no terminal and nothing changes
 
@@ -26,7 +27,7 @@ def line_of(status: MissionStatus, destinations: List[int], state: Optional[Flee
     words = [f'{status.robot} to {destinations[reached]} ({reached + 1} of {count})']
     if robot is not None:
         if robot.pose.edge_id:
-            words.append(f'edge {robot.pose.edge_id} at {robot.pose.percentage:.0f} %')
+            words.append(place_name(graph, robot.pose.edge_id, robot.pose.percentage / 100.0))
         seconds = _time_to_go(robot, destinations[reached], plan, graph)
         if seconds is not None:
             words.append(f'{seconds:.0f} s to go')

@@ -6,6 +6,7 @@ person on its computer must be able to reach the fleet manager.
 from __future__ import annotations
 
 import contextlib
+import socket
 from pathlib import Path
 from typing import Optional
 
@@ -36,8 +37,9 @@ def _path(master_uri: str) -> Path:
     """The file for a ROS master.
 
     All names of this computer give the same file, because the person may use another name for it
-    than the launch file did.
+    than the launch file did. Its own name is one of them also if the name has no address.
     """
     host, port = rosgraph.network.parse_http_host_and_port(master_uri)
-    computer = 'here' if rosgraph.network.is_local_address(host) else host
+    is_here = host == socket.gethostname() or rosgraph.network.is_local_address(host)
+    computer = 'here' if is_here else host
     return Path(rospkg.get_ros_home(), 'graph_fleet_manager', f'stop_fleet_{computer}_{port}')

@@ -13,7 +13,6 @@ from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import Act, Subject
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
-from trajectory_graph.id_lists import listed
 
 _COMMANDS = {Act.CANCEL: MissionCommand.CANCEL, Act.PAUSE: MissionCommand.PAUSE,
              Act.RESUME: MissionCommand.RESUME, Act.RELEASE: MissionCommand.RELEASE}
@@ -90,7 +89,7 @@ class FleetActs:
             EdgeCommand.CLOSE if act is Act.CLOSE else EdgeCommand.OPEN))
         self._edges.send(command)
         self._say(f'{"Closed" if act is Act.CLOSE else "Opened"}: '
-                  f'{listed(command.edges)}')
+                  + ('all edges' if act is Act.OPEN_ALL else f'edge {edge}'))
 
     def _stop(self) -> None:
         try:

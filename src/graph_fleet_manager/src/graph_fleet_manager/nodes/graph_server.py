@@ -28,7 +28,7 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import Container, FrozenSet, Iterable, List, Optional, Tuple
+from typing import FrozenSet, List, Optional, Tuple
 
 import rospkg
 import rospy
@@ -56,6 +56,7 @@ from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 from node_lifecycle.worker import start_worker
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import size_of
 
 _REPORTED_WITHIN = 3.0  # s in which each connected robot has reported, at 1 Hz or more
 _WAITING = 'The file has changed since it was last in force: waiting for the reports of the robots.'
@@ -86,7 +87,7 @@ class GraphServer:
         self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
         self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
-        self._closures = EdgeClosures(closures, self._lock, self._known_edges, self._whole_edges,
+        self._closures = EdgeClosures(closures, self._lock, lambda: self._graph,
                                       self._begin_parking)
         publish_diagnostics('none', {'graph': self._report_graph,
                                      'closed edges': self._closures.report})
@@ -146,24 +147,17 @@ class GraphServer:
     def _graph(self) -> Optional[Graph]:
         return self._in_force.graph
 
-    def _known_edges(self) -> Optional[Container[int]]:
-        return None if self._graph is None else self._graph.edges
-
-    def _whole_edges(self, ids: Iterable[int]) -> FrozenSet[int]:
-        return frozenset(map(abs, ids)) if self._graph is None else self._graph.whole_edges(ids)
-
     def _tell(self) -> None:
         """Publishes a new graph in force."""
         graph = self._graph
         assert graph is not None
         self._remarks, self._surveyed, self._parked_with = [], None, frozenset()
         self._stamp = max(rospy.Time.now(), self._stamp + rospy.Duration(0, 1))
-        self._closures.use_graph(graph.edges)
+        self._closures.use_graph(graph)
         self._graphs.publish(graph_message(graph, self._stamp))
         self._docks.publish(docking_points_message(graph, self._fleet, self._stamp))
         self._closures.publish()
-        rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; it is being '
-                      'surveyed.', len(graph.vertices), len(graph.edges),
+        rospy.loginfo('The graph has %s, %.0f m in all; it is being surveyed.', size_of(graph),
                       sum(graph.curve(id).length for id in graph.edges))
         start_worker('survey', partial(self._survey, graph, self._stamp))
 
@@ -221,8 +215,7 @@ class GraphServer:
         elif warnings:
             status.summary(DiagnosticStatus.WARN, warnings[0])
         else:
-            status.summary(DiagnosticStatus.OK, f'{len(graph.vertices)} vertices, '
-                           f'{len(graph.edges)} edges in force')
+            status.summary(DiagnosticStatus.OK, f'In force: {size_of(graph)}')
         status.add('file', rospy.get_param('~graph_file', ''))
         if graph is not None and not said:
             status.add('survey', 'is running')

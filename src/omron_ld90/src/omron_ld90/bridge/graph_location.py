@@ -8,6 +8,7 @@ from typing import Optional, Sequence, Tuple
 from omron_arcl.replies import DockingState
 from route_protocol.values import SymbolicPose
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import at_vertex, edge_name
 
 DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outside the corridors
 
@@ -46,10 +47,10 @@ class GraphLocation:
         last vertex only while the edge is `being_driven`: the order may have crossed our report.
         """
         start, end = self.graph.start_vertex(edge).id, self.graph.end_vertex(edge).id
-        curve = self.graph.curve(edge)
+        curve, name = self.graph.curve(edge), edge_name(self.graph, edge)
         if self.is_docked:
             return '' if start == self.dock_vertex else (
-                f'edge {edge} starts at vertex {start}, but the robot is docked at vertex '
+                f'{name} starts {at_vertex(self.graph, start)}, but the robot is docked at vertex '
                 f'{self.dock_vertex}')
         leaving = self.docking in (DockingState.DOCKING, DockingState.UNDOCKING)
         if leaving and start == self.dock_vertex and self.is_about_the_dock:
@@ -58,10 +59,11 @@ class GraphLocation:
             return ''
         projection = curve.project(*self.position)
         if projection.distance > self.corridor_width / 2.0:
-            return (f'edge {edge} does not start where the robot is: the robot is '
+            return (f'{name} does not start where the robot is: the robot is '
                     f'{projection.distance:.2f} m away from it')
         if not being_driven and curve.length - projection.arc_length <= self.vertex_tolerance:
-            return f'edge {edge} does not start where the robot is, but ends there, at vertex {end}'
+            return (f'{name} does not start where the robot is, but ends there, '
+                    f'{at_vertex(self.graph, end)}')
         return ''
 
     def nearest_of(self, edges: Sequence[int]) -> Optional[int]:

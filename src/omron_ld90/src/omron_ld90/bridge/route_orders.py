@@ -10,6 +10,7 @@ from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import VehicleState
 from trajectory_graph import Graph, TrajectoryGraphError, change_of, check_route
+from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
 
@@ -33,13 +34,14 @@ def check_change(order: RouteOrder, state: VehicleState, route: Optional[RouteRu
                        'what they were: a new route needs a new id')
     if not route.decides_pose(here):
         raise _refused(ReasonCode.STARTS_ELSEWHERE,
-                       f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
-                       'but the robot is no longer there')
+                       f'route {order.route_id} ended '
+                       f'{at_vertex(here.graph, route.progress.end(-1).id)}, but the robot is no '
+                       'longer there')
     kept = state.edges[:state.completed + 1]
     if order.edges[:len(kept)] != kept:
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} must go on with the edges done and the '
-                       f'current one: {listed(kept)}')
+                       f'current one: {listed(drawn_ids(here.graph, kept))}')
 
 
 def check_braking(due: DueOrder, state: VehicleState, route: RouteRun, now: float) -> None:
@@ -51,7 +53,8 @@ def check_braking(due: DueOrder, state: VehicleState, route: RouteRun, now: floa
         kept += 1
     if kept < len(state.ahead) and not route.can_stop_within(kept, now):
         raise _refused(ReasonCode.CANNOT_BRAKE,
-                       f'the robot cannot stop before edge {state.ahead[kept]}, which it takes '
+                       'the robot cannot stop before '
+                       f'{edge_name(route.progress.graph, state.ahead[kept])}, which it takes '
                        'away')
 
 
@@ -74,5 +77,5 @@ def first_change(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> str:
 
     Empty if all are the same, except for their speeds.
     """
-    return next((f'edge {abs(edge)} {change}' for edge in edges
+    return next((f'{edge_name(other, abs(edge))} {change}' for edge in edges
                  for change in [change_of(other, graph, edge)] if change), '')

@@ -13,6 +13,7 @@ from omron_ld90.goal_names import goal_name
 from route_protocol.values import Phase, Reason, ReasonCode
 from route_protocol.vehicle import Vehicle
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import vertex_name
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command until the robot drives on a new path, with a reserve
@@ -206,16 +207,16 @@ class RouteRun:
     def _send_back(self, now: float) -> str:
         """The robot missed a vertex by cutting a corner: sends it back there, once."""
         current = self.progress.current
-        vertex = self.progress.end(current).id
+        name = vertex_name(self.progress.graph, self.progress.end(current).id)
         if current in self._sent_back:
             raise RouteFailed(Reason(
                 ReasonCode.NOT_ARRIVED,
-                f'the robot went by vertex {vertex} without coming near it'))
+                f'the robot went by {name} without coming near it'))
         self._sent_back.append(current)
         self.allow(self.edges_under_way)
         self._best_at = now
         self._send_to(current)
-        return f'The robot missed vertex {vertex} and is sent back to it.'
+        return f'The robot missed {name} and is sent back to it.'
 
     def _check_corridor(self, here: GraphLocation) -> None:
         """Fails the route if the robot is outside the corridors twice in a row."""

@@ -31,7 +31,17 @@ import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run, warn
-from omron_arcl import Link, Listener, Received, Reply, SessionLog, StatusAssembler, read_activity
+from omron_arcl import (
+    Link,
+    Listener,
+    Received,
+    Reply,
+    SessionLog,
+    StatusAssembler,
+    ignored_fields,
+    printable,
+    read_activity,
+)
 from omron_arcl.connection import resolve
 from omron_arcl.replies import (
     BatteryVoltage,
@@ -117,6 +127,9 @@ class ConnectionReceiver:
             self._publish(line, rospy.Time.now())
         if isinstance(reply, DockingStatus):
             self._docking = reply
+        for field in ignored_fields(reply):
+            warn(field.partition(':')[0].lower(), f'"{printable(field)}" of the robot is ignored: '
+                 'it is not a possible value.')
         self._reporter.line()
         self._health.observe(reply)
 

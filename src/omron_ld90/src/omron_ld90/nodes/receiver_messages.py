@@ -8,7 +8,6 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 
-from node_lifecycle.measurements import measured
 from omron_arcl import Activity, ActivityKind, printable
 from omron_arcl.replies import DockingStatus, OneLineStatus, RangeReading
 from omron_ld90.nodes.support.poses import pose_from_robot
@@ -91,8 +90,7 @@ def _text(text: str) -> str:
 
 def _share(status: OneLineStatus) -> float:
     charge = status.state_of_charge
-    percent = measured(charge.percent, 0.0, 100.0, 'StateOfCharge') if charge else None
-    return math.nan if percent is None else percent / 100.0
+    return charge.percent / 100.0 if charge else math.nan
 
 
 def _voltage(status: OneLineStatus) -> float:

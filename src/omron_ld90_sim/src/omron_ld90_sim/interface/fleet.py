@@ -47,7 +47,7 @@ def read_fleet(path: str) -> List[RobotSpec]:
             content = yaml.safe_load(file)
     except OSError as error:
         raise FleetError(f'{path}: cannot be read ({error.strerror})') from error
-    except yaml.YAMLError as error:
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
         raise FleetError(f'{path}: is not YAML ({str(error).splitlines()[0]})') from error
     rows = content.get('robots') if isinstance(content, dict) else None
     if not isinstance(rows, list) or not rows:

@@ -56,7 +56,7 @@ ROBOT_MENU = (Act.CHOOSE, Act.CANCEL, Act.PAUSE, Act.RESUME, Act.RELEASE, Act.OU
 
 
 class Subject(NamedTuple):
-    """The object of a handle: a vertex, an edge or a robot; if none is set, the fleet."""
+    """The object of a handle: a vertex, a drawn edge or a robot; if none is set, the fleet."""
 
     vertex: int = 0
     edge: int = 0
@@ -86,7 +86,8 @@ class FleetMenus:
         for id in graph.edges:
             curve = graph.curve(id)
             self._insert(f'edge {id}', curve.point_at(curve.length / 2.0), [
-                _disc(EDGE_SIZE, 0.07, EDGE_PAINT)], EDGE_MENU, Subject(edge=id))
+                _disc(EDGE_SIZE, 0.07, EDGE_PAINT)], EDGE_MENU,
+                Subject(edge=graph.edges[id].drawn_id))
         left = min(vertex.x for vertex in graph.vertices.values())
         top = max(vertex.y for vertex in graph.vertices.values()) + BUTTON_ABOVE
         for number, (act, words, paint) in enumerate((
