@@ -19,7 +19,7 @@ from fleet_core.supervision.questions import question_of
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waiting_missions import AT_ONCE
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
+from graph_fleet_manager.nodes.event_loop import BATCH, SupervisorEvents
 
 MANY = 2000
 
@@ -45,7 +45,7 @@ def looked_at(monkeypatch):
 
 
 def test_thousands_of_requests_take_one_commit_for_each_batch(fleet):
-    loop = EventLoop(lambda: fleet.now)
+    loop = SupervisorEvents(lambda: fleet.now)
     loop.take()
     loop.begin()
     for id in range(MANY):
