@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Action
-from graph_editor.editor.session import Selected, Session
+from graph_editor.editor.session import EditingSession, Selected
 from trajectory_graph import CurveType, load_graph
 from trajectory_graph.yaml_editing import GraphFile
 
@@ -31,13 +31,13 @@ def path(tmp_path):
     return path
 
 
-def session_of(path) -> Session:
-    return Session(GraphFile.load(path), str(path))
+def session_of(path) -> EditingSession:
+    return EditingSession(GraphFile.load(path), str(path))
 
 
-def hall() -> Session:
+def hall() -> EditingSession:
     """A session whose file is never written."""
-    return Session(GraphFile(HALL, 'hall.yaml'), '/nowhere/hall.yaml')
+    return EditingSession(GraphFile(HALL, 'hall.yaml'), '/nowhere/hall.yaml')
 
 
 # Clicks
@@ -281,10 +281,10 @@ def test_a_file_that_is_spoilt_is_not_loaded(path):
 
 def test_a_new_graph_is_saved_where_no_file_is_and_never_over_one(path):
     new = path.parent / 'new.yaml'
-    session = Session(GraphFile(HALL, str(new)), str(new), is_new=True)
+    session = EditingSession(GraphFile(HALL, str(new)), str(new), is_new=True)
     assert not session.is_saved
     assert session.save() and load_graph(new)
-    other = Session(GraphFile(HALL, str(path)), str(path), is_new=True)
+    other = EditingSession(GraphFile(HALL, str(path)), str(path), is_new=True)
     assert not other.save()
 
 

@@ -12,7 +12,7 @@ from fleet_core.supervision.actions import Note, TellStatus
 from fleet_core.supervision.missions import Command, MissionState, Request
 from fleet_core.supervision.outages import Outage
 from graph_fleet_manager.nodes import event_loop
-from graph_fleet_manager.nodes.event_loop import BATCH, TICK, EventLoop
+from graph_fleet_manager.nodes.event_loop import BATCH, TICK, SupervisorEvents
 from world.supervised_fleet import SupervisedFleet
 
 
@@ -33,7 +33,7 @@ def clock():
 
 @pytest.fixture
 def loop(clock):
-    loop = EventLoop(clock)
+    loop = SupervisorEvents(clock)
     loop.take()(None, clock.now)  # the first tick
     return loop
 
@@ -99,7 +99,7 @@ class WatchedLoop:
 
     def __init__(self, seed):
         self.random, self.clock = Random(seed), Clock()
-        self.loop = EventLoop(self.clock, lambda: 'requests are refused')
+        self.loop = SupervisorEvents(self.clock, lambda: 'requests are refused')
         self.arrived = {'stop': [], 'event': [], 'request': []}
         self.taken = {'stop': [], 'event': [], 'request': [], 'tick': []}
         self.slowness = self.random.choice((0.1, 1.0, 5.0)) * TICK
@@ -171,7 +171,7 @@ def fleet():
 
 def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
     """A command that arrived during the stall does not change this."""
-    loop = EventLoop(lambda: fleet.now)
+    loop = SupervisorEvents(lambda: fleet.now)
     fleet.request(1, 3)
     for late in range(28):
         fleet.now += 0.25
@@ -189,7 +189,7 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
 def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhile(
         fleet, monkeypatch):
     """Its reports waited in a socket, and no callback could note when they came."""
-    loop = EventLoop(lambda: fleet.now)
+    loop = SupervisorEvents(lambda: fleet.now)
     loop.take()(fleet.supervisor, fleet.now)
     fleet.now += 7.0
 
@@ -206,14 +206,14 @@ def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhil
 
 
 def test_a_robot_that_does_not_report_is_silent_also_after_a_stall(fleet):
-    loop = EventLoop(lambda: fleet.now)
+    loop = SupervisorEvents(lambda: fleet.now)
     fleet.now += 10.0
     loop.take()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.SILENT
 
 
 def test_a_tick_is_due_at_once_when_the_last_request_is_taken(fleet):
-    loop = EventLoop(lambda: fleet.now)
+    loop = SupervisorEvents(lambda: fleet.now)
     loop.take()(fleet.supervisor, fleet.now)
     loop.begin()
     loop.put_request(Request(1, (3,)))
@@ -244,7 +244,7 @@ def told_by(actions):
 
 
 def test_a_request_is_not_kept_where_it_cannot_be(clock):
-    loop = EventLoop(clock, lambda: 'the disk is full')
+    loop = SupervisorEvents(clock, lambda: 'the disk is full')
     loop.put_request(Request(1, (3,)))
     refusal, = loop.take()(None, 0.0)
     assert (refusal.status.state, refusal.status.reason) == (MissionState.REFUSED,

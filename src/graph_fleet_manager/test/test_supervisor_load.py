@@ -17,7 +17,7 @@ from fleet_core.supervision.outbox import TOGETHER
 from fleet_core.supervision.questions import question_of
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waiting_missions import AT_ONCE
-from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
+from graph_fleet_manager.nodes.event_loop import BATCH, SupervisorEvents
 from world.supervised_fleet import SupervisedFleet
 
 MANY = 2000
@@ -44,7 +44,7 @@ def looked_at(monkeypatch):
 
 
 def test_thousands_of_requests_take_one_commit_for_each_batch(fleet):
-    loop = EventLoop(lambda: fleet.now)
+    loop = SupervisorEvents(lambda: fleet.now)
     loop.take()
     loop.begin()
     for id in range(MANY):

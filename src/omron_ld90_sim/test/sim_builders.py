@@ -14,7 +14,7 @@ from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.interface.commands import execute
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.session import SimSession
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
 from omron_map import MapDocument, MapObject, RotatedRectangle
@@ -155,7 +155,7 @@ def outside(pose: Pose, points: np.ndarray) -> np.ndarray:
 class Client:
     """One session, controlled by the test."""
 
-    def __init__(self, rig: Rig, session: Session) -> None:
+    def __init__(self, rig: Rig, session: SimSession) -> None:
         self._rig, self.session = rig, session
 
     def send(self, *commands: str) -> None:

@@ -6,7 +6,7 @@ from vda_builders import DRIVING, STANDING, Lab, say, way
 
 from route_protocol.values import EpochCause, Reason, ReasonCode, SymbolicPose
 from vda5050_protocol.values import EStop
-from vda5050_vehicle.drivers.robot_view import Pose, silence
+from vda5050_vehicle.drivers.robot_view import RobotPose, silence
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 
 HALL = way(8, 10, 12, 14, 32)
@@ -93,7 +93,7 @@ def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
     assert (error['errorType'], error['errorLevel']) == ('vehicleConnectionError', 'FATAL')
     lab.order(HALL.order('o'))
     assert 'noRouteError' in lab.errors, 'it is unknown where an order would begin'
-    lab.see(pose=Pose(-12.0, 0.0, 0.0), velocity=STANDING, lost='')
+    lab.see(pose=RobotPose(-12.0, 0.0, 0.0), velocity=STANDING, lost='')
     assert lab.errors == ['noRouteError']
 
 

@@ -8,7 +8,7 @@ from vda_builders import DRIVING, STANDING, Lab, abilities, way
 
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import CancelGoals, GoTo, PoseDriver
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 HALL = way(8, 10, 12, 14)
 PLACES = [(stop.x, stop.y) for stop in HALL.stops]
@@ -22,7 +22,7 @@ class MoveBaseLab(Lab):
             memory, abilities(), Matching()))
 
     def at(self, x, y, velocity=DRIVING):
-        self.see(pose=Pose(x, y, 0.0), velocity=velocity)
+        self.see(pose=RobotPose(x, y, 0.0), velocity=velocity)
 
     @property
     def goals(self):

@@ -15,7 +15,7 @@ from vda5050_bench.track import Track
 from vda5050_protocol.codec_3 import CODECS
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 HALL = way(8, 10, 12)
 VERSIONS = pytest.mark.parametrize('version', sorted(CODECS))
@@ -147,7 +147,7 @@ def test_a_second_node_of_the_horizon_is_not_passed():
 def test_a_robot_with_move_base_passes_a_second_node_without_a_goal():
     lab = Lab(at=None, driver=lambda memory: PoseDriver(memory, abilities(), Matching()))
     x, y = laboratory().vertex(8).position
-    lab.see(pose=Pose(x, y, 0.0), velocity=STANDING)
+    lab.see(pose=RobotPose(x, y, 0.0), velocity=STANDING)
     lab.robot.arrive = goals(lab)
     lab.order(with_actions(second(8).order('o'), 1, say('now', 'HARD')))
     assert (lab.nodes, lab.started, lab.goals) == ([], ['now'], [])

@@ -20,7 +20,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from vda_builders import DRIVING, STANDING, Lab, RobotSide, lab, say, way
 
 from route_protocol.values import Motion, Reason, ReasonCode
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 VERTICES = sorted(lab().vertices)
 BRAKING = 1.2  # s from an accepted stop until the robot stands
@@ -199,7 +199,7 @@ class RandomStops(RuleBasedStateMachine):
         robot = self.lab.robot
         robot.done = min(robot.done + edges, len(robot.route))
         x, y = lab().end_vertex(robot.route[robot.done - 1]).position
-        self.attempt(lambda: self.lab.see(pose=Pose(x, y, 0.0)))
+        self.attempt(lambda: self.lab.see(pose=RobotPose(x, y, 0.0)))
         self.wait(1)
 
     @rule(code=REFUSALS)

@@ -13,7 +13,7 @@ from vda_messages import payload
 from trajectory_graph import Graph
 from vda5050_protocol.values import EStop
 from vda5050_vehicle.core import effects as fx
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 HALL = way(8, 10, 12, 14, 32)
 
@@ -266,7 +266,7 @@ def test_a_direction_that_the_graph_forbids_is_refused():
 def test_an_order_may_begin_in_the_middle_of_an_edge():
     """After a cancellation: at a node of its own, where the robot stands."""
     lab = Lab()
-    lab.see(pose=Pose(-10.5, 0.0, 0.0))
+    lab.see(pose=RobotPose(-10.5, 0.0, 0.0))
     order = HALL.order('o')
     order['nodes'][0]['nodeId'] = 'here'
     order['nodes'][0]['nodePosition'].update(x=-10.5, y=0.0)
@@ -277,7 +277,7 @@ def test_an_order_may_begin_in_the_middle_of_an_edge():
 
 def test_a_large_deviation_of_the_first_node_lets_an_order_begin_afar():
     lab = Lab()
-    lab.see(pose=Pose(-10.5, 0.0, 0.0))
+    lab.see(pose=RobotPose(-10.5, 0.0, 0.0))
     lab.order(HALL.order('o'))
     assert lab.errors == ['noRouteError']
     lab.order(HALL.order('p', start_deviation=3.0))
@@ -287,7 +287,7 @@ def test_a_large_deviation_of_the_first_node_lets_an_order_begin_afar():
 
 def test_a_robot_between_nodes_comes_first_to_the_first_node_of_an_order_within_its_deviation():
     lab = Lab()
-    lab.see(pose=Pose(-10.5, 0.0, 0.0))  # on edge 1, which leads from vertex 8 to vertex 10
+    lab.see(pose=RobotPose(-10.5, 0.0, 0.0))  # on edge 1, which leads from vertex 8 to vertex 10
     lab.order(HALL.part(1, 3).order('p', start_deviation=3.0))
     assert lab.errors == []
     assert lab.robot.route == (1, 2, 3), 'the robot goes over edge 1 to the first node'
@@ -310,7 +310,7 @@ def test_a_robot_at_the_end_of_the_first_edge_drives_it_back_first():
 def test_an_order_to_whose_first_node_no_edge_leads_is_refused_though_within_its_deviation():
     lab = Lab()
     x, y = laboratory().vertex(12).position
-    lab.see(pose=Pose(x + 2.0, y + 2.0, 0.0))
+    lab.see(pose=RobotPose(x + 2.0, y + 2.0, 0.0))
     lab.order(HALL.part(2).order('p', start_deviation=50.0))
     assert lab.errors == ['noRouteError']
     assert lab.robot.route == ()
@@ -551,9 +551,9 @@ def test_a_hard_instant_action_stops_the_vehicle_which_drives_on_after_it():
 def test_init_position_is_finished_when_the_robot_is_there():
     lab = Lab()
     told = lab.act('initPosition', x=1.0, y=2.0, theta=0.5, mapId='map', lastNodeId='14')
-    assert fx.SetPose(Pose(1.0, 2.0, 0.5)) in lab.effects
+    assert fx.SetPose(RobotPose(1.0, 2.0, 0.5)) in lab.effects
     assert lab.status(told) == 'RUNNING'
-    lab.see(pose=Pose(1.1, 2.0, 0.5))
+    lab.see(pose=RobotPose(1.1, 2.0, 0.5))
     assert lab.status(told) == 'FINISHED'
     assert lab.state['lastNodeId'] == '14'
 
@@ -570,10 +570,10 @@ def test_init_position_is_finished_when_the_robot_is_there():
 def test_init_position_is_finished_only_where_the_pose_has_become_the_one_that_was_told(
         before, after, ends):
     lab = Lab()
-    lab.see(pose=Pose(*before))
+    lab.see(pose=RobotPose(*before))
     told = lab.act('initPosition', x=1.0, y=2.0, theta=0.5, mapId='map')
     lab.wait(1.0)
-    lab.see(pose=Pose(*after))
+    lab.see(pose=RobotPose(*after))
     lab.wait(1.0)
     assert (lab.status(told) == 'FINISHED') is ends
     lab.wait(10.0)
@@ -594,7 +594,7 @@ def test_init_position_takes_the_masters_own_name_of_a_vertex():
     lab = Lab()
     x, y = laboratory().vertex(12).position
     lab.act('initPosition', x=x, y=y, theta=0.0, mapId='map', lastNodeId='Point-0012')
-    lab.see(pose=Pose(x, y, 0.0))
+    lab.see(pose=RobotPose(x, y, 0.0))
     assert lab.state['lastNodeId'] == 'Point-0012'
 
 

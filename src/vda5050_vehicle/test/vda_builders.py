@@ -40,11 +40,11 @@ from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.action_table import ActionTable, read_table
 from vda5050_vehicle.core.identity import Identity
-from vda5050_vehicle.core.vehicle import MakeDriver, Vehicle
+from vda5050_vehicle.core.vehicle import MakeDriver, VdaVehicle
 from vda5050_vehicle.drivers.driver import SETTLING
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.robot_view import Pose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
 from vda5050_vehicle.drivers.route_driver import ME, RouteDriver
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -202,7 +202,7 @@ class Lab:
         can = abilities_ or abilities()
         self.make_driver = driver or (
             lambda memory: RouteDriver(memory, lab(), can, Matching(), lambda: CLOCK))
-        self.vehicle = Vehicle(IDENTITY, codec, table(), self.make_driver, can)
+        self.vehicle = VdaVehicle(IDENTITY, codec, table(), self.make_driver, can)
         self.driver: Any = self.vehicle.driver
         self.codec = codec
         self.states: List[Dict[str, Any]] = []  # in the keys of 2.1
@@ -233,7 +233,7 @@ class Lab:
     def stand_at(self, vertex: int) -> None:
         """The robot stands at a vertex."""
         x, y = lab().vertex(vertex).position
-        self.see(pose=Pose(x, y, 0.0), velocity=STANDING)
+        self.see(pose=RobotPose(x, y, 0.0), velocity=STANDING)
 
     def see(self, **changes: Any) -> None:
         """The vehicle receives the robot's state, with changes."""
@@ -287,7 +287,7 @@ class Lab:
             self.robot.done += 1
             self.robot.percentage = 0.0
             vertex = lab().end_vertex(self.robot.route[self.robot.done - 1])
-            self.see(pose=Pose(*vertex.position, 0.0))
+            self.see(pose=RobotPose(*vertex.position, 0.0))
             self.wait(0.1)
         if not self.robot.drives:
             self.see(velocity=STANDING)
@@ -305,7 +305,7 @@ class Lab:
         """The adapter is killed, and a new one restarts from its journal."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
-        other.vehicle = Vehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())
+        other.vehicle = VdaVehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())
         other.driver = other.vehicle.driver
         other.started, other.cancelled, other.effects = [], [], []
         other.checker.restarted()

@@ -7,7 +7,7 @@ from typing import List, Optional, Tuple
 
 from fleet_core.fleet import RobotType
 from fleet_simulation.agv.speed_limits import DriveLimits
-from fleet_simulation.agv.vehicle import Vehicle
+from fleet_simulation.agv.vehicle import AgvVehicle
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
@@ -80,9 +80,9 @@ class DrivenRobot:
         self.graph, self.kind = graph, kind
         self._now = self._stands_until = 0.0
         epochs = Random(f'epochs of {name}')
-        self.vehicle = Vehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
-                               lambda: int(1000.0 * self._now), mechanics.limits(kind),
-                               kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
+        self.vehicle = AgvVehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
+                                  lambda: int(1000.0 * self._now), mechanics.limits(kind),
+                                  kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
         self.travelled = 0.0
         self._mechanics, self._delays, self._random = mechanics, delays, random
         self._refusals: List[RouteRefusal] = []

@@ -6,7 +6,7 @@ from typing import Callable, List, Optional, Sequence
 
 from fleet_builders import graph_of
 
-from fleet_simulation.agv.vehicle import Vehicle
+from fleet_simulation.agv.vehicle import AgvVehicle
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
@@ -17,9 +17,9 @@ GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
 
 
 def vehicle_at(vertex: int, graph: Graph = GRAPH, clock: Callable[[], int] = lambda: 0,
-               **options: object) -> Vehicle:
+               **options: object) -> AgvVehicle:
     """An AGV with random epochs."""
-    return Vehicle('agv_1', graph, vertex, numbers_of_epochs(), clock, **options)
+    return AgvVehicle('agv_1', graph, vertex, numbers_of_epochs(), clock, **options)
 
 
 def numbers_of_epochs(seed: int = 1) -> Callable[[], int]:

@@ -6,7 +6,7 @@ import math
 import pytest
 from fleet_builders import graph_of
 
-from fleet_simulation.agv.drive import STEP, Drive
+from fleet_simulation.agv.drive import STEP, AgvMotion
 from fleet_simulation.agv.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
@@ -14,11 +14,11 @@ LIMITS = DriveLimits(speed=1.0, acceleration=0.5, braking=0.5, turn_rate=1.0)
 STRAIGHT = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (8, 3)}, {1: (1, 2), 2: (2, 3), 3: (3, 4)})
 
 
-def drive_on(graph: Graph, vertex: int, limits: DriveLimits = LIMITS) -> Drive:
-    return Drive(graph, limits, SpeedLimits(graph, limits), vertex)
+def drive_on(graph: Graph, vertex: int, limits: DriveLimits = LIMITS) -> AgvMotion:
+    return AgvMotion(graph, limits, SpeedLimits(graph, limits), vertex)
 
 
-def time_to_end(drive: Drive) -> float:
+def time_to_end(drive: AgvMotion) -> float:
     seconds = 0.0
     while not drive.at_end:
         drive.advance(STEP)

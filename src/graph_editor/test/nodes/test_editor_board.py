@@ -7,7 +7,7 @@ import pytest
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
 
 from graph_editor.editor.actions import Action
-from graph_editor.editor.session import Session
+from graph_editor.editor.session import EditingSession
 from graph_editor.nodes import board, handles
 from trajectory_graph import Edge, Graph, Vertex
 from trajectory_graph.yaml_editing import GraphFile
@@ -43,7 +43,7 @@ class Editor:
         monkeypatch.setattr(board, 'OrderedMarkerServer', Server)
         graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 0.0, 0.0)],
                       [Edge(1, 1, 2, velocity_forward=1.0, velocity_backwards=1.0)])
-        self.session = Session(GraphFile(dump_graph(graph), 'graph.yaml'), 'graph.yaml')
+        self.session = EditingSession(GraphFile(dump_graph(graph), 'graph.yaml'), 'graph.yaml')
         self.board = board.Board(self.session, threading.RLock(), lambda: self.board.show({}))
         self.board.show({})
         self.server = self.board._server

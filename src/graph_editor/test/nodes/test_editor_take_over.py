@@ -10,7 +10,7 @@ import rospy
 import yaml
 
 from graph_editor.editor.actions import Action
-from graph_editor.editor.session import Session
+from graph_editor.editor.session import EditingSession
 from graph_editor.nodes import take_over
 from graph_editor.nodes.take_over import TakeOver
 from trajectory_graph.yaml_editing import GraphFile
@@ -56,13 +56,13 @@ def master(monkeypatch: pytest.MonkeyPatch) -> RosMaster:
 
 
 @pytest.fixture
-def session(tmp_path: Path) -> Session:
+def session(tmp_path: Path) -> EditingSession:
     path = tmp_path / 'hall.yaml'
     path.write_text(HALL)
-    return Session(GraphFile.load(path), str(path))
+    return EditingSession(GraphFile.load(path), str(path))
 
 
-def taken_over(session: Session) -> str:
+def taken_over(session: EditingSession) -> str:
     return TakeOver().put_in_force(session.draft, session.path)
 
 
@@ -72,7 +72,7 @@ def test_a_click_for_the_editor_has_a_topic_that_no_robot_hears() -> None:
     assert [tool['Topic'] for tool in tools if 'Topic' in tool] == ['graph_editor/clicked_point']
 
 
-def test_taking_over_saves_first(session: Session) -> None:
+def test_taking_over_saves_first(session: EditingSession) -> None:
     given = []
     session.on_take_over = given.append
     session.drag_vertex(2, 9.0, 0.0)
@@ -82,7 +82,7 @@ def test_taking_over_saves_first(session: Session) -> None:
     assert given == [session.draft]
 
 
-def test_what_cannot_be_saved_is_not_taken_over(session: Session) -> None:
+def test_what_cannot_be_saved_is_not_taken_over(session: EditingSession) -> None:
     given = []
     session.on_take_over = given.append
     session.do(Action.DELETE_EDGE, 'edge', 1)

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from graph_editor.checking.findings import Finding, Severity
-from graph_editor.editor.session import Selected, Session
+from graph_editor.editor.session import EditingSession, Selected
 from trajectory_graph import CurveType
 from trajectory_graph.yaml_editing import GraphFile
 
@@ -26,7 +26,7 @@ class Node:
 
     def __init__(self, path) -> None:
         path.write_text(HALL)
-        self.session = Session(GraphFile.load(path), str(path))
+        self.session = EditingSession(GraphFile.load(path), str(path))
         self.lock = threading.RLock()
         self.findings = [Finding(Severity.ERROR, 'it is in a wall', 'edge', 1, (1.0, 2.0))]
 

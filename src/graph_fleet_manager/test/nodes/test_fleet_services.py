@@ -16,7 +16,7 @@ from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_simulation.virtual_fleet import route_order
 from graph_fleet_manager.nodes import fleet_services
-from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from itrci_nav_msgs.srv import GetMissionStatusRequest
 from route_protocol.master import REPEAT
 from world.supervised_fleet import SupervisedFleet
@@ -27,7 +27,7 @@ class Services:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, robots=('a', 'b')) -> None:
         self.handlers, self.past = {}, []
-        self.loop, self.early = EventLoop(), EarlyStop(robots)
+        self.loop, self.early = SupervisorEvents(), EarlyStop(robots)
         monkeypatch.setattr(fleet_services.rospy, 'Service',
                             lambda name, _, handler: self.handlers.setdefault(name, handler))
         monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 60.0)

@@ -30,7 +30,7 @@ from omron_ld90_sim.clock import Clock, Ticker
 from omron_ld90_sim.interface.commands import execute
 from omron_ld90_sim.interface.faults import Faults
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.session import SimSession
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_map import MapDocument
@@ -215,7 +215,7 @@ class SimulatedDrive:
                 self.notes.append(action.text)
 
     @staticmethod
-    def _lines_of(session: Session) -> List[str]:
+    def _lines_of(session: SimSession) -> List[str]:
         text = session.output.decode('ascii')
         session.output.clear()
         return text.split('\r\n')[:-1]

@@ -6,7 +6,7 @@ from fence_builders import quarter_turn
 from shapely.geometry import Point
 
 from omron_ld90.converter.corridors import CorridorRules, corridors_of
-from omron_ld90.converter.goals import Pose
+from omron_ld90.converter.goals import MapPose
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 RULES = CorridorRules()
@@ -69,7 +69,7 @@ def test_the_robot_can_turn_where_a_curve_bends_by_45_degrees_within_its_half_di
 
 
 def test_a_strip_as_wide_as_a_corridor_leads_to_the_station():
-    corridors = corridors_of(STRAIGHT, RULES, dock=Pose(0, 0, 180.0))
+    corridors = corridors_of(STRAIGHT, RULES, dock=MapPose(0, 0, 180.0))
     assert is_free(corridors, -1499, 0)
     assert is_free(corridors, -1499, 449)
     assert not is_free(corridors, -1501, 0)

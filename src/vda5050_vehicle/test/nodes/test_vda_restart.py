@@ -14,7 +14,7 @@ from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDrive
 from vda5050_vehicle.drivers.route_driver import PATIENCE, RouteDrive, RouteDriver
 from vda5050_vehicle.nodes import files
-from vda5050_vehicle.nodes.files import JournalFile
+from vda5050_vehicle.nodes.files import JournalLog
 
 HALL = way(8, 10, 12, 14, 32)
 
@@ -137,10 +137,10 @@ def test_a_journal_of_an_earlier_boot_is_known_as_such(tmp_path, monkeypatch):
     path, lab = tmp_path / 'journal', Lab()
     lab.order(HALL.order('o'))
     monkeypatch.setattr(files, 'boot_id', lambda: 'earlier')
-    JournalFile(path).write(None, lab.vehicle.state)
-    assert JournalFile(path).read(RouteDrive) == (lab.vehicle.state, True)
+    JournalLog(path).write(None, lab.vehicle.state)
+    assert JournalLog(path).read(RouteDrive) == (lab.vehicle.state, True)
     monkeypatch.undo()
-    assert JournalFile(path).read(RouteDrive) == (lab.vehicle.state, False)
+    assert JournalLog(path).read(RouteDrive) == (lab.vehicle.state, False)
 
 
 def test_an_order_that_no_journal_has_is_stopped():
@@ -266,7 +266,7 @@ def test_a_journal_of_another_driver_is_refused():
 
 def test_a_journal_file_is_a_log_and_an_unfinished_line_is_of_nothing_that_was_done(tmp_path):
     path = tmp_path / 'journal'
-    file, lab = JournalFile(path), Lab()
+    file, lab = JournalLog(path), Lab()
     lab.order(HALL.order('o'))
     for effect in lab.effects:
         if isinstance(effect, fx.Keep):
@@ -275,7 +275,7 @@ def test_a_journal_file_is_a_log_and_an_unfinished_line_is_of_nothing_that_was_d
     assert len(path.read_text().splitlines()) > 1
     with open(path, 'a') as log:
         log.write('{"~": {"pau')
-    assert JournalFile(path).read(RouteDrive) == (known, True)
-    file = JournalFile(path)
+    assert JournalLog(path).read(RouteDrive) == (known, True)
+    file = JournalLog(path)
     file.write(known, known)
     assert len(path.read_text().splitlines()) == 1, 'each run must begin it anew'

@@ -19,7 +19,7 @@ ON_PLACE = 1e-4    # m and rad: a smaller distance is none
 _EXACT = 1e-6      # m2/s2, tolerance of a squared speed for rounding
 
 
-class Drive:
+class AgvMotion:
     """The motion of one vehicle along a path of signed edges.
 
     path, index  -- edges in driving order, and the index of its edge; len(path) at the end

@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from typing import Callable, Dict, List, NamedTuple, Sequence
 
-from fleet_simulation.agv.vehicle import Vehicle
+from fleet_simulation.agv.vehicle import AgvVehicle
 from route_protocol.order_rules import RouteRefused
 from route_protocol.values import Reason, ReasonCode
 from trajectory_graph import UnknownVertex
@@ -37,24 +37,24 @@ _SECONDS = Argument('SECONDS', 0.0, 1e6, math.inf)
 
 FAULTS: Dict[str, Fault] = {
     'stall': Fault('brakes and stands still for SECONDS (10); its route stays active',
-                   [_SECONDS._replace(default=10.0)], Vehicle.stall),
+                   [_SECONDS._replace(default=10.0)], AgvVehicle.stall),
     'slow': Fault('drives with FACTOR of its speed for SECONDS (for ever)',
-                  [Argument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], Vehicle.slow_down),
+                  [Argument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], AgvVehicle.slow_down),
     'silence': Fault('neither receives nor reports for SECONDS (for ever); 0 ends it',
-                     [_SECONDS], Vehicle.fall_silent),
-    'leave': Fault('is switched off', [], Vehicle.leave),
-    'join': Fault('is switched on, without memory of its route', [], Vehicle.join),
+                     [_SECONDS], AgvVehicle.fall_silent),
+    'leave': Fault('is switched off', [], AgvVehicle.leave),
+    'join': Fault('is switched on, without memory of its route', [], AgvVehicle.join),
     'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
     'takeover': Fault('another program drives it: its route fails with "taken over"', [],
-                      Vehicle.take_over),
+                      AgvVehicle.take_over),
     'drive_by_hand': Fault('another program drives it to the end of EDGE; its route fails',
                            [Argument('EDGE', -2 ** 31, 2 ** 31, math.nan)],
                            lambda vehicle, edge: vehicle.drive_by_hand(int(edge))),
     'estop': Fault('emergency stop: brakes hard, the route fails', [],
-                   Vehicle.press_emergency_stop),
-    'release': Fault('ends the emergency stop', [], Vehicle.release_emergency_stop),
+                   AgvVehicle.press_emergency_stop),
+    'release': Fault('ends the emergency stop', [], AgvVehicle.release_emergency_stop),
     'offgraph': Fault('is pushed METRES (1) to its left, off every edge; its route fails',
-                      [Argument('METRES', -100.0, 100.0, 1.0)], Vehicle.push_off_graph),
+                      [Argument('METRES', -100.0, 100.0, 1.0)], AgvVehicle.push_off_graph),
     'place': Fault('is put onto VERTEX', [Argument('VERTEX', 1, 2 ** 31, math.nan)],
                    lambda vehicle, vertex: vehicle.put_on(int(vertex))),
     'battery': Fault('has PERCENT of charge', [Argument('PERCENT', 0.0, 100.0, math.nan)],
@@ -62,7 +62,7 @@ FAULTS: Dict[str, Fault] = {
 }
 
 
-def inject(vehicle: Vehicle, line: str) -> None:
+def inject(vehicle: AgvVehicle, line: str) -> None:
     """Injects the fault that a line describes, e.g. `stall 20`. Raises UnknownFault."""
     word, *given = line.split() or ['']
     fault = FAULTS.get(word.lower())

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Tuple
 
-from fleet_simulation.agv.drive import Drive
+from fleet_simulation.agv.drive import AgvMotion
 from route_protocol import order_rules
 from route_protocol.order_rules import RouteRefused, wrong_route
 from route_protocol.values import Phase, Reason, ReasonCode, RouteOrder
@@ -13,7 +13,7 @@ from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
 
-def check_order(order: RouteOrder, drive: Drive) -> None:
+def check_order(order: RouteOrder, drive: AgvMotion) -> None:
     """Raises RouteRefused for an order that is wrong regardless of the vehicle's place."""
     order_rules.check_order(order, 'the vehicle')
     try:
@@ -51,7 +51,7 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
             and edges[:2] == state.edges[done - 1:done + 1])
 
 
-def find_start(edges: Tuple[int, ...], state: VehicleState, drive: Drive) -> float:
+def find_start(edges: Tuple[int, ...], state: VehicleState, drive: AgvMotion) -> float:
     """Returns the m on the first edge at which a vehicle begins to drive these edges.
 
     They may begin at the first vertex of the first edge, or on that edge. Raises RouteRefused.
@@ -83,7 +83,7 @@ def _place(drive: Drive) -> str:
     return 'no edge' if drive.edge is None else edge_name(drive.graph, drive.edge)
 
 
-def _check_braking(edges: Tuple[int, ...], drive: Drive, arc: float) -> None:
+def _check_braking(edges: Tuple[int, ...], drive: AgvMotion, arc: float) -> None:
     if not drive.can_follow(edges, 0, arc):
         raise RouteRefused(Reason(
             ReasonCode.CANNOT_BRAKE, f'at {drive.speed:.2f} m/s the vehicle cannot stop where the '

@@ -7,7 +7,7 @@ from typing import Callable, Dict, Iterable
 from fleet_core.fleet import Robot
 from fleet_simulation.agv.faults import UnknownFault, inject
 from fleet_simulation.agv.speed_limits import DriveLimits
-from fleet_simulation.agv.vehicle import Vehicle
+from fleet_simulation.agv.vehicle import AgvVehicle
 from trajectory_graph import Graph
 
 LONGEST_STEP = 1.0  # s of wall time that one step simulates at most; the rest of a pause is lost
@@ -21,10 +21,10 @@ class Simulation:
         """`speed` is a factor on the clock; `draw` and `clock` are those of each Vehicle."""
         self.time = 0.0
         self.speed = speed
-        self.vehicles: Dict[str, Vehicle] = {
-            robot.name: Vehicle(robot.name, graph, robot.vertex, draw, clock,
-                                DriveLimits(speed=robot.type.speed), robot.type.obeys_edge_speed,
-                                robot.type.docks or ())
+        self.vehicles: Dict[str, AgvVehicle] = {
+            robot.name: AgvVehicle(robot.name, graph, robot.vertex, draw, clock,
+                                   DriveLimits(speed=robot.type.speed), robot.type.obeys_edge_speed,
+                                   robot.type.docks or ())
             for robot in robots}
 
     def advance(self, wall_seconds: float, stamp: int) -> None:

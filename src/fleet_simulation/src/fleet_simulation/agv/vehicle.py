@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Callable, Collection, List, Optional, Tuple, Union
 
 from fleet_simulation.agv.battery import SimulatedBattery
-from fleet_simulation.agv.drive import ON_PLACE, Drive
+from fleet_simulation.agv.drive import ON_PLACE, AgvMotion
 from fleet_simulation.agv.route_rules import (
     check_change,
     check_order,
@@ -44,7 +44,7 @@ _GRAPH_CHANGED = Reason(
 _ROLLS = Reason(ReasonCode.NOT_READY, 'the vehicle did not come to a stop')
 
 
-class Vehicle:
+class AgvVehicle:
     """One AGV on a graph.
 
     `handle` takes orders, `advance` simulates time, and `take_messages` returns the AGV's messages.
@@ -269,8 +269,8 @@ class Vehicle:
         stands_there = math.dist(nearest.position, (x, y)) < ON_PLACE
         self._off_graph = None if stands_there else (x, y, heading)
 
-    def _placed(self, graph: Graph, vertex: int) -> Drive:
-        return Drive(graph, self._limits, self._speeds(graph), vertex)
+    def _placed(self, graph: Graph, vertex: int) -> AgvMotion:
+        return AgvMotion(graph, self._limits, self._speeds(graph), vertex)
 
     def _speeds(self, graph: Graph) -> SpeedLimits:
         return SpeedLimits(graph, self._limits, self._obeys_edge_speed)

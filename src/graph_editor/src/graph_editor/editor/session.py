@@ -29,7 +29,7 @@ class Selected:
     id: int
 
 
-class Session:
+class EditingSession:
     """The editing of one graph file.
 
     version -- a number that changes with each visible change: of draft, selection or message
@@ -295,11 +295,11 @@ class Session:
         self.say(words)
 
 
-_ANYWHERE: Dict[Action, Callable[[Session, float], object]] = {
+_ANYWHERE: Dict[Action, Callable[[EditingSession, float], object]] = {
     Action.UNDO: lambda session, _: session.undo(),
     Action.REDO: lambda session, _: session.redo(),
     Action.SAVE: lambda session, _: session.save(),
     Action.TAKE_OVER: lambda session, _: session.take_over(),
     Action.LOAD: lambda session, _: session.load_again(),
-    Action.GRID: Session.set_grid,
+    Action.GRID: EditingSession.set_grid,
 }

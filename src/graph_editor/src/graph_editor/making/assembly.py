@@ -9,7 +9,7 @@ import numpy as np
 from shapely.geometry import LineString, Point
 
 from graph_editor.floor import Floor
-from graph_editor.making.bends import Way
+from graph_editor.making.bends import LaneWay
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.site import Place, PlaceKind
@@ -24,7 +24,7 @@ SPLINE_SPEED = 0.5  # m/s; the highest speed on splines with a large turn
 TURN_RATE = 1.0  # rad/s; the highest turning rate of a robot in a bend
 
 
-def assemble(net: LaneNet, ways: Sequence[Way], places: Mapping[int, Place],
+def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, Place],
              frame_id: str, options: MakingOptions) -> Graph:
     """Returns the graph; vertices and edges are numbered from 1, in reading order of the map."""
     positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
@@ -62,7 +62,7 @@ def assemble(net: LaneNet, ways: Sequence[Way], places: Mapping[int, Place],
     return numbered(_with_parking(graph, places, net.floor, options))
 
 
-def _in_order(net: LaneNet, way: Way, places: Mapping[int, Place]) -> Way:
+def _in_order(net: LaneNet, way: LaneWay, places: Mapping[int, Place]) -> LaneWay:
     """Returns the path in the direction that its edges get.
 
     Edges lead towards docks and other dead ends, but away from goals at a dead end. All others lead

@@ -38,24 +38,24 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class LaneWay:
     """A path from one node to another without a junction between them, in driving order."""
 
     first: int
     last: int
     pieces: Tuple[Piece, ...]
 
-    def turned_round(self) -> Way:
+    def turned_round(self) -> LaneWay:
         """Returns the path in the opposite direction."""
-        return Way(self.last, self.first, tuple(
+        return LaneWay(self.last, self.first, tuple(
             Piece(piece.end, piece.start, piece.need,
                   None if piece.control is None else piece.control[::-1])
             for piece in reversed(self.pieces)))
 
 
-def ways_of(net: LaneNet, places: Collection[int], options: MakingOptions) -> List[Way]:
+def ways_of(net: LaneNet, places: Collection[int], options: MakingOptions) -> List[LaneWay]:
     """Returns all lanes of `net` as paths between junctions, dead ends and `places`."""
-    return [Way(nodes[0], nodes[-1], tuple(_pieces(net, nodes, options)))
+    return [LaneWay(nodes[0], nodes[-1], tuple(_pieces(net, nodes, options)))
             for nodes in _runs(net, set(places))]
 
 

@@ -33,7 +33,7 @@ class Joint(NamedTuple):
     position: np.ndarray
 
 
-class Way(NamedTuple):
+class WayToFloor(NamedTuple):
     """Lanes from a joint over places to turn (`places`, (N,2)); the first place is the joint."""
 
     joint: Joint
@@ -69,7 +69,7 @@ def reach_out(net: LaneNet, options: MakingOptions) -> None:
 
 
 def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
-            options: MakingOptions) -> Optional[Way]:
+            options: MakingOptions) -> Optional[WayToFloor]:
     """Returns the path into a `part` (rows, columns) of the coverage's cells, or None."""
     floor, margin = net.floor, margins_of(options)[1]
     goals = coverage.points_of(*np.nonzero(part))
@@ -120,7 +120,7 @@ def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: M
 
 
 def _straightened(joint: Joint, points: np.ndarray, floor: Floor, margin: Margin,
-                  options: MakingOptions) -> Optional[Way]:
+                  options: MakingOptions) -> Optional[WayToFloor]:
     """Returns the cheapest lanes along points (N,2) that start and end at places to turn."""
     roomy = floor.clearance_at(points) >= margin.turning
     jumping = ~roomy | np.roll(~roomy, 1) | np.roll(~roomy, -1)
@@ -136,10 +136,10 @@ def _straightened(joint: Joint, points: np.ndarray, floor: Floor, margin: Margin
     while way[-1]:
         way.append(int(before[way[-1]]))
     way.reverse()
-    return Way(joint, places[way], [float(clearances[a, b]) for a, b in zip(way, way[1:])])
+    return WayToFloor(joint, places[way], [float(clearances[a, b]) for a, b in zip(way, way[1:])])
 
 
-def _draw(net: LaneNet, way: Way, options: MakingOptions) -> None:
+def _draw(net: LaneNet, way: WayToFloor, options: MakingOptions) -> None:
     here = net.joint(*way.joint)
     for start, end, clearance in zip(way.places, way.places[1:], way.clearances):
         there = net.add_node(end)

@@ -23,7 +23,7 @@ from geometry_msgs.msg import Point
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from graph_editor.checking.findings import Finding, Severity
-from graph_editor.editor.session import Session
+from graph_editor.editor.session import EditingSession
 from graph_editor.nodes import handles
 from graph_editor.nodes.finding_words import finding_text
 from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
@@ -55,7 +55,8 @@ class Grabbed:
 class Board:
     """The handles of one session; the caller holds the session's lock."""
 
-    def __init__(self, session: Session, lock: ContextManager, changed: Callable[[], None]) -> None:
+    def __init__(self, session: EditingSession, lock: ContextManager,
+                 changed: Callable[[], None]) -> None:
         """`changed` is called after each action of a person in RViz, with the lock held."""
         self._session = session
         self._lock = lock

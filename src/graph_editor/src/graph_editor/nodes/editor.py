@@ -41,7 +41,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from graph_editor.checking.checker import Checker
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.checking.rules import CheckRules
-from graph_editor.editor.session import Session
+from graph_editor.editor.session import EditingSession
 from graph_editor.errors import SiteError
 from graph_editor.make_cli import area_of
 from graph_editor.making.maker import make_graph
@@ -70,7 +70,7 @@ GRAPH_PERIOD = 0.25  # s; the shortest time between two messages with drafts
 class EditorNode:
     """Connects a session to RViz, to the subscribers of its graph, and to the window."""
 
-    def __init__(self, session: Session, site: Site, rules: CheckRules) -> None:
+    def __init__(self, session: EditingSession, site: Site, rules: CheckRules) -> None:
         self.session = session
         self.lock = threading.RLock()
         self.findings: List[Finding] = []
@@ -242,7 +242,7 @@ def _start() -> Tuple[EditorNode, bool]:
                       graph_file, map_file)
     else:
         file = GraphFile.load(graph_file)
-    session = Session(file, graph_file, is_new)
+    session = EditingSession(file, graph_file, is_new)
     session.set_grid(grid)
     session.said = f'{len(file.draft.vertices)} vertices and {len(file.draft.edges)} edges'
     return EditorNode(session, site, rules), with_window

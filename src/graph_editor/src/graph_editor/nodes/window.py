@@ -11,7 +11,7 @@ import rospy
 from PyQt5 import QtCore, QtGui, QtWidgets
 
 from graph_editor.checking.findings import Severity
-from graph_editor.editor.session import Selected, Session
+from graph_editor.editor.session import EditingSession, Selected
 from trajectory_graph import CurveType, Edge, Vertex
 
 PERIOD = 100  # ms
@@ -78,7 +78,7 @@ class EditorWindow(QtWidgets.QMainWindow):
             event.setAccepted(answer == box.Discard)
 
     def _button(self, layout: QtWidgets.QHBoxLayout, words: str, keys: str,
-                act: Callable[[Session], object]) -> QtWidgets.QPushButton:
+                act: Callable[[EditingSession], object]) -> QtWidgets.QPushButton:
         button = QtWidgets.QPushButton(words)
         button.setShortcut(keys)
         button.setToolTip(f'{words} ({keys})')
@@ -86,7 +86,7 @@ class EditorWindow(QtWidgets.QMainWindow):
         layout.addWidget(button)
         return button
 
-    def _edit(self, act: Callable[[Session], object]) -> None:
+    def _edit(self, act: Callable[[EditingSession], object]) -> None:
         with self._node.lock:
             act(self._node.session)
             self._node.show()
@@ -139,7 +139,7 @@ class EditorWindow(QtWidgets.QMainWindow):
 class _Form(QtWidgets.QStackedWidget):
     """The fields of the selected vertex or edge."""
 
-    def __init__(self, edit: Callable[[Callable[[Session], object]], None]) -> None:
+    def __init__(self, edit: Callable[[Callable[[EditingSession], object]], None]) -> None:
         super().__init__()
         self._edit = edit
         self._element: Optional[Any] = None

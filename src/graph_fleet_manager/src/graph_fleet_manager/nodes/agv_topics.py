@@ -9,7 +9,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
-from fleet_simulation.agv.vehicle import Vehicle
+from fleet_simulation.agv.vehicle import AgvVehicle
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from node_lifecycle.headings import quaternion_from_yaw
 from route_protocol.messages import fill_refusal, fill_report, order_of
@@ -23,7 +23,7 @@ EARLY = 0.02                           # s by which a period may be shorter, to 
 class AgvTopics:
     """Takes the orders of one vehicle and publishes its messages. `lock` is the simulation's."""
 
-    def __init__(self, vehicle: Vehicle, lock: threading.Lock) -> None:
+    def __init__(self, vehicle: AgvVehicle, lock: threading.Lock) -> None:
         self._vehicle, self._lock = vehicle, lock
         self._reported = self._charge_told = -math.inf
         self._emergency_told = False
@@ -89,7 +89,7 @@ class AgvTopics:
         self._states.publish(fill_report(ExecutionRouteStates(), report, EdgeState))
 
 
-def _pose_message(vehicle: Vehicle, stamp: rospy.Time) -> PoseStamped:
+def _pose_message(vehicle: AgvVehicle, stamp: rospy.Time) -> PoseStamped:
     x, y, heading = vehicle.pose
     message = PoseStamped()
     message.header.stamp, message.header.frame_id = stamp, 'map'
@@ -98,7 +98,7 @@ def _pose_message(vehicle: Vehicle, stamp: rospy.Time) -> PoseStamped:
     return message
 
 
-def _battery_message(vehicle: Vehicle, stamp: rospy.Time) -> BatteryState:
+def _battery_message(vehicle: AgvVehicle, stamp: rospy.Time) -> BatteryState:
     battery = vehicle.battery
     unknown = math.nan
     message = BatteryState(

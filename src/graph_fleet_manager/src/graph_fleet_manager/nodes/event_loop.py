@@ -53,7 +53,7 @@ class _Waiting(NamedTuple):
     event: Event
 
 
-class EventLoop:
+class SupervisorEvents:
     """Callbacks put events, one thread takes them. Times are those of `clock` (s, monotonic).
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can

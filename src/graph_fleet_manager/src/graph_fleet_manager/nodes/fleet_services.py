@@ -16,7 +16,7 @@ from fleet_core.supervision.actions import Action
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.supervisor import Supervisor
 from graph_fleet_manager.messages.missions import person_of, status_message
-from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from itrci_nav_msgs.srv import (
     DeclareAbsent,
     DeclareAbsentRequest,
@@ -43,7 +43,7 @@ class FleetServices:
     past       -- sends a stop from any thread, bypassing a supervisor that hangs
     """
 
-    def __init__(self, robots: Iterable[str], gate: StopGate, events: EventLoop,
+    def __init__(self, robots: Iterable[str], gate: StopGate, events: SupervisorEvents,
                  stop_early: Callable[[float], Tuple[str, Sequence[Action]]],
                  past: Callable[[float], None]) -> None:
         self._gate, self._events, self._stop_early, self._past = gate, events, stop_early, past

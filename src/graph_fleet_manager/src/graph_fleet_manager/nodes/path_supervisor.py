@@ -58,7 +58,7 @@ from fleet_core.supervision.switching import OrderSwitching
 from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
-from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.fleet_poses import FleetPosesTopic
@@ -96,7 +96,7 @@ class PathSupervisor:
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._switches: bool = parameter('~order_switching', False, bool)
         self._check_every = int(number('~check_every', 0, 0))
-        self._events = EventLoop(trouble=lambda: self._file.trouble)
+        self._events = SupervisorEvents(trouble=lambda: self._file.trouble)
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
         self._begin_at = math.inf

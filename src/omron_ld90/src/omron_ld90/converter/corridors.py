@@ -20,7 +20,7 @@ from shapely.ops import unary_union
 
 from omron_ld90 import robot_model
 from omron_ld90.converter.bends import bends_of, corners_of
-from omron_ld90.converter.goals import Pose, millimetres
+from omron_ld90.converter.goals import MapPose, millimetres
 from trajectory_graph import Graph
 
 ROBOT_HALF_WIDTH = 1000.0 * robot_model.HALF_WIDTH
@@ -65,7 +65,7 @@ class Corridors:
         return unary_union(_lanes(self.curves, self.rules, by))
 
 
-def corridors_of(graph: Graph, rules: CorridorRules, dock: Optional[Pose] = None) -> Corridors:
+def corridors_of(graph: Graph, rules: CorridorRules, dock: Optional[MapPose] = None) -> Corridors:
     """The floor of `graph`; `dock` is the pose from which the robot docks."""
     curves = {id: LineString(graph.curve(id).points * 1000.0).simplify(CURVE_TOLERANCE)
               for id in graph.edges}
@@ -94,7 +94,7 @@ def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
     return [_around(Point(millimetres(place)), rules.turning_radius) for place in places]
 
 
-def _docking_place(dock: Optional[Pose], rules: CorridorRules) -> List[BaseGeometry]:
+def _docking_place(dock: Optional[MapPose], rules: CorridorRules) -> List[BaseGeometry]:
     if dock is None:
         return []
     ahead = math.radians(dock.heading)

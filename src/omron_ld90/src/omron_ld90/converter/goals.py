@@ -16,7 +16,7 @@ from omron_map import MapObject
 from trajectory_graph import Graph, Vertex
 
 
-class Pose(NamedTuple):
+class MapPose(NamedTuple):
     """A pose in the map: mm and degrees."""
 
     x: float
@@ -45,7 +45,7 @@ def goal(graph: Graph, vertex: Vertex) -> MapObject:
     return MapObject.goal(goal_name(vertex), *millimetres(vertex.position), heading=heading)
 
 
-def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> Pose:
+def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapPose:
     """The pose before docking, facing the station; `heading` (degrees) overrides.
 
     Raises UnknownVertex. Raises ValueError if the vertex has several edges, so that its heading is
@@ -57,7 +57,7 @@ def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> 
             raise ValueError(f'the dock vertex {vertex_id} has several edges: give the heading '
                              'that faces the station as dock_heading')
         heading = heading_out(graph, vertex) + 180.0
-    return Pose(*millimetres(vertex.position), heading)
+    return MapPose(*millimetres(vertex.position), heading)
 
 
 def dock(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapObject:

@@ -16,7 +16,7 @@ from omron_ld90_sim.interface import numbers
 from omron_ld90_sim.interface.configuration_table import DOCKING
 from omron_ld90_sim.interface.dialect import PROMPT, SWITCHES
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.session import SimSession
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.space import Disc
 
@@ -37,7 +37,7 @@ class Faults:
 
     def __init__(self, server: ArclServer) -> None:
         self._server, self._robot = server, server.robot
-        self._other = Session(server, -1, outgoing=True)
+        self._other = SimSession(server, -1, outgoing=True)
 
     def inject(self, words: str) -> None:
         """Applies one fault; raises `UnknownFault` if the words name none."""

@@ -11,7 +11,7 @@ from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.interface.commands.state import one_line_status
 from omron_ld90_sim.interface.configuration_table import LISTS, OUTGOING, OUTGOING_COMMANDS
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.session import SimSession
 
 MINIMUM_STATUS_INTERVAL = 0.1   # s, lower limit of SendStatusInterval
 MINIMUM_LIST_INTERVAL = 0.01    # s, not in the sources; leaves time for everything else
@@ -21,7 +21,7 @@ MINIMUM_TIMEOUT = 5.0           # s, lower limit of OutgoingSocketTimeoutInMins
 class OutgoingLink:
     """The command lists, the status lines and the timeout of one outgoing session."""
 
-    def __init__(self, server: ArclServer, session: Session) -> None:
+    def __init__(self, server: ArclServer, session: SimSession) -> None:
         self._server, self._session = server, session
         self._tickers: List[Ticker] = []
         settings, clock = server.configuration, server.clock

@@ -15,7 +15,7 @@ from omron_ld90_sim.interface.configuration import Configuration
 from omron_ld90_sim.interface.configuration_table import FILES, FLEET, SERVER, default_configuration
 from omron_ld90_sim.interface.data_store import DataStore
 from omron_ld90_sim.interface.dialect import Dialect
-from omron_ld90_sim.interface.session import Impairment, Phase, Session
+from omron_ld90_sim.interface.session import Impairment, Phase, SimSession
 from omron_ld90_sim.motion.floor import Floor
 from omron_map import MapDocument, MapError
 
@@ -37,7 +37,7 @@ class ArclServer:
         self._interpreter = interpreter
         self.configuration = configuration or default_configuration()
         self.map_folder = map_folder
-        self.sessions: List[Session] = []
+        self.sessions: List[SimSession] = []
         self.impairment = Impairment()
         self.dialect = Dialect()
         self.online = True              # False: no listener and no outgoing connection
@@ -45,7 +45,7 @@ class ArclServer:
         self.outgoing_wanted = True     # False: there is no outgoing connection
         self.outgoing_asked: Callable[[], None] = lambda: None   # tells its next success
         self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
-        self.outgoing_begins: Callable[[Session], object] = lambda session: None
+        self.outgoing_begins: Callable[[SimSession], object] = lambda session: None
         self.wall_time = time.localtime
         self.data_store = DataStore(robot, lambda: self.wall_time())
         self._count = 0
@@ -67,23 +67,23 @@ class ArclServer:
         """The wall clock in the form of ARCL."""
         return time.strftime('%m/%d/%Y %H:%M:%S', self.wall_time())
 
-    def connect(self) -> Session:
+    def connect(self) -> SimSession:
         """Begins the session of a new client."""
         self._count += 1
-        session = Session(self, self._count)
+        session = SimSession(self, self._count)
         self.sessions.append(session)
         return session
 
-    def connect_outgoing(self) -> Session:
+    def connect_outgoing(self) -> SimSession:
         """Begins the outgoing session: it has no login, and gets every broadcast."""
-        session = Session(self, 0, outgoing=True)
+        session = SimSession(self, 0, outgoing=True)
         self.sessions.append(session)
         asked, self.outgoing_asked = self.outgoing_asked, lambda: None
         asked()
         self.outgoing_begins(session)
         return session
 
-    def forget(self, session: Session) -> None:
+    def forget(self, session: SimSession) -> None:
         """Removes a session that has ended."""
         session.phase = Phase.CLOSED
         if session in self.sessions:
@@ -135,7 +135,7 @@ class ArclServer:
             if session.phase is Phase.OPEN:
                 session.send(line)
 
-    def execute(self, session: Session, line: str) -> None:
+    def execute(self, session: SimSession, line: str) -> None:
         """Executes one command line for `session`."""
         self._interpreter(self, session, line)
 
@@ -153,4 +153,4 @@ class ArclServer:
         self.broadcast('Map changed')
 
 
-Interpreter = Callable[[ArclServer, Session, str], None]
+Interpreter = Callable[[ArclServer, SimSession, str], None]

@@ -56,14 +56,14 @@ class Host(Protocol):
     def log(self, number: int, direction: str, line: bytes) -> None:
         """Logs a line: its side (`C` or `S`) and its connection."""
 
-    def execute(self, session: Session, line: str) -> None:
+    def execute(self, session: SimSession, line: str) -> None:
         """Executes a command line."""
 
-    def forget(self, session: Session) -> None:
+    def forget(self, session: SimSession) -> None:
         """Removes a session that has ended."""
 
 
-class Session:
+class SimSession:
     """One connection of a client, or the robot's own outgoing one."""
 
     def __init__(self, server: Host, number: int, outgoing: bool = False) -> None:

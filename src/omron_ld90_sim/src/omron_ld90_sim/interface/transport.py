@@ -20,7 +20,7 @@ class PortTaken(Exception):
     """It is impossible to listen on the ARCL port."""
 
 
-class Session(Protocol):
+class ConnectedSession(Protocol):
     """The interface that a connection needs of its session."""
 
     output: bytearray
@@ -50,10 +50,10 @@ class Server(Protocol):
     accepting: bool
     outgoing_wanted: bool
 
-    def connect(self) -> Session:
+    def connect(self) -> ConnectedSession:
         """Begins the session of a new client."""
 
-    def connect_outgoing(self) -> Session:
+    def connect_outgoing(self) -> ConnectedSession:
         """Begins the session of the outgoing connection."""
 
     def shut_down(self) -> None:
@@ -63,7 +63,7 @@ class Server(Protocol):
 class Connection:
     """One TCP connection and its session."""
 
-    def __init__(self, loop: Loop, sock: socket.socket, session: Session,
+    def __init__(self, loop: Loop, sock: socket.socket, session: ConnectedSession,
                  gone: Callable[[Connection], None]) -> None:
         self.loop, self.sock, self.session, self._gone = loop, sock, session, gone
         self._mask = selectors.EVENT_READ
@@ -171,7 +171,7 @@ class TcpServer:
         self._next_listen = self.loop.clock.now + RECONNECT
         self.loop.clock.at(self._next_listen, self._maintain)
 
-    def _add(self, sock: socket.socket, session: Session) -> None:
+    def _add(self, sock: socket.socket, session: ConnectedSession) -> None:
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         connection = Connection(self.loop, sock, session, self._connections.remove)

@@ -11,7 +11,7 @@ from typing import List, Optional, Sequence
 import numpy as np
 
 from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Limits, normalise
-from omron_ld90_sim.motion.planner import Planner, Way
+from omron_ld90_sim.motion.planner import PlannedWay, Planner
 from omron_ld90_sim.motion.space import Space
 from omron_ld90_sim.motion.track import Manoeuvre, Track, Turn, line, straight_track
 
@@ -23,7 +23,7 @@ SHARPEST_CORNER = 120.0                                 # deg; beyond it the rob
 NEGLIGIBLE = 0.5                                        # mm
 
 
-def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
+def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
                lead_in: Optional[np.ndarray] = None, entry_speed: float = 0.0) -> List[Manoeuvre]:
     """The manoeuvres with which the robot follows `way`.
 
@@ -52,7 +52,7 @@ def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
 
 
 def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
-               way: Way) -> List[Manoeuvre]:
+               way: PlannedWay) -> List[Manoeuvre]:
     """The tracks, each begun from standing, with turns before them and at the end of `way`."""
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):

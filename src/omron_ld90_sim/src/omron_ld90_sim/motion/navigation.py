@@ -10,7 +10,7 @@ from omron_ld90_sim.motion.base import Base
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.manoeuvres import manoeuvres
-from omron_ld90_sim.motion.planner import Blocked, NoWay, Way, planner_for
+from omron_ld90_sim.motion.planner import Blocked, NoWay, PlannedWay, planner_for
 from omron_ld90_sim.motion.space import Disc
 from omron_ld90_sim.motion.track import Track
 
@@ -91,7 +91,7 @@ class Navigation:
             lead_in = track.cut(base.place, join)
             base.follow(manoeuvres(way, self.planner, limits, lead_in, base.speed))
 
-    def _plan(self, start: Pose, x: float, y: float, heading: Optional[float]) -> Way:
+    def _plan(self, start: Pose, x: float, y: float, heading: Optional[float]) -> PlannedWay:
         obstacles = self.obstacles()
         try:
             return self.planner.plan(start, x, y, heading, obstacles)

@@ -42,7 +42,7 @@ class Blocked(NoWay):
 
 
 @dataclass(frozen=True)
-class Way:
+class PlannedWay:
     """A path: optionally straight out of a narrow place first, then along `vertices`."""
 
     start: Pose
@@ -72,7 +72,7 @@ class Planner:
         self._cost = cost
 
     def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
-             obstacles: Sequence[Disc] = ()) -> Way:
+             obstacles: Sequence[Disc] = ()) -> PlannedWay:
         """The path from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
         space = Space(self.floor, obstacles)
         escape = self._escape(space, start)
@@ -95,7 +95,7 @@ class Planner:
             arrival = Pose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
             if not space.body_fits(arrival, DRIVE_MARGIN):
                 raise NoWay('the body does not fit at the goal')
-        return Way(start, escape, vertices, heading, space)
+        return PlannedWay(start, escape, vertices, heading, space)
 
     def can_turn(self, pose: Pose, obstacles: Sequence[Disc] = ()) -> bool:
         """Whether there is room to turn on the spot."""

@@ -13,7 +13,7 @@ from vda5050_protocol.reporting import Reporter
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import ActionTable
 from vda5050_vehicle.core.identity import Identity
-from vda5050_vehicle.core.state import VehicleState
+from vda5050_vehicle.core.state import VdaVehicleState
 from vda5050_vehicle.drivers.driver import Driver, NotDrivable
 from vda5050_vehicle.drivers.robot_view import RobotView
 
@@ -28,7 +28,7 @@ class Context:
     codec: Codec
     table: ActionTable
     driver: Driver[Any]
-    state: VehicleState
+    state: VdaVehicleState
     robot: RobotView = RobotView()
     reporter: Reporter = field(default_factory=Reporter)
     history: Deque[str] = field(default_factory=lambda: deque(maxlen=HISTORY))

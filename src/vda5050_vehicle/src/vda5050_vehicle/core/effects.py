@@ -6,8 +6,8 @@ from typing import Any, Mapping, Optional, Tuple, Union
 
 from vda5050_protocol.values import State
 from vda5050_vehicle.core.action_table import ActionSpec
-from vda5050_vehicle.core.state import VehicleState
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.core.state import VdaVehicleState
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class CancelAction:
 class SetPose:
     """Set the pose of the robot's localization."""
 
-    pose: Pose
+    pose: RobotPose
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ class Keep:
     before -- the state that was stored last; None: no state was stored
     """
 
-    before: Optional[VehicleState]
-    now: VehicleState
+    before: Optional[VdaVehicleState]
+    now: VdaVehicleState
 
 
 @dataclass(frozen=True)

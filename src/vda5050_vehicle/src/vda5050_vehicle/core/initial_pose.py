@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from vda5050_vehicle.drivers.robot_view import Pose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
 
 WITHIN = (0.5, 0.3)  # m, rad: the largest error of a robot that has matched its surroundings
 SAME = (0.1, 0.1)    # m, rad: within this a pose equals the requested pose
@@ -17,13 +17,13 @@ class PoseWish:
     """A pose that was sent to the robot; it counts as taken within `within` (m, rad)."""
 
     action_id: str
-    pose: Pose
+    pose: RobotPose
     last_node: str
     within: Tuple[float, float]
     until: float
 
     @staticmethod
-    def told(action_id: str, pose: Pose, last_node: str, before: Optional[Pose],
+    def told(action_id: str, pose: RobotPose, last_node: str, before: Optional[RobotPose],
              now: float) -> PoseWish:
         """Returns the wish for a pose that is sent to the robot now.
 
@@ -43,6 +43,6 @@ class PoseWish:
             apart <= within for apart, within in zip(_apart(robot.pose, self.pose), self.within))
 
 
-def _apart(pose: Pose, other: Pose) -> Tuple[float, float]:
+def _apart(pose: RobotPose, other: RobotPose) -> Tuple[float, float]:
     turn = math.remainder(pose.theta - other.theta, 2.0 * math.pi)
     return math.dist((pose.x, pose.y), (other.x, other.y)), abs(turn)

@@ -17,7 +17,7 @@ from vda5050_vehicle.core.action_table import ActionSpec, Parameter, WrongAction
 from vda5050_vehicle.core.context import Context
 from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.core.initial_pose import PoseWish
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 # These actions stop the vehicle or only report. A late copy of any other action is not executed.
 STOPPING = frozenset({'cancelOrder', 'startPause'})
@@ -271,7 +271,7 @@ class InstantActionHandler:
         map_id = context.identity.map_id
         if map_id and arguments['mapId'] != map_id:
             raise WrongAction('mapId', f'the vehicle has only map {map_id!r}; use this map')
-        pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
+        pose = RobotPose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
         last_node = str(arguments.get('lastNodeId', ''))
         if last_node and not context.driver.knows(last_node, pose):
             raise WrongAction('lastNodeId', f'there is no node {last_node[:40]!r}')

@@ -14,8 +14,8 @@ from dataclasses import fields, is_dataclass
 from typing import Any, Dict, Iterable, Mapping, Optional, Type
 
 from json_records import from_json, to_json
-from vda5050_vehicle.core.state import VehicleState
-from vda5050_vehicle.drivers.driver import Drive
+from vda5050_vehicle.core.state import VdaVehicleState
+from vda5050_vehicle.drivers.driver import DriveProgress
 
 VERSION = 4
 
@@ -24,7 +24,7 @@ class WrongRecord(Exception):
     """A journal that cannot be used; the text gives the reason."""
 
 
-def line(before: Optional[VehicleState], now: VehicleState, boot: str = '') -> str:
+def line(before: Optional[VdaVehicleState], now: VdaVehicleState, boot: str = '') -> str:
     """Returns the line with the changes; with the whole state if `before` is None.
 
     boot -- id of the computer's boot
@@ -38,7 +38,7 @@ def boot_of(first: str) -> str:
     return str(json.loads(first).get('boot'))
 
 
-def read(lines: Iterable[str], drive: Type[Drive]) -> VehicleState:
+def read(lines: Iterable[str], drive: Type[DriveProgress]) -> VdaVehicleState:
     """Returns the state after all lines; raises WrongRecord.
 
     drive -- the class of the driver's memory
@@ -50,7 +50,7 @@ def read(lines: Iterable[str], drive: Type[Drive]) -> VehicleState:
             if number == 0 and change.get('version') != VERSION:
                 raise WrongRecord(f'it is of version {change.get("version")}, not {VERSION}')
             value = _changed(value, change)
-        return from_json(VehicleState, value, instead={'drive': drive})
+        return from_json(VdaVehicleState, value, instead={'drive': drive})
     except (AttributeError, KeyError, IndexError, TypeError, ValueError,
             RecursionError) as error:
         raise WrongRecord(f'{type(error).__name__}: {error}') from None

@@ -10,11 +10,11 @@ from vda5050_protocol.order_state import OrderState
 from vda5050_protocol.received import ReceivedMessages
 from vda5050_vehicle.core.errors import Errors
 from vda5050_vehicle.core.initial_pose import PoseWish
-from vda5050_vehicle.drivers.driver import Drive, Leg
+from vda5050_vehicle.drivers.driver import DriveProgress, Leg
 
 
 @dataclass
-class VehicleState:
+class VdaVehicleState:
     """The state of a vehicle. Each field has an immutable value, so a shallow copy is a snapshot.
 
     taken   -- digest of the order or update that was accepted last
@@ -32,7 +32,7 @@ class VehicleState:
     taken: str = ''
     legs: Tuple[Leg, ...] = ()
     actions: ActionQueue = ActionQueue()
-    drive: Drive = Drive()
+    drive: DriveProgress = DriveProgress()
     errors: Errors = Errors()
     paused: bool = False
     cancels: Tuple[str, ...] = ()
@@ -42,16 +42,16 @@ class VehicleState:
     epoch: int = 0
     away: bool = False
 
-    def copy(self) -> VehicleState:
+    def copy(self) -> VdaVehicleState:
         """Returns a snapshot of the state."""
         return copy(self)
 
-    def become(self, other: VehicleState) -> None:
+    def become(self, other: VdaVehicleState) -> None:
         """Takes over all values of another state."""
         for field in fields(self):
             setattr(self, field.name, getattr(other, field.name))
 
-    def differs_from(self, other: VehicleState) -> bool:
+    def differs_from(self, other: VdaVehicleState) -> bool:
         """Returns whether a field has another object; unchanged fields keep their object."""
         return any(getattr(self, field.name) is not getattr(other, field.name)
                    for field in fields(self))

@@ -28,21 +28,21 @@ from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.core.inbox import Inbox
 from vda5050_vehicle.core.instant_actions import BUILT_IN, BUILT_IN_3, InstantActionHandler
 from vda5050_vehicle.core.order_desk import OrderDesk
-from vda5050_vehicle.core.state import VehicleState
+from vda5050_vehicle.core.state import VdaVehicleState
 from vda5050_vehicle.core.state_report import position_of, state_of
-from vda5050_vehicle.drivers.driver import Driver, Memory
+from vda5050_vehicle.drivers.driver import Driver, DriverMemory
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.robot_view import RobotView
 
-MakeDriver = Callable[[Memory], Driver[Any]]
+MakeDriver = Callable[[DriverMemory], Driver[Any]]
 
 
-class Vehicle:
+class VdaVehicle:
     """See the module's docstring."""
 
     def __init__(self, identity: Identity, codec: Codec, table: ActionTable,
                  make_driver: MakeDriver, abilities: Abilities) -> None:
-        self.state = VehicleState()
+        self.state = VdaVehicleState()
         table = ActionTable((*BUILT_IN, *(BUILT_IN_3 if codec.is_3 else ()),
                              *table.specs.values()))
         self.context = Context(identity, codec, table, make_driver(self.state), self.state)
@@ -51,7 +51,7 @@ class Vehicle:
         self._runner = ActionRunner(self.context)
         self._desk = OrderDesk(self.context, inbox, abilities)
         self._instant = InstantActionHandler(self.context, inbox, self._runner)
-        self._kept: Optional[VehicleState] = None
+        self._kept: Optional[VdaVehicleState] = None
 
     # --- events -----------------------------------------------------------------------------------
 
@@ -101,7 +101,7 @@ class Vehicle:
         self.driver.tick(now)
         return self._go_on(now)
 
-    def restore(self, state: VehicleState, is_newest: bool, now: float) -> None:
+    def restore(self, state: VdaVehicleState, is_newest: bool, now: float) -> None:
         """Continues the order after a restart; actions that were started count as failed.
 
         is_newest -- no later state can have been lost. Otherwise the order may be cancelled by now:

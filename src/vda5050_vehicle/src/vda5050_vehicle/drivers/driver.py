@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, Tuple, TypeVar
 
 from vda5050_protocol.values import Edge, ErrorKind, Node
-from vda5050_vehicle.drivers.robot_view import Pose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
 
 SETTLING = 1.0  # s; a report of the robot's motion may be this much older than the last command
 
@@ -46,7 +46,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Drive:
+class DriveProgress:
     """The memory of a driver: the robot's progress along the legs that it was sent.
 
     passed     -- number of legs of the order that the robot has driven
@@ -79,7 +79,7 @@ class Drive:
         raise NotImplementedError
 
 
-class Memory(Protocol):
+class DriverMemory(Protocol):
     """The part of the vehicle's state that a driver uses."""
 
     drive: Any
@@ -88,7 +88,7 @@ class Memory(Protocol):
         """Returns a leg by its number; None if it is driven, or if the robot stands there."""
 
 
-D = TypeVar('D', bound=Drive)
+D = TypeVar('D', bound=DriveProgress)
 
 
 class Driver(ABC, Generic[D]):
@@ -101,7 +101,7 @@ class Driver(ABC, Generic[D]):
 
     longest: ClassVar[Optional[int]] = None
 
-    def __init__(self, memory: Memory, drive: D) -> None:
+    def __init__(self, memory: DriverMemory, drive: D) -> None:
         memory.drive = drive
         self._memory = memory
         self._commands: List[Any] = []
@@ -122,7 +122,7 @@ class Driver(ABC, Generic[D]):
         return commands
 
     @abstractmethod
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[Pose],
+    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
              ) -> Tuple[Leg, ...]:
         """Returns one leg per edge; raises NotDrivable.
 
@@ -130,18 +130,18 @@ class Driver(ABC, Generic[D]):
         """
 
     @abstractmethod
-    def is_at(self, node: Node, pose: Pose) -> bool:
+    def is_at(self, node: Node, pose: RobotPose) -> bool:
         """Returns whether the robot at `pose` may begin an order at this node.
 
         Raises NotDrivable.
         """
 
     @abstractmethod
-    def node_at(self, pose: Pose) -> str:
+    def node_at(self, pose: RobotPose) -> str:
         """Returns the id of the node at which the robot stands; '' if there is no known node."""
 
     @abstractmethod
-    def knows(self, node_id: str, pose: Pose) -> bool:
+    def knows(self, node_id: str, pose: RobotPose) -> bool:
         """Returns whether a node has this name, or a node at `pose` may have it at the master."""
 
     @abstractmethod

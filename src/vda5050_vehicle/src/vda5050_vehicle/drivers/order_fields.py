@@ -12,7 +12,7 @@ from typing import Callable, Dict, FrozenSet, Optional, Sequence, Tuple
 from vda5050_protocol import problems as e
 from vda5050_protocol.values import Edge, Node, NodePosition, Order
 from vda5050_vehicle.drivers.driver import NotDrivable
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 HEADING_TOLERANCE = 0.1  # rad; the tolerance of a heading for which the node sets no deviation
 
@@ -87,7 +87,7 @@ def check_headings(nodes: Sequence[Node], can: Abilities,
                                f'node {node.node_id!r}: the vehicle cannot take a heading there')
 
 
-def check_start_heading(node: Node, pose: Pose, can: Abilities) -> None:
+def check_start_heading(node: Node, pose: RobotPose, can: Abilities) -> None:
     """Raises NotDrivable if an order begins with a heading that the robot does not have."""
     wanted = heading_of(node, can)
     if wanted is not None and not has_heading(node, wanted, pose.theta):
@@ -132,7 +132,7 @@ def heading_of(node: Node, can: Abilities) -> Optional[float]:
     return None if free else position.theta
 
 
-def is_within(node: Node, place: Tuple[float, float], pose: Pose, near: float) -> bool:
+def is_within(node: Node, place: Tuple[float, float], pose: RobotPose, near: float) -> bool:
     """Returns whether the robot is near the position of a node, or within its deviation."""
     dx, dy = pose.x - place[0], pose.y - place[1]
     deviation = node.position.allowed_deviation_xy if node.position else None

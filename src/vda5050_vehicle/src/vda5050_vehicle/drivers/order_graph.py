@@ -9,7 +9,7 @@ from trajectory_graph import Graph, Vertex
 from vda5050_protocol import problems as e
 from vda5050_protocol.values import Edge, Node
 from vda5050_vehicle.drivers.driver import Leg, NotDrivable
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class OrderGraph:
             raise ValueError('a node without a vertex must have a position; see `vertex`')
         return position.x, position.y
 
-    def node_at(self, pose: Pose) -> str:
+    def node_at(self, pose: RobotPose) -> str:
         """Returns the id of the vertex at which the robot stands; '' if there is none."""
         vertex = self._nearest(pose.x, pose.y)
         return '' if vertex is None else str(vertex.id)
@@ -98,7 +98,7 @@ class OrderGraph:
             legs.append(Leg(signed, self.graph.curve(signed).length, *end.position))
         return tuple(legs)
 
-    def approach(self, first: int, pose: Pose, passing: float, corridor: float
+    def approach(self, first: int, pose: RobotPose, passing: float, corridor: float
                  ) -> Tuple[int, ...]:
         """Returns the edges over which a robot drives to the start of an order's first edge.
 
@@ -124,13 +124,13 @@ class OrderGraph:
                 f'away from vertex {start.id}, on no edge that leads there', 'nodes')
         return min(leading, key=lambda signed: self._distance(signed, pose)),
 
-    def _stands_on(self, signed: int, pose: Pose, passing: float, corridor: float) -> bool:
+    def _stands_on(self, signed: int, pose: RobotPose, passing: float, corridor: float) -> bool:
         """Returns whether the robot is on the edge and not yet at its end."""
         curve = self.graph.curve(signed)
         place = curve.project(pose.x, pose.y)
         return place.distance <= corridor and curve.length - place.arc_length > passing
 
-    def _distance(self, signed: int, pose: Pose) -> float:
+    def _distance(self, signed: int, pose: RobotPose) -> float:
         return self.graph.curve(signed).project(pose.x, pose.y).distance
 
     def _edge_between(self, start: Vertex, end: Vertex, edge: Edge) -> int:

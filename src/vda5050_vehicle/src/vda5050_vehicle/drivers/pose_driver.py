@@ -12,10 +12,17 @@ from typing import Optional, Sequence, Tuple, Union
 
 from vda5050_protocol import problems as e
 from vda5050_protocol.values import Edge, Node
-from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
+from vda5050_vehicle.drivers.driver import (
+    SETTLING,
+    DriveProgress,
+    Driver,
+    DriverMemory,
+    Leg,
+    NotDrivable,
+)
 from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.robot_view import Pose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
 
 SAME_PLACE = 0.01  # m; within this distance a robot need not move from one node to the next
 PASSING = 0.5  # m; a node without a deviation counts as passed within this distance
@@ -40,7 +47,7 @@ PoseCommand = Union[GoTo, CancelGoals]
 
 
 @dataclass(frozen=True)
-class PoseDrive(Drive):
+class PoseDrive(DriveProgress):
     """The memory of the pose driver.
 
     goal    -- number of the active goal; negative while it is being cancelled; 0: no goal
@@ -66,15 +73,15 @@ class PoseDrive(Drive):
 class PoseDriver(Driver[PoseDrive]):
     """See the module's docstring."""
 
-    def __init__(self, memory: Memory, abilities: Abilities, matching: Matching) -> None:
+    def __init__(self, memory: DriverMemory, abilities: Abilities, matching: Matching) -> None:
         super().__init__(memory, PoseDrive())
         self._abilities = abilities
         self._matching = matching
-        self._pose: Optional[Pose] = None
+        self._pose: Optional[RobotPose] = None
 
     # --- planning ---------------------------------------------------------------------------------
 
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[Pose],
+    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
              ) -> Tuple[Leg, ...]:
         """See Driver."""
         check_headings(nodes, self._abilities, lambda index, node: True)
@@ -88,15 +95,15 @@ class PoseDriver(Driver[PoseDrive]):
             return Leg(0, 0.0, *end)
         return Leg(0, max(length, 1e-3), *end, heading, _passing(node))
 
-    def is_at(self, node: Node, pose: Pose) -> bool:
+    def is_at(self, node: Node, pose: RobotPose) -> bool:
         """See Driver."""
         return is_within(node, self._place(node), pose, self._matching.near)
 
-    def node_at(self, pose: Pose) -> str:
+    def node_at(self, pose: RobotPose) -> str:
         """See Driver; '' because without a graph no node is known."""
         return ''
 
-    def knows(self, node_id: str, pose: Pose) -> bool:
+    def knows(self, node_id: str, pose: RobotPose) -> bool:
         """See Driver; True because without a graph the master may use any name."""
         return True
 

@@ -13,7 +13,7 @@ REST = 2.0                # s; a robot that reports only poses stands if it has 
 
 
 @dataclass(frozen=True)
-class Pose:
+class RobotPose:
     """The pose of the robot on the map."""
 
     x: float
@@ -34,7 +34,7 @@ class RobotView:
                 limit has not expired
     """
 
-    pose: Optional[Pose] = None
+    pose: Optional[RobotPose] = None
     velocity: Optional[Velocity] = None
     seen_at: float = -math.inf
     standing: Optional[bool] = None
@@ -67,7 +67,7 @@ class RobotView:
                 and (self.velocity is not None or self.standing is True or self.rests))
 
 
-def has_moved(before: Pose, now: Pose) -> bool:
+def has_moved(before: RobotPose, now: RobotPose) -> bool:
     """Returns whether two poses differ by more than those of a standing robot within REST."""
     turned = math.remainder(now.theta - before.theta, math.tau)
     return (math.hypot(now.x - before.x, now.y - before.y) > STANDING_SPEED * REST

@@ -35,7 +35,7 @@ from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import EdgeState, EpochCause, RouteReport, SymbolicPose
 from trajectory_graph import Graph
 from vda5050_protocol.values import Edge, Node
-from vda5050_vehicle.drivers.driver import Drive, Driver, Leg, Memory, NotDrivable
+from vda5050_vehicle.drivers.driver import DriveProgress, Driver, DriverMemory, Leg, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
     check_deviations,
@@ -45,7 +45,7 @@ from vda5050_vehicle.drivers.order_fields import (
     is_within,
 )
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
-from vda5050_vehicle.drivers.robot_view import Pose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
 
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""
@@ -56,7 +56,7 @@ _BY_OTHERS = (EpochCause.OTHER_GIVER, EpochCause.STOP, EpochCause.CANCEL, EpochC
 
 
 @dataclass(frozen=True)
-class RouteDrive(Drive):
+class RouteDrive(DriveProgress):
     """The memory of the route driver.
 
     protocol -- what the robot may still do by the orders of this adapter
@@ -89,14 +89,14 @@ class RouteDriver(Driver[RouteDrive]):
 
     longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
 
-    def __init__(self, memory: Memory, graph: Graph, abilities: Abilities, matching: Matching,
+    def __init__(self, memory: DriverMemory, graph: Graph, abilities: Abilities, matching: Matching,
                  clock: Callable[[], int]) -> None:
         super().__init__(memory, RouteDrive())
         self._graph = OrderGraph(graph, matching)
         self._matching = matching
         self._abilities = abilities
         self._clock = clock
-        self._pose: Optional[Pose] = None
+        self._pose: Optional[RobotPose] = None
         self._is_heard = False  # the robot has reported since the start
         self._given_at = self._sent_at = -math.inf
 
@@ -106,7 +106,7 @@ class RouteDriver(Driver[RouteDrive]):
         """Uses another graph for planning from now on."""
         self._graph = OrderGraph(graph, self._matching)
 
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[Pose],
+    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
              ) -> Tuple[Leg, ...]:
         """See Driver."""
         check_headings(nodes, self._abilities, self._turns_there)
@@ -116,7 +116,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._approach(legs[0].edge, pose)
         return legs
 
-    def _approach(self, first: int, pose: Pose) -> Tuple[int, ...]:
+    def _approach(self, first: int, pose: RobotPose) -> Tuple[int, ...]:
         """Returns the edges that the robot drives before the first edge of an order.
 
         The robot may be anywhere within the deviation of the first node. Raises NotDrivable.
@@ -137,15 +137,15 @@ class RouteDriver(Driver[RouteDrive]):
         wanted = heading_of(node, self._abilities)
         return wanted is None or has_heading(node, wanted, taken)
 
-    def is_at(self, node: Node, pose: Pose) -> bool:
+    def is_at(self, node: Node, pose: RobotPose) -> bool:
         """See Driver."""
         return is_within(node, self._graph.place(node), pose, self._matching.near)
 
-    def node_at(self, pose: Pose) -> str:
+    def node_at(self, pose: RobotPose) -> str:
         """See Driver."""
         return self._graph.node_at(pose)
 
-    def knows(self, node_id: str, pose: Pose) -> bool:
+    def knows(self, node_id: str, pose: RobotPose) -> bool:
         """See Driver."""
         return self._graph.knows(node_id) or bool(self._graph.node_at(pose))
 

@@ -8,11 +8,11 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from node_lifecycle import publish_diagnostics
 from vda5050_mqtt.link import MqttLink
-from vda5050_vehicle.core.vehicle import Vehicle
+from vda5050_vehicle.core.vehicle import VdaVehicle
 from vda5050_vehicle.nodes.settings import Settings
 
 
-def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
+def show_state(settings: Settings, vehicle: VdaVehicle, link: MqttLink,
                problem: Callable[[], str]) -> None:
     """Publishes the state of the broker connection and of the order.
 

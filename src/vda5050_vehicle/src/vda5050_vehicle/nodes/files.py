@@ -9,15 +9,15 @@ from file_replacement import replace_file
 from node_lifecycle import ConfigurationError
 from node_lifecycle.boot import boot_id
 from vda5050_vehicle.core import journal
-from vda5050_vehicle.core.state import VehicleState
-from vda5050_vehicle.drivers.driver import Drive
+from vda5050_vehicle.core.state import VdaVehicleState
+from vda5050_vehicle.drivers.driver import DriveProgress
 
 MAX_REPORTS = 20
 _PRIVATE = 0o600  # for this user only
 MAX_JOURNAL = 1_000_000  # bytes of changes; after that the journal is written anew
 
 
-class JournalFile:
+class JournalLog:
     """The file that keeps the vehicle's state during a restart, as a log of changes.
 
     Writing does not force the data to the disk. So the file survives a restart of this process, but
@@ -33,7 +33,7 @@ class JournalFile:
             raise ConfigurationError(f'the folder of the journal {path} cannot be created: '
                                      f'{error.strerror}') from None
 
-    def read(self, drive: Type[Drive]) -> Optional[Tuple[VehicleState, bool]]:
+    def read(self, drive: Type[DriveProgress]) -> Optional[Tuple[VdaVehicleState, bool]]:
         """Returns the stored state, or None if there is no file; raises WrongRecord.
 
         The second value is true if the state is of this boot of the computer. An unfinished last
@@ -49,7 +49,7 @@ class JournalFile:
             return None
         return journal.read(lines, drive), journal.boot_of(lines[0]) == boot_id()
 
-    def write(self, before: Optional[VehicleState], now: VehicleState) -> None:
+    def write(self, before: Optional[VdaVehicleState], now: VdaVehicleState) -> None:
         """Appends the changes; writes a new file if it would grow too large. Raises OSError."""
         is_new = before is None or self._changes >= MAX_JOURNAL
         text = journal.line(None if is_new else before, now, boot_id() if is_new else '') + '\n'

@@ -25,7 +25,7 @@ from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.measurements import measured
 from node_lifecycle.periodic import Periodic
 from vda5050_protocol.values import BatteryState, EStop, Velocity
-from vda5050_vehicle.drivers.robot_view import REST, Pose, RobotView, has_moved, silence
+from vda5050_vehicle.drivers.robot_view import REST, RobotPose, RobotView, has_moved, silence
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
 TF_PERIOD = 0.2  # s between two queries of TF
@@ -97,7 +97,7 @@ class RobotWatch:
         self._on_change = on_change
         self._lock = threading.Lock()
         self._heard: Dict[str, _Heard] = {}
-        self._still: Optional[_Heard[Pose]] = None
+        self._still: Optional[_Heard[RobotPose]] = None
         """The pose at which the robot has stood since this pose was first received."""
         self._since = time.monotonic()
         if tf_base:
@@ -157,11 +157,11 @@ class RobotWatch:
                                    'frame is "%s".', message.header.frame_id, self._frame)
             return
         position = message.pose.position
-        pose = Pose(position.x, position.y, yaw_from_quaternion(message.pose.orientation))
+        pose = RobotPose(position.x, position.y, yaw_from_quaternion(message.pose.orientation))
         if all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
             self._hear_pose(pose)
 
-    def _hear_pose(self, pose: Pose) -> None:
+    def _hear_pose(self, pose: RobotPose) -> None:
         now = time.monotonic()
         with self._lock:
             last = self._heard.get('pose')
@@ -202,7 +202,7 @@ class RobotWatch:
             if transform.header.stamp != last[0]:  # ignore a transform that was read before
                 last[0] = transform.header.stamp
                 place = transform.transform.translation
-                self._hear_pose(Pose(place.x, place.y,
-                                     yaw_from_quaternion(transform.transform.rotation)))
+                self._hear_pose(RobotPose(place.x, place.y,
+                                          yaw_from_quaternion(transform.transform.rotation)))
 
         Periodic('TF', TF_PERIOD, look)

@@ -26,7 +26,7 @@ from vda5050_vehicle.drivers.order_fields import FIELDS, Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
-from vda5050_vehicle.nodes.files import JournalFile, LogReports
+from vda5050_vehicle.nodes.files import JournalLog, LogReports
 from vda5050_vehicle.nodes.parameters import topic_level, yaml_file
 from vda5050_vehicle.nodes.robot_watch import Signal, read_signals
 from vda5050_vehicle.nodes.ros_actions import check_types
@@ -53,7 +53,7 @@ class Settings:
         self.make_driver = self._driver()
         folder = Path(rospkg.get_ros_home()) / 'vda5050'
         name = f'{self.identity.manufacturer}_{self.identity.serial_number}'
-        self.journal = JournalFile(Path(parameter('~journal', '') or folder / f'{name}.json'))
+        self.journal = JournalLog(Path(parameter('~journal', '') or folder / f'{name}.json'))
         self.reports = LogReports(Path(parameter('~log_folder', '') or folder / f'{name}_logs'))
 
     def _read_files(self) -> None:

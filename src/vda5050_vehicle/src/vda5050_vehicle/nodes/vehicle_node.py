@@ -60,10 +60,10 @@ from vda5050_protocol.values import Connection, ConnectionState, Visualization
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
-from vda5050_vehicle.core.vehicle import Vehicle
+from vda5050_vehicle.core.vehicle import VdaVehicle
 from vda5050_vehicle.drivers.driver import Driver
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
-from vda5050_vehicle.drivers.robot_view import Pose
+from vda5050_vehicle.drivers.robot_view import RobotPose
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.nodes.diagnostics import show_state
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
@@ -91,8 +91,8 @@ class VehicleNode:
         self._visualized = 0.0
         self._look_is_due = False
         self._messages: Deque[Tuple[str, bytes]] = deque()  # of the master, oldest first
-        self._vehicle = Vehicle(identity, settings.codec, settings.table, settings.make_driver,
-                                settings.abilities)
+        self._vehicle = VdaVehicle(identity, settings.codec, settings.table, settings.make_driver,
+                                   settings.abilities)
         self._factsheet = sheet.factsheet(settings.document, self._vehicle.context.table,
                                           self._vehicle.driver.longest)
         self._restore()
@@ -245,7 +245,7 @@ class VehicleNode:
         self._put(lambda now: self._vehicle.action_ended(
             effect.action_id, written, name, now))
 
-    def _set_pose(self, pose: Pose) -> None:
+    def _set_pose(self, pose: RobotPose) -> None:
         message = PoseWithCovarianceStamped()
         message.header.frame_id = self._settings.map_frame
         message.header.stamp = rospy.Time.now()

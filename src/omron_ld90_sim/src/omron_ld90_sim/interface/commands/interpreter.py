@@ -6,12 +6,12 @@ from typing import Dict
 
 from omron_ld90_sim.interface.commands.table import TABLE, Call, CommandFailed, SetUpError
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.session import SimSession
 
 _VARIABLE = re.compile(r'\$([gymdHMSTXYhstx])')
 
 
-def execute(server: ArclServer, session: Session, line: str) -> None:
+def execute(server: ArclServer, session: SimSession, line: str) -> None:
     """Carries out one command line for `session`."""
     variables = _variables(server)
     line = _VARIABLE.sub(lambda match: variables[match.group(1)], line)

@@ -9,7 +9,7 @@ from omron_ld90_sim.behaviour.task import split_words
 from omron_ld90_sim.devices.equipment import find_name
 from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.session import SimSession
 
 
 class CommandFailed(Exception):
@@ -25,7 +25,7 @@ class Call:
     """One command line that is being answered."""
 
     server: ArclServer
-    session: Session
+    session: SimSession
     line: str           # as typed, with variables expanded
     rest: str           # the text after the command's name, as typed
 
