@@ -6,7 +6,9 @@ from dataclasses import replace
 import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder, with_docks
 
+from fleet_core.interlocking.changes import Changes
 from fleet_core.interlocking.reports import Report
+from fleet_core.supervision.assumptions import WorldView
 from fleet_core.supervision.duties import WINDOW
 from fleet_core.supervision.fleet_view import (
     RobotState,
@@ -487,3 +489,35 @@ def test_a_mission_has_more_destinations_than_the_planner_is_asked_for_at_once(c
     fleet.request(1, *([5, 1] * count)[:count])
     fleet.run_until_done(1, limit=10.0 * count)
     assert fleet.reached(1) == count
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_to_look_only_at_robots_with_news_gives_the_same_orders(seed, monkeypatch):
+    """As to look at all robots each time."""
+    orders = []
+    for looks_at_all in (False, True):
+        if looks_at_all:
+            world = WorldView.world
+
+            def anew(view, *present, world=world):
+                view._states.clear()
+                return world(view, *present)
+            monkeypatch.setattr(WorldView, 'world', anew)
+            monkeypatch.setattr(Changes, 'follow', lambda changes: lambda: list(changes._last))
+        fleet = SupervisedFleet(ladder(5), {'a': (AGV, 1), 'b': (AGV, 3), 'c': (AGV, 105)},
+                                seed=seed, loss=0.05)
+        for id, places in enumerate(((5, 101), (1, 105), (103, 3), (104, 2)), 1):
+            fleet.request(id, *places, dwells=(3.0 * (id % 2), 0.0))
+        fleet.run(4.0)
+        fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+        fleet.close(2)
+        fleet.run(6.0)
+        fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+        fleet.run(5.0)
+        fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+        fleet.close()
+        fleet.run_until_done(1, 2, 3, 4)
+        orders.append([(sent.robot, sent.order.number, sent.order.edges, sent.repeated)
+                       for sent in fleet.sent])
+    assert orders[0] == orders[1]
