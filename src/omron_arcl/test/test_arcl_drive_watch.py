@@ -131,6 +131,17 @@ def test_a_drive_is_interrupted_by_the_name_of_its_point_once_that_is_known(talk
     assert outcome(goto) is Outcome.INTERRUPTED
 
 
+@pytest.mark.parametrize('asks_before', [True, False])
+def test_a_status_that_answers_an_older_question_says_nothing_about_the_command(
+        talk, asks_before):
+    """However late it comes."""
+    for text in ('oneLineStatus', 'stop') if asks_before else ('stop', 'oneLineStatus'):
+        talk.give(text)
+    talk.pass_time(3.0)
+    talk.robot('Status: Stopped StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
+    assert talk.dispatcher.in_doubt is not asks_before
+
+
 def test_a_status_right_after_the_command_may_be_the_one_before(talk):
     begun(talk)
     goto = talk.give('goto 12')

@@ -5,78 +5,15 @@ obeyed it.
 """
 from __future__ import annotations
 
-from itertools import count
-from typing import Any, List, Optional, Tuple
+from typing import Optional, Tuple
 
 import pytest
-from arcl_builders import Conversation, outcome
+from arcl_builders import outcome
+from drive_bench import DOCKED, DOCKING, OTHER, PERSON, ROUTE, UNDOCKED, Bench
 
-from omron_arcl import Execution, Giver, Outcome, parse_command
-from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.drives import (
-    LOOK,
-    RETRY,
-    STOPPINGS,
-    Cause,
-    CommandFate,
-    Drives,
-    Fate,
-    Memory,
-    MotionState,
-    Overruled,
-    Unclear,
-    draw_epoch,
-)
-
-ROUTE, PERSON, OTHER = Giver('/bridge', 'a'), Giver('/rviz', 'b'), Giver('/adapter', 'c')
-DOCKING = 'DockingState: Docking ForcedState: Unforced ChargeState: Not'
-DOCKED = 'DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
-UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
-
-
-class Bench(Conversation):
-    """Programs that give commands; the test plays the robot line by line."""
-
-    def __init__(self, stored: Optional[Memory] = None, is_linked: bool = True) -> None:
-        super().__init__()
-        self.kept: List[Memory] = []
-        numbers = count(101)
-        self.records = Drives(stored, self.kept.append, lambda: next(numbers))
-        self.dispatcher = Dispatcher(self.records)
-        self.now = 100.0
-        if is_linked:
-            self.connect()
-
-    @property
-    def memory(self) -> Memory:
-        return self.records.motion.memory
-
-    @property
-    def epoch(self) -> int:
-        return self.memory.epoch
-
-    @property
-    def state(self) -> MotionState:
-        return self.records.motion.state
-
-    def connect(self) -> None:
-        self.dispatcher.on_connected(self.now)
-
-    def lose(self) -> None:
-        self.dispatcher.on_lost('the link broke')
-
-    def drive(self, giver: Giver, text: str = 'goto 12', **options: Any) -> Execution:
-        return self.give(text, giver=giver, **options)
-
-    def stop(self, giver: Giver, **options: Any) -> Execution:
-        return self.give('stop', giver=giver, **options)
-
-    def stop_without_link(self, giver: Giver, known_epoch: int = 0) -> None:
-        self.dispatcher.start_without_link(parse_command('stop'), giver, known_epoch)
-
-    def status(self, text: str, seconds: float = 0.0) -> None:
-        self.pass_time(seconds)
-        self.robot(f'Status: {text} StateOfCharge: 80.0 Location: 0 0 0 Temperature: 30')
+from omron_arcl import Giver, Outcome, parse_command
+from omron_arcl.drives import LOOK, RETRY, Overruled, Unclear, draw_epoch
+from omron_arcl.records import Cause, CommandFate, Fate, Memory, MotionState
 
 
 @pytest.fixture
@@ -806,43 +743,6 @@ class TestWhoseStopping:
         assert bench.memory.stop_owed
         bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
         assert not bench.memory.stop_owed
-
-
-FAULT = 'FaultCleared: Fault_Driving_Application f "s" "l" true false true'
-UNDOCKING = 'DockingState: Undocking ForcedState: Unforced ChargeState: Not'
-# For each row of STOPPINGS: the status, our command, the lines, and whether the robot then stops.
-OCCASIONS = {
-    'our stop': ('Stopped', 'stop', []),
-    'undocked': ('Docked', 'undock', [UNDOCKING, UNDOCKED]),
-    'motors enabled': ('Stopped', 'enableMotors', ['Motors enabled']),
-    'cleared fault': ('Stopped', 'applicationFaultClear f', [FAULT]),
-    'attempt to dock': ('Going to 5', 'dock', ['Going to DockLynx', DOCKING]),
-    'replacement': ('Going to 5', 'goto 12', []),
-}
-
-
-class TestEachRowOfTheTable:
-    @staticmethod
-    def is_attributed_to_another_client(row: str) -> bool:
-        bench = Bench()
-        shown, command, said = OCCASIONS[row]
-        bench.status(shown)
-        bench.give(command, giver=ROUTE)
-        bench.robot(*said, 'Stopping')
-        return bench.memory.cause is Cause.OTHER_CLIENT
-
-    def test_each_has_its_occasion(self):
-        assert list(OCCASIONS) == list(STOPPINGS)
-
-    @pytest.mark.parametrize('row', OCCASIONS)
-    def test_it_explains_a_stopping(self, row):
-        assert not self.is_attributed_to_another_client(row)
-
-    @pytest.mark.parametrize('row', OCCASIONS)
-    def test_without_it_the_stopping_counts_as_another_clients(self, row, monkeypatch):
-        monkeypatch.delitem(STOPPINGS, row)
-        assert self.is_attributed_to_another_client(row)
-
 
     def test_a_drive_between_stops_is_ours_although_an_older_stop_is_answered_late(self, bench):
         bench.status('Stopped')

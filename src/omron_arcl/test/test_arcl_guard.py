@@ -4,8 +4,8 @@ from __future__ import annotations
 import pytest
 
 from omron_arcl import Execution, HelpList, InvalidCommand, Outcome, parse_command
-from omron_arcl.drives import MotionState
 from omron_arcl.guard import Guard, is_unlisted
+from omron_arcl.records import MotionState
 
 
 @pytest.fixture

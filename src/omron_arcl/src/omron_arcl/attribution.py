@@ -1,36 +1,91 @@
-"""Decides which command a line of the robot belongs to, and what the line means for it.
+"""Whose is a line of the robot, and what does it mean? One table answers: `ATTRIBUTIONS`.
 
-The robot answers in the order of sending, and its lines carry no id. Each line is therefore offered
-to the commands that were sent; the specification of a command says whether the line belongs to it.
-`endings` reads failures and refusals, `drive_watch` the robot's activity. Only this module decides
-on the owner of a line. A program that needs the result of a command waits for its `Execution`.
+The robot answers in the order of sending, and its lines carry no id. Only their text, and what the
+robot did before, connect them with a command. A line may concern several parts of this program
+(`Part`); in each part the first row that holds decides. A row that ends, acknowledges or continues
+commands finds them among those that were sent. `drives` keeps what follows from that, and
+`drive_watch` judges drives by the robot's activity where no line names them.
+
+Sources are pages of OMRON's ARCL manual I617-E-01, or of I617-E-02 where that is named. `observed`:
+programs for real robots rely on it. `assumed`: no source says it; check it with a robot.
 """
 from __future__ import annotations
 
-from typing import Optional
+import re
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
 
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Course
 from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
-from omron_arcl.endings import BadEndings
 from omron_arcl.execution import Execution, Outcome
+from omron_arcl.heard import SelfStop, StopOf
+from omron_arcl.parser import parse_line
+from omron_arcl.records import Cause
 from omron_arcl.replies import driving, equipment, general, refusals, safety, site, status, tasks
-from omron_arcl.replies.reply import Reply
+from omron_arcl.replies.reply import Reply, UnknownLine, coordinates
+from omron_arcl.secret import redact_passwords
 
+_CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
+_NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
+                      r'\b(unknown|invalid) goal\b', re.IGNORECASE)
+_EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
+_ABOUT_DRIVING = re.compile(r'\b(path|goal|plan|route|drive|driving|reach|dock)\b', re.IGNORECASE)
+_ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
+# Activities that some robots report with a word of their own instead of a docking state.
+_IN_WORDS = {ActivityKind.DOCKING: Course.INTO_THE_DOCK,
+             ActivityKind.UNDOCKING: Course.OUT_OF_THE_DOCK}
 # Lines to all clients, and refusals. They never answer a command whose answer is not documented.
 _NO_ANSWER = frozenset((
     driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
     driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
     driving.Interrupted, driving.RobotError, driving.Failure, safety.EStop, safety.Motors,
     tasks.WaitState, status.OneLineStatus, status.StatusText, equipment.RangeReading,
-    equipment.ExternalIOUpdate, site.MapChanged, site.ConfigurationChanged, general.Notice,
-    refusals.CommandError, refusals.CommandErrorDescription, refusals.UnknownCommand,
-    refusals.SetUpError, refusals.Usage))
+    site.MapChanged, site.ConfigurationChanged, general.Notice, refusals.CommandError,
+    refusals.CommandErrorDescription, refusals.UnknownCommand, refusals.SetUpError,
+    refusals.Usage))
 
-# The robot begins a new motion. If no command of ours asked for it, another client did.
-_SETTING_OUT = frozenset((driving.GoingTo, driving.GoingToPoint, driving.Patrolling,
-                          tasks.ExecutingMacro, tasks.DoingTask))
+
+class Part(Enum):
+    """What a line may concern; each part decides on its own."""
+
+    HALT = 'whose stop makes the robot halt'
+    COMMAND = 'the drive, or the refused command, that the line is about'
+    START = 'who makes the robot set out, if no command under way does'
+    ANSWER = 'the query or stop that the line answers'
+
+
+class Means(Enum):
+    """What a line means for a command that it does not end."""
+
+    ACKNOWLEDGED = 'the robot obeys it'
+    GOES_ON = 'it goes on'
+    REFUSED_SOON = 'it is refused; the reason follows'
+    ANSWERED = 'the line is, or may be, its answer'
+
+
+class Begins(Enum):
+    """Why the robot sets out, if no command under way asked for it."""
+
+    LATE = 'for a drive of ours whose command has ended for its giver'
+    ITSELF = 'by itself'
+    OTHERS = 'for another client'
+
+
+Found = Union[bool, Sequence[Execution]]  # whether the row holds, or the commands it is about
+
+
+@dataclass(frozen=True)
+class Row:
+    """Lines of these kinds have this meaning, for the commands that `find` finds."""
+
+    name: str
+    lines: Tuple[Type[Reply], ...]  # empty: all
+    find: Callable[[CommandQueue, Any], Found]
+    meaning: Union[Outcome, Means, StopOf, Begins]
+    source: str
 
 
 class Attribution:
@@ -39,143 +94,429 @@ class Attribution:
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
         self.watch = DriveWatch(commands)
-        self._bad_endings = BadEndings(commands)
-        self._docking: Optional[driving.DockingState] = None
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot: `reply` is its meaning, `text` its words."""
-        sets_out = self._sets_out(reply)
         records = self._commands.records
+        for row, _ in self._decide(Part.HALT, reply):
+            records.begins_to_stop(StopOf(row.meaning))
         records.said(reply)
-        if self._commands.sent:
-            self._bad_endings.on_reply(reply, text, now)
-        claimed = self._offer_to_drives(reply, text, now, sets_out)
-        if sets_out and not claimed:
-            records.set_out(reply, text)
-            self._taken_over(text)
-        self._offer_to_others(reply, text, now, claimed)
-        self._watch(reply, text, now)
+        claimed = self._apply(Part.COMMAND, reply, text, now)
+        if records.heard.sets_out and not claimed:
+            for row, _ in self._decide(Part.START, reply):
+                self._starts(Begins(row.meaning), reply, text)
+        answered = self._apply(Part.ANSWER, reply, text, now, bool(claimed))
+        self._watch(reply, text, now, answered)
 
-    def _watch(self, reply: Reply, text: str, now: float) -> None:
+    def _decide(self, part: Part, reply: Reply, claimed: bool = False
+                ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
+        """The row that decides in this part, and the commands that it is about; or nothing."""
+        for row in ATTRIBUTIONS[part]:
+            if row.lines and type(reply) not in row.lines or (
+                    claimed and row.meaning is Means.ANSWERED):
+                continue
+            found = row.find(self._commands, reply)
+            if found:
+                return [(row, () if isinstance(found, bool) else found)]
+        return []
+
+    def _apply(self, part: Part, reply: Reply, text: str, now: float,
+               claimed: bool = False) -> Sequence[Execution]:
+        """Tells the commands that the line is about, and returns them."""
+        for row, executions in self._decide(part, reply, claimed):
+            for execution in executions:
+                if isinstance(row.meaning, Outcome):
+                    self._commands.add_line(execution, text, now)
+                    self._commands.end(execution, row.meaning, _reason(reply) or text)
+                else:
+                    _HANDLERS[Means(row.meaning)](self, execution, reply, text, now)
+            return executions
+        return ()
+
+    def _acknowledged(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
+        self._commands.add_line(execution, text, now)
+        self._commands.begin(execution)
+
+    def _goes_on(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
+        """A line of a drive. A robot that stands gives no sign that its drive goes on.
+
+        Some robots name their dock as a goal. The name with which the robot sets out is that of its
+        dock; once it docks, no other name can be.
+        """
+        activity = activity_of(reply)
+        if activity.kind in ABOUT_THE_DOCK and (
+                read_activity(execution.shown_when_sent).kind in STANDING):
+            execution.set_out = True
+        if activity.kind is ActivityKind.GOING_TO_GOAL:
+            execution.dock_name = activity.goal.casefold()
+        stands = execution.command.spec.drives and execution.begun and activity.kind in STANDING
+        self._commands.add_line(execution, text, now, sign_of_life=not stands)
+
+    def _refused_soon(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
+        execution.rejected_at = now
+        self._commands.add_line(execution, text, now)
+
+    def _answered(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
+        execution.begun = True
+        self._commands.add_line(execution, text, now)
+
+    def _starts(self, why: Begins, reply: Reply, text: str) -> None:
+        """The robot obeys something else, so the commands of ours that it obeyed are over.
+
+        This includes a stop after which the robot has said `Stopping`. Without that line the robot
+        may still have to obey the stop.
+        """
+        records = self._commands.records
+        if why is Begins.LATE:
+            records.begins_late(activity_of(reply).goal)
+        else:
+            records.driven_by_others(
+                Cause.ROBOT if why is Begins.ITSELF else Cause.OTHER_CLIENT, text)
+        for execution in [e for e in self._commands.motion_executions if e.begun]:
+            self._commands.end_before(execution, f'taken over: {text}')
+            self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
+
+    def _watch(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
         if isinstance(reply, (status.StatusText, status.OneLineStatus)):
             shown = reply.text if isinstance(reply, status.StatusText) else reply.status
             if shown:
-                self.watch.observe(Observation(read_activity(shown), shown, True), now)
-                self._commands.records.showed(read_activity(shown), shown)
+                activity = read_activity(shown)
+                self.watch.observe(Observation(
+                    activity, shown, True, asked[0].order if asked else None), now)
+                self._commands.records.showed(activity, shown)
         elif self._commands.motion_executions:
             activity = activity_of(reply)
             if activity.kind is not ActivityKind.UNKNOWN:
                 self.watch.observe(Observation(activity, text, False), now)
 
-    # --- the owner of a line ----------------------------------------------------------------------
 
-    def _offer_to_drives(self, reply: Reply, text: str, now: float, sets_out: bool) -> bool:
-        """Whether a driving command claims the line.
+_HANDLERS: Mapping[Means, Callable[[Attribution, Execution, Reply, str, float], None]] = {
+    Means.ACKNOWLEDGED: Attribution._acknowledged, Means.GOES_ON: Attribution._goes_on,
+    Means.REFUSED_SOON: Attribution._refused_soon, Means.ANSWERED: Attribution._answered}
 
-        A drive that was sent before a stop does not set out again, even if the robot has not yet
-        said that the drive is over.
-        """
-        drives = self._commands.drives
-        begun = [e for e in reversed(drives) if e.begun]
-        if sets_out:
-            stops = [e.order for e in self._commands.sent if e.begun and e.command.spec.stops]
-            begun = [e for e in begun if e.order > max(stops, default=0)]
-        fresh = [e for e in drives if not e.begun]
-        for execution in begun + fresh:
-            spec, command = execution.command.spec, execution.command
-            if spec.completed_by and spec.completed_by(command, reply):
-                self._end(execution, Outcome.SUCCEEDED, text, now)
-                return True
-        for execution in fresh + begun:
-            spec, command = execution.command.spec, execution.command
-            if spec.acknowledged_by and spec.acknowledged_by(command, reply):
-                self._commands.add_line(execution, text, now)
-                self._commands.begin(execution)
-                return True
-        for execution in begun + fresh:
-            spec, command = execution.command.spec, execution.command
-            if execution.begun and spec.aborted_by and spec.aborted_by(command, reply):
-                self._end(execution, Outcome.INTERRUPTED, text, now)
-                return True
-            if spec.related and spec.related(command, reply) and not _leads_elsewhere(
-                    execution, reply):
-                kind = activity_of(reply).kind
-                stands = execution.begun and kind in STANDING
-                if kind in ABOUT_THE_DOCK and (
-                        read_activity(execution.shown_when_sent).kind in STANDING):
-                    execution.set_out = True
-                self._commands.add_line(execution, text, now, sign_of_life=not stands)
-                return True
-        return False
 
-    def _offer_to_others(self, reply: Reply, text: str, now: float, claimed: bool) -> None:
-        """Gives the line to the first query or stop that claims it.
+def _reason(reply: Reply) -> str:
+    """The robot's reason, if it is not the whole line."""
+    if isinstance(reply, (refusals.CommandErrorDescription, refusals.SetUpError,
+                          driving.RobotError)):
+        return reply.text
+    return ''
 
-        A `Stopped` ends every stop that was sent before the next driving command.
-        """
-        stopped = False
-        for execution in list(self._commands.sent):
-            spec, command = execution.command.spec, execution.command
-            if spec.drives:
-                if stopped:
-                    return  # the stops behind this drive are not obeyed yet
-            elif spec.completed_by is None:
-                if not (claimed or type(reply) in _NO_ANSWER):
-                    execution.begun = True
-                    self._commands.add_line(execution, text, now)
-                    return
-            elif spec.completed_by(command, reply):
-                if spec.stops and not self._commands.records.stopped_by_us:
-                    return  # another client's stop ends before ours
-                self._end(execution, Outcome.SUCCEEDED, text, now)
-                if not spec.stops:
-                    return
-                stopped = True
-                self._commands.end_before(execution, text)
-            elif (spec.acknowledged_by and not execution.begun
-                    and spec.acknowledged_by(command, reply)):
-                self._commands.add_line(execution, text, now)
-                self._commands.begin(execution)
-                return
-            elif spec.related and spec.related(command, reply):
-                self._commands.add_line(execution, text, now)
-                return
 
-    def _sets_out(self, reply: Reply) -> bool:
-        """Whether the robot begins a new motion; a docking state counts only when it changes."""
-        if isinstance(reply, driving.DockingStatus):
-            before, self._docking = self._docking, reply.docking
-            return (reply.docking is driving.DockingState.DOCKING
-                    and before not in (None, reply.docking))
-        return type(reply) in _SETTING_OUT
+# --- the commands that a line may be about --------------------------------------------------------
 
-    def _taken_over(self, text: str) -> None:
-        """The robot obeys another client, so the commands of ours that it obeyed are over.
+def _began(commands: CommandQueue) -> List[Execution]:
+    """The drives that the robot has acknowledged, the newest first.
 
-        This includes a stop after which the robot has said `Stopping`. Without that line the robot
-        may still have to obey the stop.
-        """
-        for execution in [e for e in self._commands.motion_executions if e.begun]:
-            self._commands.end_before(execution, f'taken over: {text}')
-            self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
+    A drive that was sent before a stop does not set out again, even if the robot has not yet said
+    that the drive is over.
+    """
+    begun = commands.begun_drives[::-1]
+    if not commands.records.heard.sets_out:
+        return begun
+    stops = [e.order for e in commands.sent if e.begun and e.command.spec.stops]
+    return [e for e in begun if e.order > max(stops, default=0)]
 
-    def _end(self, execution: Execution, outcome: Outcome, text: str, now: float) -> None:
-        """The line ends the command."""
-        self._commands.add_line(execution, text, now)
-        self._commands.end(execution, outcome, text)
+
+def _fresh(commands: CommandQueue) -> List[Execution]:
+    """The drives that the robot has not acknowledged, the oldest first."""
+    return [e for e in commands.drives if not e.begun]
+
+
+def _completed(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in _began(commands) + _fresh(commands)
+            if e.command.spec.completed_by and e.command.spec.completed_by(e.command, reply)][:1]
+
+
+def _acknowledged(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in _fresh(commands) + _began(commands)
+            if e.command.spec.acknowledged_by
+            and e.command.spec.acknowledged_by(e.command, reply)][:1]
+
+
+def _aborted(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in _began(commands)
+            if e.command.spec.aborted_by and e.command.spec.aborted_by(e.command, reply)][:1]
+
+
+def _continued(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in _began(commands) + _fresh(commands)
+            if e.command.spec.related and e.command.spec.related(e.command, reply)
+            and not _leads_elsewhere(e, reply)][:1]
 
 
 def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
-    """Whether the robot drives to a goal that is not its dock.
+    """Whether the robot drives to a goal that is not its dock, see `Attribution._goes_on`."""
+    activity = activity_of(reply)
+    return (execution.command.spec.course is Course.INTO_THE_DOCK and execution.begun
+            and activity.kind is ActivityKind.GOING_TO_GOAL
+            and activity.goal.casefold() != execution.dock_name)
 
-    Some robots name their dock as a goal. The name with which the robot sets out is that of its
-    dock; once it docks, no other name can be.
+
+def _answered(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in commands.sent if not e.command.spec.drives
+            and e.command.spec.completed_by and not e.command.spec.stops
+            and e.command.spec.completed_by(e.command, reply)][:1]
+
+
+def _answer_begun(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in commands.sent if not e.command.spec.drives and not e.begun
+            and e.command.spec.acknowledged_by
+            and e.command.spec.acknowledged_by(e.command, reply)][:1]
+
+
+def _answer_goes_on(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [e for e in commands.sent if not e.command.spec.drives and e.command.spec.related
+            and e.command.spec.related(e.command, reply)][:1]
+
+
+def _without_known_answer(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return [] if type(reply) in _NO_ANSWER else [
+        e for e in commands.sent if e.command.spec.completed_by is None][:1]
+
+
+def _stops_before_a_drive(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    """The stops that one `Stopped` ends: those that were sent before the next drive."""
+    stops: List[Execution] = []
+    for execution in commands.sent if commands.records.heard.stopped_by_us else ():
+        if execution.command.spec.stops:
+            stops.append(execution)
+        elif execution.command.spec.drives and stops:
+            break  # the stops behind this drive are not obeyed yet
+    return stops
+
+
+def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[CommandQueue, Any], List[Execution]]:
+    """Finds the command whose line is repeated.
+
+    Passwords in the robot's lines are redacted, so they are also redacted in the sent lines for the
+    comparison.
     """
-    if (execution.command.spec.course is not Course.INTO_THE_DOCK
-            or activity_of(reply).kind is not ActivityKind.GOING_TO_GOAL):
-        return False
-    name = activity_of(reply).goal.casefold()
-    if execution.begun and name != execution.dock_name:
-        return True
-    execution.dock_name = name
-    return False
+    def find(commands: CommandQueue, reply: refusals.CommandError) -> List[Execution]:
+        said = _plain(reply.command)
+        return [e for e in commands.sent if not e.begun and e.rejected_at is None and is_same(
+            said, _plain(redact_passwords(e.command.line).decode('utf-8', 'replace')))][:1]
+    return find
+
+
+def _plain(command: str) -> str:
+    return ' '.join(command.replace('"', ' ').split()).casefold()
+
+
+def _refused(commands: CommandQueue, reply: Any) -> List[Execution]:
+    """The oldest command whose refusal was told without a reason."""
+    return [e for e in commands.sent if e.rejected_at is not None][:1]
+
+
+def _refused_goal(commands: CommandQueue, reply: refusals.CommandErrorDescription
+                  ) -> List[Execution]:
+    return _refused(commands, reply) if _NO_GOAL.search(reply.text) else []
+
+
+def _refused_by_emergency(commands: CommandQueue, reply: refusals.CommandErrorDescription
+                          ) -> List[Execution]:
+    return [e for e in _refused(commands, reply)
+            if e.command.spec.drives and _EMERGENCY_STOP.search(reply.text)]
+
+
+def _goal_named(commands: CommandQueue, reply: refusals.CommandErrorDescription
+                ) -> List[Execution]:
+    if _refused(commands, reply) or not _NO_GOAL.search(reply.text):
+        return []
+    return [e for e in commands.sent if not e.begun and any(
+        re.search(rf'(?<!\w){re.escape(name)}(?!\w)', reply.text, re.IGNORECASE)
+        for name in e.command.goals)][:1]
+
+
+def _unknown(commands: CommandQueue, reply: refusals.UnknownCommand) -> List[Execution]:
+    said = _plain_name(reply)
+    return [e for e in commands.sent if said and (
+        _first_word(e) == said or len(said) >= _CUT_NAME and _first_word(e).startswith(said))][:1]
+
+
+def _newest_unanswered(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    """The line names no command. A drive is the last choice: if the robot carries it out
+    nevertheless, it must have a giver."""
+    if isinstance(reply, refusals.UnknownCommand) and _plain_name(reply):
+        return []
+    unanswered = [e for e in commands.sent if not (e.begun or e.set_out)]
+    others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
+    return (others or unanswered)[-1:]
+
+
+def _misused(commands: CommandQueue, reply: refusals.Usage) -> List[Execution]:
+    name = reply.syntax.split(' ', 1)[0].lower()
+    return [e for e in commands.sent if e.command.name.lower() == name and not e.begun][:1]
+
+
+def _plain_name(reply: refusals.UnknownCommand) -> str:
+    return reply.name.strip(' "\':.').lower()
+
+
+def _first_word(execution: Execution) -> str:
+    return execution.command.text.split(' ', 1)[0].lower()
+
+
+def _interrupted_by_name(commands: CommandQueue, reply: driving.Interrupted) -> List[Execution]:
+    ran = parse_line(reply.text)
+    return [e for e in commands.begun_drives if any(
+        fits and fits(e.command, ran)
+        for fits in (e.command.spec.acknowledged_by, e.command.spec.related))][:1]
+
+
+def _interrupted_at_its_point(commands: CommandQueue, reply: driving.Interrupted
+                              ) -> List[Execution]:
+    point = coordinates(getattr(parse_line(reply.text), 'goal', ''))
+    return [e for e in commands.begun_drives if point and point in e.points][:1]
+
+
+def _interrupted_in_words(commands: CommandQueue, reply: driving.Interrupted) -> List[Execution]:
+    ran = parse_line(reply.text)
+    course = _IN_WORDS.get(activity_of(ran).kind)
+    return [e for e in commands.begun_drives[-1:] if isinstance(ran, UnknownLine)
+            or course and e.command.spec.course is course]
+
+
+def _present_drive(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    return commands.begun_drives[-1:] or commands.drives[:1]
+
+
+def _failed_by_name(commands: CommandQueue, reply: driving.FailedGoingTo) -> List[Execution]:
+    return [e for e in commands.drives if e.command.is_for(reply.goal)][:1]
+
+
+def _failed_without_a_name(commands: CommandQueue, reply: driving.FailedGoingTo
+                           ) -> List[Execution]:
+    nameless = reply.goal.lower() in ('goal', 'point') or coordinates(reply.goal)
+    return _present_drive(commands, reply) if nameless else []
+
+
+def _fails_to_localize(commands: CommandQueue, reply: driving.Failure) -> List[Execution]:
+    return [e for e in commands.sent if e.command.name.startswith('localize')
+            and _ABOUT_LOCALIZING.search(reply.text)][:1]
+
+
+def _fails_to_begin(commands: CommandQueue, reply: driving.Failure) -> List[Execution]:
+    """A drive that has begun goes on: `drive_watch` decides."""
+    about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
+    return commands.drives[:1] if about else []
+
+
+def _need_motors(commands: CommandQueue) -> List[Execution]:
+    """The robot does not resume a goal by itself after its motors were off."""
+    return [e for e in commands.sent
+            if e.command.spec.drives or e.command.name == 'enableMotors']
+
+
+def _stops_by_itself(why: SelfStop) -> Callable[[CommandQueue, Reply], bool]:
+    return lambda commands, reply: commands.records.heard.stops_itself is why
+
+
+def _begins_late(commands: CommandQueue, reply: Reply) -> bool:
+    activity, records = activity_of(reply), commands.records
+    return records.may_be_ours(activity) and (bool(activity.goal) or records.is_idle)
+
+
+def _docks_by_itself(commands: CommandQueue, reply: Reply) -> bool:
+    return activity_of(reply).kind is ActivityKind.DOCKING and commands.records.is_idle
+
+
+_HALTS = (driving.Stopping,)
+_ANY: Tuple[Type[Reply], ...] = ()
+
+ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
+    Part.HALT: (
+        Row('our stop', _HALTS,
+            lambda commands, reply: commands.records.heard.unheard_stops > 0, StopOf.US,
+            'p. 242: `stop` is answered by `Stopping`, `Stopped`, once for each `stop`'),
+        Row('undocked', _HALTS, _stops_by_itself(SelfStop.UNDOCKED), StopOf.ROBOT,
+            'p. 245: the pair ends undocking, possibly after the result'),
+        Row('motors enabled', _HALTS, _stops_by_itself(SelfStop.MOTORS_ENABLED), StopOf.ROBOT,
+            'p. 190: the pair follows `Motors enabled`'),
+        Row('cleared fault', _HALTS, _stops_by_itself(SelfStop.FAULT_CLEARED),
+            StopOf.CLEARED_FAULT, 'p. 66: clearing a fault prints `Stopping` alone'),
+        Row('attempt to dock', _HALTS,
+            lambda commands, reply: commands.records.is_about_the_dock, StopOf.ROBOT,
+            'I617-E-02 p. 71: a robot that misses its dock stops, and tries again'),
+        Row('replacement', _HALTS,
+            lambda commands, reply: commands.records.replaces_a_drive, StopOf.REPLACEMENT,
+            'assumed: some robots stop for an instant to replace a drive'),
+        Row('no replacement', (driving.Stopped,),
+            lambda commands, reply: commands.records.heard.replacing, StopOf.OTHERS,
+            'p. 242: a robot that stands was stopped'),
+        Row('stop of another client', _HALTS, lambda commands, reply: True, StopOf.OTHERS,
+            'p. 46: all clients receive it')),
+    Part.COMMAND: (
+        # refusals
+        Row('refused: whole line', (refusals.CommandError,), _repeats(str.__eq__),
+            Means.REFUSED_SOON, 'p. 46: the line is repeated, and a description follows'),
+        Row('refused: beginning', (refusals.CommandError,),
+            _repeats(lambda said, given: len(said) >= _CUT_NAME and given.startswith(said)),
+            Means.REFUSED_SOON, 'observed: long names are cut'),
+        Row('refused: name', (refusals.CommandError,),
+            _repeats(lambda said, given: said.split()[:1] == given.split()[:1]),
+            Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
+        Row('no goal', (refusals.CommandErrorDescription,), _refused_goal, Outcome.NO_GOAL,
+            'p. 46: `No goal`'),
+        Row('no goal of this name', (refusals.CommandErrorDescription,), _goal_named,
+            Outcome.NO_GOAL, 'observed: the description comes alone'),
+        Row('no power', (refusals.CommandErrorDescription,), _refused_by_emergency,
+            Outcome.EMERGENCY_STOPPED, 'p. 87: `Estop pressed cannot enable motors`'),
+        Row('refused', (refusals.CommandErrorDescription,), _refused, Outcome.REJECTED,
+            'p. 46: the description follows the error'),
+        Row('unknown command', (refusals.UnknownCommand,), _unknown, Outcome.UNKNOWN_COMMAND,
+            'observed: the name follows, cut after 16 characters'),
+        Row('unknown command without a name', (refusals.UnknownCommand,), _newest_unanswered,
+            Outcome.UNKNOWN_COMMAND, 'p. 44: `Unknown command`'),
+        Row('not set up', (refusals.SetUpError,), _newest_unanswered, Outcome.REJECTED,
+            'p. 46: names no command'),
+        Row('usage', (refusals.Usage,), _misused, Outcome.REJECTED,
+            'p. 44: a command that lacks arguments is answered by its syntax'),
+        # failures and interruptions of drives
+        Row('interrupted', (driving.Interrupted,), _interrupted_by_name, Outcome.INTERRUPTED,
+            'p. 242: the line repeats the status of the motion'),
+        Row('interrupted at its point', (driving.Interrupted,), _interrupted_at_its_point,
+            Outcome.INTERRUPTED, 'I617-E-02 p. 243: the point of a goal instead of its name'),
+        Row('interrupted in other words', (driving.Interrupted,), _interrupted_in_words,
+            Outcome.INTERRUPTED, 'assumed: only what the robot does can be interrupted'),
+        Row('error: emergency stop', (driving.RobotError,),
+            lambda commands, reply: (
+                _need_motors(commands) if _EMERGENCY_STOP.search(reply.text) else []),
+            Outcome.EMERGENCY_STOPPED, 'p. 251: `Error: Emergency stop pressed`'),
+        Row('error', (driving.RobotError,), _present_drive, Outcome.FAILED,
+            'p. 251: an error while the robot drives names no command'),
+        Row('failed going to a goal', (driving.FailedGoingTo,), _failed_by_name, Outcome.FAILED,
+            'observed'),
+        Row('failed going', (driving.FailedGoingTo,), _failed_without_a_name, Outcome.FAILED,
+            'observed: `Failed going to goal`'),
+        Row('failed to localize', (driving.Failure,), _fails_to_localize, Outcome.FAILED,
+            'observed'),
+        Row('failed to begin', (driving.Failure,), _fails_to_begin, Outcome.FAILED,
+            'p. 251: `Cannot find path`'),
+        Row('emergency stop', (safety.EStop,),
+            lambda commands, reply: _need_motors(commands) if reply.pressed else [],
+            Outcome.EMERGENCY_STOPPED, 'p. 190'),
+        Row('motors disabled', (safety.Motors,),
+            lambda commands, reply: [] if reply.enabled else _need_motors(commands),
+            Outcome.FAILED, 'p. 191'),
+        # drives: the lines of each command stand in `command_table`
+        Row('completed', _ANY, _completed, Outcome.SUCCEEDED, 'see `command_table`'),
+        Row('acknowledged', _ANY, _acknowledged, Means.ACKNOWLEDGED, 'see `command_table`'),
+        Row('broken off', _ANY, _aborted, Outcome.INTERRUPTED, 'see `command_table`'),
+        Row('under way', _ANY, _continued, Means.GOES_ON, 'see `command_table`')),
+    Part.START: (
+        Row('late start', _ANY, _begins_late, Begins.LATE,
+            'p. 46: the line names a goal of ours'),
+        Row('docks by itself', _ANY, _docks_by_itself, Begins.ITSELF,
+            'p. 81: a robot docks by itself when its battery is low'),
+        Row('drive of another client', _ANY, lambda commands, reply: True, Begins.OTHERS,
+            'observed: all clients receive it')),
+    Part.ANSWER: (
+        Row('stands', (driving.Stopped,), _stops_before_a_drive, Outcome.SUCCEEDED,
+            'p. 242: one `Stopped` may follow several `stop`'),
+        Row('answer', _ANY, _answered, Outcome.SUCCEEDED, 'see `command_table`'),
+        Row('answer has begun', _ANY, _answer_begun, Means.ACKNOWLEDGED, 'see `command_table`'),
+        Row('part of an answer', _ANY, _answer_goes_on, Means.GOES_ON, 'see `command_table`'),
+        Row('answer that is not documented', _ANY, _without_known_answer, Means.ANSWERED,
+            'assumed: the answer follows its command')),
+}

@@ -16,7 +16,7 @@ from omron_arcl.command_line import parse_command
 from omron_arcl.commands import Command
 from omron_arcl.connection import Connection, Peer, reason_of
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.drives import Drives, Motion
+from omron_arcl.drives import Drives
 from omron_arcl.errors import (
     Busy,
     ConnectionFailed,
@@ -29,6 +29,7 @@ from omron_arcl.errors import (
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
+from omron_arcl.records import Motion
 from omron_arcl.replies.site import Goal, Macro, MapChanged, Route
 from omron_arcl.secret import redact_passwords
 from omron_arcl.session import LoggedIn, Received, Session, State, Trace

@@ -110,7 +110,9 @@ class CommandQueue:
                 if execution in executions:
                     executions.remove(execution)
             self.records.ended(execution, outcome, words, self.now)
-        if execution.command.spec.stops and outcome in _UNHEEDED:
+        if execution.command.spec.stops and outcome is Outcome.SUCCEEDED:
+            self.end_before(execution, words)
+        elif execution.command.spec.stops and outcome in _UNHEEDED:
             self._give_up_cancelled(execution, outcome, words)
 
     def end_before(self, execution: Execution, words: str) -> None:

@@ -4,12 +4,14 @@ The robot does not always name a drive that ends. If another client stops it, it
 than `Stopping`, `Stopped`, or name a point instead of the goal. Every line and status about the
 robot's activity is therefore compared with the drive that it was sent on. An activity that
 contradicts the drive for some seconds ends it. One contradiction is not enough: right after a
-command the status may be out of date, or be `Stopping`, `Stopped` for an instant.
+command the status may be out of date, or be `Stopping`, `Stopped` for an instant (observed). No
+line says which of the two it is; only that it lasts shows it. A status that answers an older
+question than the command says nothing about the command.
 """
 from __future__ import annotations
 
 from enum import Enum
-from typing import Dict, Mapping, NamedTuple, Tuple, Union
+from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.command_queue import CommandQueue
@@ -29,7 +31,6 @@ SETTLE_CERTAIN = 4.0  # s, the same for an arrival and for an emergency stop
 SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
 SETTLE_OVERTAKEN = 6.0  # s of driving elsewhere after which a stop counts as overtaken
 SETTLE_ONCE = 5.0  # s more after a single contradiction: the robot answers no status requests
-LAG = 1.0  # s after sending in which a status may be older than the command
 
 # Activities of a drive that the robot has not acknowledged by its goal's name yet: the robot leaves
 # the dock for the drive, or drives to the dock.
@@ -78,11 +79,16 @@ _POWERLESS: Mapping[ActivityKind, Verdict] = {
 
 
 class Observation(NamedTuple):
-    """An activity that the robot reports, in a status or in a line sent when it changes."""
+    """An activity that the robot reports, in a status or in a line sent when it changes.
+
+    asked -- the number, in the order of sending, of the question that a status answers; None: the
+        robot sent it unasked
+    """
 
     activity: Activity
     text: str
     is_status: bool
+    asked: Optional[int] = None
 
     @property
     def words(self) -> str:
@@ -107,7 +113,7 @@ class DriveWatch:
         if seen.is_status:
             self.shown = seen.text
         for execution in self._commands.motion_executions:
-            if seen.is_status and now - execution.sent_at < LAG:
+            if seen.asked is not None and seen.asked < execution.order:
                 continue
             if execution.command.spec.stops:
                 self._observe_stop(execution, seen, now)
@@ -122,8 +128,6 @@ class DriveWatch:
                 continue
             since, settle = now - doubt.since, _settle_time(execution, doubt)
             if since >= settle and (doubt.count > 1 or since >= settle + SETTLE_ONCE):
-                if execution.command.spec.stops and doubt.outcome is Outcome.SUCCEEDED:
-                    self._commands.end_before(execution, doubt.words)
                 self._commands.end(execution, doubt.outcome, doubt.words)
 
     def _observe_drive(self, execution: Execution, seen: Observation, now: float) -> None:

@@ -3,21 +3,28 @@
 Read this module first.
 
 The machine keeps one `Record` for each drive and each stop, in the order of sending, and one for
-what others did. Everything else is derived from the records and the robot's lines: the giver, the
-epoch, the motion, the owed stop. No I/O and no clock.
+what others did. Everything else is derived from the records and from what the robot said (`heard`):
+the giver, the epoch, the motion, the owed stop, the fate of a program's last command. No I/O and no
+clock. `attribution` decides whose a line of the robot is, in one table, and tells the events here.
 
-Fates of a record (`Fate`), and the events that lead from one to the next:
+The fate of a drive, and its next fate after an event (`Event`):
 
-    event                        GIVEN        OBEYED       UNKNOWN      remarks
-    the robot acknowledges it    OBEYED       OBEYED       OBEYED       older records are dropped
-    the robot refuses it         dropped      -            -            the giver before it stays
-    it was never sent            dropped      -            -
-    the robot completes it       OVER         OVER         OVER         a stop drops older records
-    the robot gives up           dropped      OVER         OVER
-    link lost, timeout, restart  UNKNOWN      UNKNOWN      UNKNOWN
-    emergency stop               UNKNOWN      UNKNOWN      UNKNOWN      a stop is owed for GIVEN
+    event                        GIVEN        OBEYED       UNKNOWN      also
+    ACKNOWLEDGED by the robot    OBEYED       OBEYED       OBEYED       older records are dropped
+    COMPLETED by the robot       OVER         OVER         OVER
+    REFUSED, or never sent       dropped      dropped      dropped      the giver before it stays
+    FAILED: the robot gave up    dropped      OVER         OVER
+    WITHDRAWN by its giver       dropped      OVER         OVER
+    CALLED_BACK                  UNKNOWN      OVER         OVER         WITHDRAWN, but the robot may
+                                                                        still obey it: it has not
+                                                                        answered a stop before
+    LOST: link, silence, restart UNKNOWN      UNKNOWN      UNKNOWN
+    EMERGENCY_STOP               UNKNOWN      UNKNOWN      UNKNOWN      a stop is owed for GIVEN
     another client stops         GIVEN        dropped      dropped      a stop is owed for GIVEN
     another client drives        GIVEN        dropped      dropped      also stops, if none is GIVEN
+
+A stop is GIVEN until the robot stands after it, which drops the records before it; then it is OVER.
+A stop that failed or was lost is sent again.
 
 Derived:
 - The *ruling* record is the newest one that is not a drive in the state GIVEN. Its giver drives the
@@ -31,7 +38,7 @@ Derived:
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
 - A refused command changes no giver. Each drive has a giver, which can stop it.
-- No time between two lines decides on their meaning: the order of lines does. See `STOPPINGS`.
+- No time between two lines decides on their meaning: the order of lines does.
 
 docs/reference/omron_controller.md states the limits of what can be known.
 """
@@ -40,15 +47,27 @@ from __future__ import annotations
 import math
 import secrets
 from collections import deque
-from dataclasses import dataclass, replace
-from enum import Enum, IntEnum
-from typing import Callable, Deque, Dict, NamedTuple, Optional, Set, Tuple
+from dataclasses import replace
+from enum import Enum
+from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
-from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind, activity_of
+from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.commands import Command, Course
 from omron_arcl.errors import ArclError
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
-from omron_arcl.replies import driving, safety, tasks
+from omron_arcl.heard import Heard, StopOf
+from omron_arcl.records import (
+    Cause,
+    CommandFate,
+    Fate,
+    Kind,
+    LastCommand,
+    Memory,
+    Motion,
+    MotionState,
+    Record,
+)
+from omron_arcl.replies import safety
 from omron_arcl.replies.reply import Reply
 
 LOOK = 2.0  # s of a new connection to wait for a status that may make an owed stop unnecessary
@@ -58,58 +77,53 @@ _KEPT_RECORDS = 20
 _KEPT_GIVERS = 20
 
 
-class Cause(IntEnum):
-    """Why a new epoch began; as in omron_ld90_msgs/Motion."""
+class Event(Enum):
+    """What happens to a drive of ours; see the table above."""
 
-    OTHER_GIVER = 1
-    STOP = 2
-    CANCEL = 3
-    OTHER_CLIENT = 4
-    ROBOT = 5
-    EMERGENCY_STOP = 6
-    RESTART = 7
-
-
-class MotionState(IntEnum):
-    """The motion of the robot; as in omron_ld90_msgs/Motion."""
-
-    UNKNOWN = 0
-    STANDING = 1
-    DRIVING = 2
-    STOPPING = 3
-    DOCKING = 4
-    DOCKED = 5
-    UNDOCKING = 6
-    MANUAL = 7
+    ACKNOWLEDGED = 'acknowledged'
+    COMPLETED = 'completed'
+    REFUSED = 'refused'
+    FAILED = 'failed'
+    WITHDRAWN = 'withdrawn'
+    CALLED_BACK = 'called back'
+    LOST = 'lost'
+    EMERGENCY_STOP = 'emergency stop'
 
 
-class Kind(Enum):
-    """What a record is about."""
+_Next = Optional[Fate]  # None: the record is dropped
+TRANSITIONS: Mapping[Event, Tuple[_Next, _Next, _Next]] = {
+    #                      from GIVEN    from OBEYED   from UNKNOWN
+    Event.ACKNOWLEDGED:   (Fate.OBEYED,  Fate.OBEYED,  Fate.OBEYED),
+    Event.COMPLETED:      (Fate.OVER,    Fate.OVER,    Fate.OVER),
+    Event.REFUSED:        (None,         None,         None),
+    Event.FAILED:         (None,         Fate.OVER,    Fate.OVER),
+    Event.WITHDRAWN:      (None,         Fate.OVER,    Fate.OVER),
+    Event.CALLED_BACK:    (Fate.UNKNOWN, Fate.OVER,    Fate.OVER),
+    Event.LOST:           (Fate.UNKNOWN, Fate.UNKNOWN, Fate.UNKNOWN),
+    Event.EMERGENCY_STOP: (Fate.UNKNOWN, Fate.UNKNOWN, Fate.UNKNOWN),
+}
+_FROM = (Fate.GIVEN, Fate.OBEYED, Fate.UNKNOWN)
+_EVENTS: Mapping[Outcome, Event] = {
+    Outcome.SUCCEEDED: Event.COMPLETED, Outcome.FAILED: Event.FAILED,
+    **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
+                     Outcome.NEVER_SENT, Outcome.OVERRULED), Event.REFUSED),
+    Outcome.INTERRUPTED: Event.WITHDRAWN, Outcome.CANCELLED: Event.WITHDRAWN,
+    Outcome.LOST: Event.LOST, Outcome.TIMED_OUT: Event.LOST,
+    Outcome.EMERGENCY_STOPPED: Event.EMERGENCY_STOP}
+_ENDINGS = {Event.COMPLETED: CommandFate.COMPLETED, Event.FAILED: CommandFate.FAILED}
+# The outcomes of a stop after which the robot need not obey it any more.
+_OBEYED_STOP = (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED)
 
-    DRIVE = 'drive'
-    STOP = 'stop'
-    FOREIGN_DRIVE = 'drive of another client or of the robot itself'
-    FOREIGN_STOP = 'stop by another client, by the robot itself or by the emergency stop'
-
-
-class Fate(Enum):
-    """What became of a drive or stop, see the table above."""
-
-    GIVEN = 'given'
-    OBEYED = 'obeyed'
-    UNKNOWN = 'unknown'
-    OVER = 'over'
-
-
-class CommandFate(IntEnum):
-    """What became of the last command of a giver; as in omron_ld90_msgs/LastCommand."""
-
-    GIVEN = 1
-    OBEYED = 2
-    UNKNOWN = 3
-    COMPLETED = 4
-    FAILED = 5
-    NOT_OBEYED = 6
+_STATES = {
+    ActivityKind.UNKNOWN: MotionState.UNKNOWN, ActivityKind.STOPPING: MotionState.STOPPING,
+    ActivityKind.DOCKING: MotionState.DOCKING, ActivityKind.DOCKED: MotionState.DOCKED,
+    ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
+# A robot that is found like this has ended its drive by itself; otherwise, another client did.
+_GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
+_DOCK = 'dock'
+_UNSEEN = 'during an outage of the link another client may have driven or stopped the robot'
+_STOPPED_BY_OTHERS = 'another client of the robot stopped it'
+_NOTHING = Record(0, Kind.FOREIGN_STOP, Fate.OVER)
 
 
 class Overruled(ArclError):
@@ -123,137 +137,12 @@ class Unclear(ArclError):
     """A drive was refused because it is unknown at this moment whether the robot obeys."""
 
 
-@dataclass(frozen=True)
-class Record:
-    """One drive or stop, or what others did.
-
-    goal -- the goal for people; names -- the names by which the robot may confirm a drive, in
-    lower case: `` if the robot needs no name for it
-    """
-
-    number: int
-    kind: Kind
-    fate: Fate
-    giver: Giver = NO_GIVER
-    goal: str = ''
-    names: Tuple[str, ...] = ()
-    words: str = ''
-    command: int = 0
-    """Number of the command at its giver; 0: the giver does not number its commands."""
-    ending: CommandFate = CommandFate.NOT_OBEYED
-    """How a drive that is OVER ended."""
-
-    @property
-    def command_fate(self) -> CommandFate:
-        """What became of its command."""
-        if self.fate is not Fate.OVER:
-            return CommandFate[self.fate.name]
-        return self.ending if self.kind is Kind.DRIVE else CommandFate.COMPLETED
-
-    @property
-    def pending(self) -> bool:
-        """Whether it is a drive that the robot has not answered."""
-        return self.kind is Kind.DRIVE and self.fate is Fate.GIVEN
-
-    @property
-    def owed(self) -> bool:
-        """Whether it is a stop that the robot has not obeyed."""
-        return self.kind is Kind.STOP and self.fate is not Fate.OVER
-
-    @property
-    def may_move(self) -> bool:
-        """Whether it is a drive that the robot carries out, or may carry out."""
-        return self.kind is Kind.DRIVE and self.fate is not Fate.OVER
-
-
-@dataclass(frozen=True)
-class LastCommand:
-    """The newest command of a giver that numbers its commands."""
-
-    giver: str
-    number: int
-    fate: CommandFate
-
-
-@dataclass(frozen=True)
-class Memory:
-    """The state that survives a restart: the epoch, why it began, the records, and what became of
-    the last command of each giver."""
-
-    epoch: int
-    previous_epoch: int = 0
-    cause: Cause = Cause.RESTART
-    reason: str = ''
-    records: Tuple[Record, ...] = ()
-    last_commands: Tuple[LastCommand, ...] = ()
-
-    @property
-    def ruling(self) -> Optional[Record]:
-        """The record whose giver drives the robot."""
-        return next((r for r in reversed(self.records) if not r.pending), None)
-
-    @property
-    def giver(self) -> Giver:
-        """The program that drives or has stopped the robot; empty: none, or unknown."""
-        ruling = self.ruling
-        return NO_GIVER if ruling is None or ruling.fate is Fate.UNKNOWN else ruling.giver
-
-    @property
-    def drives(self) -> bool:
-        """Whether a drive, not a stop, was the last that moved or stopped the robot."""
-        return self.ruling is not None and self.ruling.kind in (Kind.DRIVE, Kind.FOREIGN_DRIVE)
-
-    @property
-    def goal(self) -> str:
-        """The goal of the ruling drive."""
-        return self.ruling.goal if self.ruling else ''
-
-    @property
-    def stop_owed(self) -> bool:
-        """Whether the robot has not obeyed a stop yet."""
-        return any(record.owed for record in self.records)
-
-    @property
-    def names(self) -> Tuple[str, ...]:
-        """The names of the goals to which the robot may drive because of us."""
-        return tuple(name for record in self.records for name in record.names)
-
-
-class Motion(NamedTuple):
-    """The published state."""
-
-    memory: Memory
-    state: MotionState
-
-
 class _Change(NamedTuple):
     """The end of an epoch: its number, the giver that ended it, and whether by a drive."""
 
     before: int
     by: Optional[Giver]
     drives: bool
-
-
-_STATES = {
-    ActivityKind.UNKNOWN: MotionState.UNKNOWN, ActivityKind.STOPPING: MotionState.STOPPING,
-    ActivityKind.DOCKING: MotionState.DOCKING, ActivityKind.DOCKED: MotionState.DOCKED,
-    ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
-# A robot that is found like this has ended its drive by itself; otherwise, another client did.
-_GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
-_DOCK = 'dock'
-_UNSEEN = 'during an outage of the link another client may have driven or stopped the robot'
-# Lines that say what the robot does from now on; the others are answers, or belong to a command.
-_TELLING = (
-    driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt, driving.ArrivedAtPoint,
-    driving.FailedGoingTo, driving.Stopping, driving.Stopped, driving.Patrolling,
-    driving.FinishedPatrolling, driving.Parking, tasks.DoingTask, tasks.CompletedTask,
-    tasks.ExecutingMacro, tasks.CompletedMacro, tasks.ExecutingList, tasks.FinishedList,
-    safety.EStop)
-_REFUSED = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.NEVER_SENT,
-            Outcome.OVERRULED)
-
-
-_ENDINGS = {Outcome.SUCCEEDED: CommandFate.COMPLETED, Outcome.FAILED: CommandFate.FAILED}
 
 
 def _names_of(command: Command) -> Tuple[str, ...]:
@@ -277,29 +166,26 @@ class Drives:
                  store: Callable[[Memory], None] = lambda memory: None,
                  draw: Callable[[], int] = draw_epoch) -> None:
         self._store, self._draw = store, draw
+        self.heard = Heard()
         self._changes: Deque[_Change] = deque(maxlen=_KEPT_EPOCHS)
         self._memory = stored or Memory(0)
-        self._number = max((r.number for r in self._memory.records), default=0)
+        self._number = max((r.number for r in self._records), default=0)
         self._executions: Dict[int, Execution] = {}  # by the number of the record
         self._connected = False
         # Whether nothing shows yet what happened to the robot before this connection.
         self._unseen = stored is not None
-        self._activity: Optional[Activity] = None  # of this connection
-        self._shown: Optional[Activity] = None  # the same, only from statuses
-        self._strange = False  # whether the last status showed a drive that is not ours
-        self._emergency = False
-        self._unheard_stops = 0  # stops that were sent and whose `Stopping` has not come
-        # Whether they are ours, of the `Stopping`s that the next `Stopped` ends.
-        self._stoppings: Set[bool] = set()
-        self.stopped_by_us = False
-        """Whether the last `Stopped` may end a stop of ours."""
-        self._replacing = False  # the robot began to stop, perhaps for a newer drive
-        self._stops_itself: Optional[SelfStop] = None  # why the robot may say `Stopping` next
-        self._docking: Optional[driving.DockingState] = None
         self._look_until = self._retry_at = -math.inf
         self._records = tuple(r if r.fate is Fate.OVER else replace(r, fate=Fate.UNKNOWN)
-                              for r in self._memory.records)
+                              for r in self._records)
         self._begin_epoch(None, Cause.RESTART, 'the controller was started', False)
+
+    @property
+    def _records(self) -> Tuple[Record, ...]:
+        return self._memory.records
+
+    @_records.setter
+    def _records(self, records: Tuple[Record, ...]) -> None:
+        self._memory = replace(self._memory, records=records)
 
     # --- derived answers --------------------------------------------------------------------------
 
@@ -327,26 +213,33 @@ class Drives:
 
         number -- of the command at its giver; a drive that a newer command has overtaken is late
         """
-        if number and not command.spec.stops and any(
+        spec = command.spec
+        if number and not spec.stops and any(
                 last.giver == giver.name and number <= last.number
                 for last in self._memory.last_commands):
             raise Overruled(f'it is not newer than the last one of {giver.name}')
-        if not known_epoch:
-            return
-        if command.spec.stops:
+        if known_epoch and spec.stops:
             others = self._others_since(giver, known_epoch)
             if others is not None and any(change.drives for change in others):
                 raise Overruled(self._memory.reason)
-        elif command.spec.moves:
+        elif known_epoch and spec.moves:
             if not self.knows(giver, known_epoch):
                 raise Overruled(self._memory.reason)
-            if self._unseen:  # the first status may begin a new epoch
-                raise Unclear('Not sent, the robot has not said yet what it does.')
-            other = next((r for r in self._records if r.pending and r.giver != giver), None)
-            if other:
-                raise Unclear(f'Not sent, the robot has not answered {other.words} yet.')
-            if self._memory.drives and self._is_in_doubt():
-                raise Unclear('Not sent, the robot may have been stopped by another client.')
+            unclear = self._why_unclear(giver)
+            if unclear:
+                raise Unclear(f'Not sent, {unclear}.')
+
+    def _why_unclear(self, giver: Giver) -> str:
+        """Why `giver` cannot drive, although it knows the present epoch; empty: it can."""
+        if self._unseen:  # the first status may begin a new epoch
+            return 'the robot has not said yet what it does'
+        other = next((r for r in self._records if r.pending and r.giver != giver), None)
+        if other:
+            return f'the robot has not answered {other.words} yet'
+        newest = list(self._executions.values())[-1:]
+        if self._memory.drives and any(e.begun and e.is_doubted for e in newest):
+            return 'the robot may have been stopped by another client'
+        return ''
 
     def may_send(self, execution: Execution) -> bool:
         """Whether a drive that was given may still be sent to the robot now."""
@@ -400,7 +293,7 @@ class Drives:
     def sent(self, execution: Execution) -> None:
         """A command is sent to the robot."""
         if execution.command.spec.stops:
-            self._unheard_stops += 1
+            self.heard.unheard_stops += 1
 
     # --- progress of commands ---------------------------------------------------------------------
 
@@ -417,111 +310,105 @@ class Drives:
         if record is None:  # what came later has ended it already
             return
         if record.kind is Kind.STOP:
-            self._retry_at = now + RETRY
-            if outcome in (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED):
-                at = self._records.index(record)
-                # this `Stopped` may be that of an older stop, so that drives may still follow
-                may_follow = [r for r in self._records[:at] if self._unheard_stops and r.may_move]
-                self._records = (*may_follow, replace(record, fate=Fate.OVER),
-                                 *self._records[at + 1:])
-                self._retry_at = -math.inf
-                self._keep()
-        elif outcome in _REFUSED or outcome is Outcome.FAILED and record.pending:
-            self._drop(record)
-        elif outcome is Outcome.EMERGENCY_STOPPED:
-            on_its_way = record.pending and execution.sent and execution.rejected_at is None
-            self._note_emergency(words)
-            if record in self._records:
-                self._change(record, Fate.UNKNOWN)
-            if on_its_way:  # it may reach the robot when its motors are on again
-                self._add(Kind.STOP, NO_GIVER, words)
-                self._keep()
-        elif outcome in (Outcome.LOST, Outcome.TIMED_OUT):
-            self._fate_unknown(record)
-            if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
-                self._owe(execution.giver, Cause.STOP, words)
+            self._stop_ended(record, outcome, now)
         elif outcome is Outcome.INTERRUPTED and record is self._records[-1]:
             self._foreign(Cause.OTHER_CLIENT, False, words)
-        elif record.pending and outcome is not Outcome.SUCCEEDED:
-            if self._unheard_stops:
-                self._change(record, Fate.UNKNOWN)
-            else:
-                self._drop(record)
         else:
-            self._change(record, Fate.OVER, _ENDINGS.get(outcome, CommandFate.NOT_OBEYED))
+            self._drive_ended(record, execution, outcome, words)
+
+    def _stop_ended(self, record: Record, outcome: Outcome, now: float) -> None:
+        if outcome not in _OBEYED_STOP:
+            self._retry_at = now + RETRY
+            return
+        at = self._records.index(record)
+        # this `Stopped` may be that of an older stop, so that drives may still follow
+        may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and r.may_move]
+        self._records = (*may_follow, replace(record, fate=Fate.OVER), *self._records[at + 1:])
+        self._retry_at = -math.inf
+        self._keep()
+
+    def _drive_ended(self, record: Record, execution: Execution, outcome: Outcome,
+                     words: str) -> None:
+        event, ruling = _EVENTS[outcome], self._memory.ruling
+        if event is Event.WITHDRAWN and self.heard.unheard_stops:
+            event = Event.CALLED_BACK
+        elif event is Event.EMERGENCY_STOP:
+            self.note_emergency(words)
+        self._happens(event, record)
+        if event is Event.LOST and record.pending:
+            self._rules(record, ruling)  # the robot may carry it out
+        if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
+            self._owe(execution.giver, Cause.STOP, words)
+        elif event is Event.EMERGENCY_STOP and record.pending and execution.on_its_way:
+            self._add(Kind.STOP, NO_GIVER, words)  # it may come when the motors are on again
+            self._keep()
 
     # --- lines of the robot -----------------------------------------------------------------------
 
     def linked(self, connected: bool, now: float) -> None:
         """The link to the robot came up, broke, or could not be made."""
-        if self._connected and not connected:
-            self._unseen, self._emergency = True, False
-        self._connected = connected
-        self._activity = self._shown = self._stops_itself = self._docking = None
-        self._strange = self._replacing = False
-        self._stoppings = set()
-        self._unheard_stops = 0
+        self._unseen = self._unseen or self._connected and not connected
+        self._connected, self.heard = connected, Heard()
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
         """The robot sends a line that is no status; called before the line ends commands."""
-        if isinstance(reply, driving.Stopping):
-            whose = self._whose_stopping()
-            self._stoppings.add(whose in ('our stop', 'cleared fault'))
-            if whose is None:
-                self._foreign_stop('another client of the robot stopped it')
-        elif isinstance(reply, driving.Stopped):
-            if self._replacing:
-                self._foreign_stop('another client of the robot stopped it')
-            self._replacing = False
-            if False in self._stoppings:  # else the robot's own pair is still to come
-                self._stops_itself = None
-            self.stopped_by_us = self._stoppings != {False}
-            self._stoppings = set()
-        elif isinstance(reply, safety.Motors) and reply.enabled:
-            self._emergency, self._stops_itself = False, SelfStop.MOTORS_ENABLED
-        elif isinstance(reply, safety.Fault) and reply.cleared:
-            self._stops_itself = SelfStop.FAULT_CLEARED
-        elif isinstance(reply, safety.EStop) and reply.pressed:
-            self._note_emergency('emergency stop')
-        elif isinstance(reply, driving.DockingStatus):
-            self._docking_said(reply)
-        if isinstance(reply, _TELLING):
-            self._activity = activity_of(reply)
-            if self._activity.kind in MOVING:
-                self._stops_itself = None
+        self.heard.said(reply)
+        if isinstance(reply, safety.EStop) and reply.pressed:
+            self.note_emergency('emergency stop')
 
-    def _docking_said(self, reply: driving.DockingStatus) -> None:
-        """A docking state is also an answer, so that only a change says what the robot does."""
-        before, self._docking = self._docking, reply.docking
-        if before is reply.docking:
+    def begins_to_stop(self, whose: StopOf) -> None:
+        """The robot says `Stopping`, or `Stopped` after a `Stopping` that was explained wrongly."""
+        self.heard.begins_to_stop(whose)
+        if whose is not StopOf.OTHERS:
             return
-        if reply.docking is not driving.DockingState.UNDOCKED:
-            self._activity = activity_of(reply)
-        elif before is driving.DockingState.UNDOCKING:
-            self._activity, self._stops_itself = activity_of(reply), SelfStop.UNDOCKED
+        # a drive that the robot has not answered reaches it after that
+        crosses = any(r.pending and self._was_sent(r) for r in self._records)
+        self._foreign(Cause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
+        if crosses:
+            self._add(Kind.STOP, NO_GIVER, _STOPPED_BY_OTHERS)
+            self._keep()
 
-    def set_out(self, reply: Reply, text: str) -> None:
-        """The robot begins a motion that no command under way asked for."""
-        activity = activity_of(reply)
-        if self._may_be_ours(activity) and (activity.goal or not self._executions):
-            self._late_acknowledgement(activity)
-        else:
-            self._foreign(Cause.ROBOT if activity.kind is ActivityKind.DOCKING
-                          and not self._executions else Cause.OTHER_CLIENT, True, text)
+    @property
+    def is_idle(self) -> bool:
+        """Whether no drive or stop of ours is under way."""
+        return not self._executions
+
+    @property
+    def replaces_a_drive(self) -> bool:
+        """Whether a drive is under way to a robot that moves."""
+        return self.heard.moves and any(
+            r.pending and r.number in self._executions for r in self._records)
+
+    @property
+    def is_about_the_dock(self) -> bool:
+        """Whether the robot docks or leaves its dock for a command of ours."""
+        return any(e.command.spec.course in (Course.INTO_THE_DOCK, Course.OUT_OF_THE_DOCK)
+                   or e.set_out and not e.begun for e in self._executions.values())
+
+    def begins_late(self, goal: str) -> None:
+        """The robot sets out for a drive of ours whose command has ended for its giver."""
+        record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
+                       and goal.casefold() in r.names), None)
+        if record and not self._memory.stop_owed:
+            self._obeyed(record)
+
+    def driven_by_others(self, cause: Cause, text: str) -> None:
+        """The robot begins a motion that nobody of us asked for."""
+        self._foreign(cause, True, text)
 
     def showed(self, activity: Activity, text: str) -> None:
         """The robot sends a status."""
-        before, self._shown = self._shown, activity
-        self._activity = activity
-        kind = activity.kind
+        heard, kind = self.heard, activity.kind
+        before, heard.shown = heard.shown, activity
+        heard.activity = activity
         if kind is ActivityKind.EMERGENCY_STOP:
-            self._note_emergency(text)
+            self.note_emergency(text)
         elif kind not in (ActivityKind.UNKNOWN, ActivityKind.MOTORS_DISABLED):
-            self._emergency = False
+            heard.emergency = False
         if self._unseen:
             self._first_shown(activity, text)
-        elif not self._executions:
+        elif self.is_idle:
             self._idle_shown(before, activity, text)
         self._look_until = -math.inf
 
@@ -537,15 +424,15 @@ class Drives:
                 self._records = (replace(record, fate=Fate.OBEYED if moves else Fate.OVER,
                                          ending=CommandFate.COMPLETED),)
                 self._keep()
-        elif not self._emergency:
+        elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
-            if self._is_as_we_stopped_it(activity):
+            if self._stands_as_we_stopped_it(activity):
                 self._begin_epoch(None, Cause.RESTART, words, False)
             else:
                 self._foreign(Cause.ROBOT if activity.kind in _GAVE_UP else Cause.OTHER_CLIENT,
                               activity.kind in MOVING, words)
 
-    def _is_as_we_stopped_it(self, activity: Activity) -> bool:
+    def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
         """Whether our last command was a stop, and the robot shows nothing else."""
         last = self._records[-1] if self._records else None
         return (activity.kind is ActivityKind.STOPPED and last is not None
@@ -553,56 +440,22 @@ class Drives:
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
         """No command of ours is under way: another client caused the robot's motion."""
-        memory = self._memory
+        memory, moves = self._memory, activity.kind in MOVING
+        ruling = memory.ruling or _NOTHING
         if (before is not None and before.kind is ActivityKind.ARRIVED_AT_GOAL
                 and memory.drives and before.goal.casefold() in memory.names
                 and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING)):
             self._foreign(Cause.OTHER_CLIENT, False, text)
-        ruling = memory.ruling
-        elsewhere = activity.kind in MOVING and not self._may_be_ours(activity) and not (
-            ruling is not None and ruling.kind is Kind.FOREIGN_DRIVE)
-        if ruling is not None and ruling.kind is Kind.DRIVE and ruling.fate is Fate.OBEYED:
+        strange = moves and ruling.kind is not Kind.FOREIGN_DRIVE and not self.may_be_ours(activity)
+        if ruling.kind is Kind.DRIVE and ruling.fate is Fate.OBEYED and not moves:
             # its command ended as lost with the link before, so that only statuses show its end
-            if activity.kind not in MOVING and self._shown_drive(activity) is ruling:
-                self._change(ruling, Fate.OVER, CommandFate.COMPLETED)
-            elsewhere = elsewhere or activity.kind in STANDING and not self._shown_drive(activity)
-        if elsewhere and self._strange:  # one status may have crossed a line
-            self._foreign(Cause.OTHER_CLIENT, activity.kind in MOVING, text)
-        self._strange = elsewhere
-
-    # --- whose `Stopping` is it? ------------------------------------------------------------------
-
-    def _whose_stopping(self) -> Optional[str]:
-        """The name of the first row of STOPPINGS that holds; None: of another client."""
-        name = next((name for name, holds in STOPPINGS.items() if holds(self)), None)
-        if name == 'our stop':
-            self._unheard_stops = max(self._unheard_stops - 1, 0)
-        elif name == 'cleared fault':
-            self._stops_itself = None  # no `Stopped` of its own follows
-        self._replacing = name == 'replacement'
-        return name
-
-    def _stops_for_us(self) -> bool:
-        return self._unheard_stops > 0
-
-    def _stops_to_replace(self) -> bool:
-        moving = self._activity is not None and self._activity.kind not in STANDING
-        return moving and any(r.pending and r.number in self._executions for r in self._records)
-
-    def _stops_between_attempts(self) -> bool:
-        return any(self._executions[n].command.spec.course in (
-                       Course.INTO_THE_DOCK, Course.OUT_OF_THE_DOCK)
-                   or self._executions[n].set_out and not self._executions[n].begun
-                   for n in self._executions)
-
-    def _foreign_stop(self, words: str) -> None:
-        """Another client stopped the robot. A drive that the robot has not answered will reach it
-        after that, so that a stop is owed."""
-        crosses = any(r.pending and self._was_sent(r) for r in self._records)
-        self._foreign(Cause.OTHER_CLIENT, False, words)
-        if crosses:
-            self._add(Kind.STOP, NO_GIVER, words)
-            self._keep()
+            shown = self._shown_drive(activity)
+            if shown is ruling:
+                self._happens(Event.COMPLETED, ruling)
+            strange = shown is None and activity.kind in STANDING
+        if strange and self.heard.strange:  # one status may have crossed a line
+            self._foreign(Cause.OTHER_CLIENT, moves, text)
+        self.heard.strange = strange
 
     def _was_sent(self, record: Record) -> bool:
         execution = self._executions.get(record.number)
@@ -627,14 +480,15 @@ class Drives:
         return next((r for r in self._records
                      if self._executions.get(r.number) is execution), None)
 
-    def _change(self, record: Record, fate: Fate,
-                ending: CommandFate = CommandFate.NOT_OBEYED) -> None:
-        self._records = tuple(replace(r, fate=fate, ending=ending) if r is record else r
-                              for r in self._records)
-        self._keep()
-
-    def _drop(self, record: Record) -> None:
-        self._records = tuple(r for r in self._records if r is not record)
+    def _happens(self, event: Event, record: Record) -> None:
+        """A drive gets its next fate. Does nothing if something else has dropped its record."""
+        if record.fate is Fate.OVER:
+            return
+        fate = TRANSITIONS[event][_FROM.index(record.fate)]
+        following = () if fate is None else (replace(
+            record, fate=fate, ending=_ENDINGS.get(event, CommandFate.NOT_OBEYED)),)
+        self._records = tuple(one for r in self._records
+                              for one in (following if r is record else (r,)))
         self._keep()
 
     def _obeyed(self, record: Record) -> None:
@@ -642,12 +496,13 @@ class Drives:
         if record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
-        self._replacing = False
+        self.heard.replacing = False
         # the robot answers in order: all stops sent before are answered, and none sent after
-        self._unheard_stops = sum(r.kind is Kind.STOP and (
+        self.heard.unheard_stops = sum(r.kind is Kind.STOP and (
             r.fate is Fate.OVER or self._was_sent(r)) for r in self._records[at + 1:])
-        self._records = (replace(record, fate=Fate.OBEYED), *(
+        self._records = (record, *(
             r for r in self._records[at + 1:] if r.kind in (Kind.DRIVE, Kind.STOP)))
+        self._happens(Event.ACKNOWLEDGED, record)
         self._rules(record, ruling)
 
     def _rules(self, record: Record, ruling: Optional[Record]) -> None:
@@ -660,20 +515,6 @@ class Drives:
             self._keep()
         else:
             self._begin_epoch(record.giver, Cause.OTHER_GIVER, record.words, True)
-
-    def _fate_unknown(self, record: Record) -> None:
-        """It is unknown whether the robot carries a drive out: its giver may be the driver."""
-        ruling = self._memory.ruling
-        self._change(record, Fate.UNKNOWN)
-        if record.pending:
-            self._rules(record, ruling)
-
-    def _late_acknowledgement(self, activity: Activity) -> None:
-        """The robot sets out for a drive of ours whose command has ended for its giver."""
-        record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
-                       and activity.goal.casefold() in r.names), None)
-        if record and not self._memory.stop_owed:
-            self._obeyed(record)
 
     def _owe(self, giver: Giver, cause: Cause, words: str,
              execution: Optional[Execution] = None, command: int = 0) -> None:
@@ -703,9 +544,10 @@ class Drives:
                          Fate.OVER))
         self._begin_epoch(None, cause, words, drives)
 
-    def _note_emergency(self, words: str) -> None:
-        if not self._emergency:
-            self._emergency = True
+    def note_emergency(self, words: str) -> None:
+        """The emergency stop is pressed."""
+        if not self.heard.emergency:
+            self.heard.emergency = True
             self._foreign(Cause.EMERGENCY_STOP, False, words)
 
     def _begin_epoch(self, giver: Optional[Giver], cause: Cause, reason: str, drives: bool,
@@ -722,10 +564,8 @@ class Drives:
         if given and given.command:
             last = (*(one for one in last if one.giver != given.giver.name),
                     LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
-        self._memory = replace(
-            self._memory, records=self._records,
-            last_commands=tuple(replace(one, fate=self._fate_of(one)) for one in last)[
-                -_KEPT_GIVERS:])
+        self._memory = replace(self._memory, last_commands=tuple(
+            replace(one, fate=self._fate_of(one)) for one in last)[-_KEPT_GIVERS:])
         self._store(self._memory)
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
@@ -750,9 +590,9 @@ class Drives:
     # --- the robot's motion -----------------------------------------------------------------------
 
     def _state(self) -> MotionState:
-        if not self._connected or self._activity is None:
+        if not self._connected or self.heard.activity is None:
             return MotionState.UNKNOWN
-        kind = self._activity.kind
+        kind = self.heard.activity.kind
         commands = [execution.command.spec for execution in self._executions.values()]
         if any(spec.stops for spec in commands) and kind not in (
                 ActivityKind.DOCKED, ActivityKind.UNDOCKING):
@@ -763,7 +603,7 @@ class Drives:
 
     def _shown_drive(self, activity: Activity) -> Optional[Record]:
         """The drive that the robot visibly carries out, or has visibly completed."""
-        if activity.kind in MOVING and not self._may_be_ours(activity):
+        if activity.kind in MOVING and not self.may_be_ours(activity):
             return None
         goal = activity.goal.casefold()
         name = {ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.GOING_TO_GOAL: goal,
@@ -776,7 +616,7 @@ class Drives:
         named = [r for r in drives if name in r.names]
         return next(iter(named or (drives if activity.kind in MOVING else [])), None)
 
-    def _may_be_ours(self, activity: Activity) -> bool:
+    def may_be_ours(self, activity: Activity) -> bool:
         """Whether a command of ours may have caused this motion of the robot.
 
         Decides by the motion's goal. A motion without a name may be ours while a drive of ours is
@@ -792,34 +632,3 @@ class Drives:
             return True
         return any(record.may_move and (not is_named or '' in record.names or _DOCK in record.names)
                    for record in self._records)
-
-    def _is_in_doubt(self) -> bool:
-        return any(execution.begun and execution.doubt is not None
-                   and execution.doubt.outcome is Outcome.INTERRUPTED
-                   for execution in list(self._executions.values())[-1:])
-
-
-class SelfStop(Enum):
-    """Why a robot may say `Stopping` by itself."""
-
-    UNDOCKED = 'it has left its dock'
-    MOTORS_ENABLED = 'its motors were enabled'
-    FAULT_CLEARED = 'a fault was cleared'
-
-
-# Whose is a `Stopping`? The first row that holds decides; without one, another client stopped the
-# robot. The pages are those of OMRON's ARCL manual I617-E-01, or of I617-E-02 where it is named.
-STOPPINGS: Dict[str, Callable[[Drives], bool]] = {
-    # p. 242: `stop` is answered by `Stopping`, `Stopped`, once for each `stop`.
-    'our stop': Drives._stops_for_us,
-    # p. 245: a robot that has undocked says `Stopping`, `Stopped`, possibly after the result.
-    'undocked': lambda drives: drives._stops_itself is SelfStop.UNDOCKED,
-    # p. 190: the same pair follows `Motors enabled`.
-    'motors enabled': lambda drives: drives._stops_itself is SelfStop.MOTORS_ENABLED,
-    # p. 66: clearing a fault prints `Stopping` alone.
-    'cleared fault': lambda drives: drives._stops_itself is SelfStop.FAULT_CLEARED,
-    # I617-E-02 p. 71: a robot that misses its dock stops, and tries again.
-    'attempt to dock': Drives._stops_between_attempts,
-    # Some robots stop for an instant to replace a drive; a `Stopped` shows that it was no such.
-    'replacement': Drives._stops_to_replace,
-}

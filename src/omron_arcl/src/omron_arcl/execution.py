@@ -110,6 +110,16 @@ class Execution:
         """Whether the command was sent to the robot."""
         return self.heard is not None
 
+    @property
+    def on_its_way(self) -> bool:
+        """Whether it was sent, and the robot has not refused it."""
+        return self.sent and self.rejected_at is None
+
+    @property
+    def is_doubted(self) -> bool:
+        """Whether the robot may have been stopped, or sent elsewhere, by another client."""
+        return self.doubt is not None and self.doubt.outcome is Outcome.INTERRUPTED
+
     def add_line(self, text: str) -> None:
         """Adds a line that belongs to the command."""
         self._characters += len(text)

@@ -6,10 +6,10 @@ from typing import FrozenSet, Iterable, Optional
 from omron_arcl.command_line import printable
 from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
-from omron_arcl.drives import MotionState
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.execution import Execution
 from omron_arcl.help_list import HelpList
+from omron_arcl.records import MotionState
 
 _DRIVES = (MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING, MotionState.UNDOCKING)
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')

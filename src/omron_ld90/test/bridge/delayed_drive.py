@@ -15,7 +15,8 @@ from speaking_robot import SpeakingRobot
 from timeline import Timeline
 
 from omron_arcl import ActivityKind, ArclError, Execution, Giver, NotConnected, read_activity
-from omron_arcl.drives import Cause, Motion, Overruled
+from omron_arcl.drives import Overruled
+from omron_arcl.records import Cause, Motion
 from omron_arcl.replies import DockingStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of

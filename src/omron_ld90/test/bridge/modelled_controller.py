@@ -9,7 +9,8 @@ from timeline import Timeline
 
 from omron_arcl import Execution, Giver, NotConnected, Result, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.drives import Drives, Memory, Motion
+from omron_arcl.drives import Drives
+from omron_arcl.records import Memory, Motion
 
 HEARTBEAT = 1.5  # s between its status requests
 

@@ -10,15 +10,8 @@ from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Outcome, Result
-from omron_arcl.drives import (
-    LOOK,
-    RETRY,
-    Cause,
-    CommandFate,
-    LastCommand,
-    Motion,
-    MotionState,
-)
+from omron_arcl.drives import LOOK, RETRY
+from omron_arcl.records import Cause, CommandFate, LastCommand, Motion, MotionState
 from omron_ld90.bridge import events as p
 
 YARD = yard()

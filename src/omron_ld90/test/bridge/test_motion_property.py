@@ -23,7 +23,7 @@ from motion_witness import YARD, Witness
 from simulated_robot import DIALECTS
 
 from omron_arcl import ArclError, Giver
-from omron_arcl.drives import Cause
+from omron_arcl.records import Cause
 from omron_ld90.bridge import events as p
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])

@@ -15,8 +15,9 @@ from modelled_controller import ModelledController
 from test_motion_property import SimulatedRobots
 
 from omron_arcl.commands import Command
-from omron_arcl.drives import Cause, Drives, Kind
+from omron_arcl.drives import Drives
 from omron_arcl.execution import Outcome
+from omron_arcl.records import Cause, Kind
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',

@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 import rospy
 
-from omron_arcl.drives import (
+from omron_arcl.execution import Giver
+from omron_arcl.records import (
     Cause,
     CommandFate,
     Fate,
@@ -17,7 +18,6 @@ from omron_arcl.drives import (
     MotionState,
     Record,
 )
-from omron_arcl.execution import Giver
 from omron_ld90.nodes import controller_motion
 from omron_ld90.nodes.controller_motion import MotionFile, message_of
 from omron_ld90_msgs import msg

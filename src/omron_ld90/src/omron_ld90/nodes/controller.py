@@ -62,8 +62,9 @@ from omron_arcl import (
     parse_line,
     printable,
 )
-from omron_arcl.drives import Drives, Motion
+from omron_arcl.drives import Drives
 from omron_arcl.guard import Guard
+from omron_arcl.records import Motion
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison

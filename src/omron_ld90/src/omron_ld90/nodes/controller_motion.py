@@ -10,17 +10,8 @@ from typing import Any, Dict, Optional
 import rospy
 
 from node_lifecycle import warn
-from omron_arcl.drives import (
-    Cause,
-    CommandFate,
-    Fate,
-    Kind,
-    LastCommand,
-    Memory,
-    Motion,
-    Record,
-)
 from omron_arcl.execution import Giver
+from omron_arcl.records import Cause, CommandFate, Fate, Kind, LastCommand, Memory, Motion, Record
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
 

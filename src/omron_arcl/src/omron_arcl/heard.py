@@ -1,0 +1,114 @@
+"""What the robot said of its motion over the present connection.
+
+These are facts about the lines. `attribution` decides whose a line is, and `drives` what follows.
+"""
+from __future__ import annotations
+
+from enum import Enum
+from typing import Optional, Set
+
+from omron_arcl.activity import MOVING, STANDING, Activity, activity_of
+from omron_arcl.replies import driving, safety, tasks
+from omron_arcl.replies.reply import Reply
+
+# Lines that say what the robot does from now on; the others are answers, or belong to a command.
+_TELLING = (
+    driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt, driving.ArrivedAtPoint,
+    driving.FailedGoingTo, driving.Stopping, driving.Stopped, driving.Patrolling,
+    driving.FinishedPatrolling, driving.Parking, tasks.DoingTask, tasks.CompletedTask,
+    tasks.ExecutingMacro, tasks.CompletedMacro, tasks.ExecutingList, tasks.FinishedList,
+    safety.EStop)
+# The robot begins a new motion. If no command of ours asked for it, another client did.
+_SETTING_OUT = (driving.GoingTo, driving.GoingToPoint, driving.Patrolling, tasks.ExecutingMacro,
+                tasks.DoingTask)
+
+
+class SelfStop(Enum):
+    """Why a robot may say `Stopping` by itself."""
+
+    UNDOCKED = 'it has left its dock'
+    MOTORS_ENABLED = 'its motors were enabled'
+    FAULT_CLEARED = 'a fault was cleared'
+
+
+class StopOf(Enum):
+    """Whose a `Stopping` is."""
+
+    US = 'a stop of ours'
+    ROBOT = 'the robot itself, which stands after it'
+    CLEARED_FAULT = 'the robot itself, which says no more about it'
+    REPLACEMENT = 'the robot itself, which replaces its drive'
+    OTHERS = 'another client'
+
+
+class Heard:
+    """The robot's words about its motion, since the connection was made."""
+
+    def __init__(self) -> None:
+        self.activity: Optional[Activity] = None
+        """The last activity, of a line or a status."""
+        self.shown: Optional[Activity] = None
+        """The last activity of a status."""
+        self.strange = False
+        """Whether the last status showed a motion that is not ours; it may have crossed a line."""
+        self.emergency = False
+        """Whether the emergency stop is pressed, or the motors are still off after it."""
+        self.sets_out = False
+        """Whether the last line begins a motion."""
+        self.unheard_stops = 0
+        """Number of stops that were sent and whose `Stopping` has not come."""
+        self.stopped_by_us = False
+        """Whether the last `Stopped` may end a stop of ours."""
+        self.replacing = False
+        """Whether the robot began to stop, perhaps only to replace its drive by a newer one."""
+        self.stops_itself: Optional[SelfStop] = None
+        """Why the robot may say `Stopping` next."""
+        self._docking: Optional[driving.DockingState] = None
+        self._ours: Set[bool] = set()  # of the `Stopping`s that the next `Stopped` ends
+
+    @property
+    def moves(self) -> bool:
+        """Whether the robot moves, or may move."""
+        return self.activity is not None and self.activity.kind not in STANDING
+
+    def said(self, reply: Reply) -> None:
+        """The robot sends a line that is no status."""
+        self.sets_out = isinstance(reply, _SETTING_OUT)
+        if isinstance(reply, driving.DockingStatus):
+            self._docking_said(reply)
+        elif isinstance(reply, driving.Stopped):
+            self._stands()
+        elif isinstance(reply, safety.Motors) and reply.enabled:
+            self.emergency, self.stops_itself = False, SelfStop.MOTORS_ENABLED
+        elif isinstance(reply, safety.Fault) and reply.cleared:
+            self.stops_itself = SelfStop.FAULT_CLEARED
+        if isinstance(reply, _TELLING):
+            self.activity = activity_of(reply)
+            if self.activity.kind in MOVING:
+                self.stops_itself = None
+
+    def begins_to_stop(self, whose: StopOf) -> None:
+        """The robot says `Stopping`."""
+        self._ours.add(whose in (StopOf.US, StopOf.CLEARED_FAULT))
+        self.replacing = whose is StopOf.REPLACEMENT
+        if whose is StopOf.US:
+            self.unheard_stops -= 1
+        elif whose is StopOf.CLEARED_FAULT:
+            self.stops_itself = None
+
+    def _stands(self) -> None:
+        if False in self._ours:  # else the robot's own pair is still to come
+            self.stops_itself = None
+        self.stopped_by_us, self._ours = self._ours != {False}, set()
+        self.replacing = False
+
+    def _docking_said(self, reply: driving.DockingStatus) -> None:
+        """A docking state is also an answer, so that only a change says what the robot does."""
+        before, self._docking = self._docking, reply.docking
+        if before is reply.docking:
+            return
+        self.sets_out = reply.docking is driving.DockingState.DOCKING and before is not None
+        if reply.docking is not driving.DockingState.UNDOCKED:
+            self.activity = activity_of(reply)
+        elif before is driving.DockingState.UNDOCKING:
+            self.activity, self.stops_itself = activity_of(reply), SelfStop.UNDOCKED

@@ -1,0 +1,166 @@
+"""The values of `drives`: a record of a drive or stop, what is stored, and what is published."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+from typing import NamedTuple, Optional, Tuple
+
+from omron_arcl.execution import NO_GIVER, Giver
+
+
+class Cause(IntEnum):
+    """Why a new epoch began; as in omron_ld90_msgs/Motion."""
+
+    OTHER_GIVER = 1
+    STOP = 2
+    CANCEL = 3
+    OTHER_CLIENT = 4
+    ROBOT = 5
+    EMERGENCY_STOP = 6
+    RESTART = 7
+
+
+class MotionState(IntEnum):
+    """The motion of the robot; as in omron_ld90_msgs/Motion."""
+
+    UNKNOWN = 0
+    STANDING = 1
+    DRIVING = 2
+    STOPPING = 3
+    DOCKING = 4
+    DOCKED = 5
+    UNDOCKING = 6
+    MANUAL = 7
+
+
+class Kind(Enum):
+    """What a record is about."""
+
+    DRIVE = 'drive'
+    STOP = 'stop'
+    FOREIGN_DRIVE = 'drive of another client or of the robot itself'
+    FOREIGN_STOP = 'stop by another client, by the robot itself or by the emergency stop'
+
+
+class Fate(Enum):
+    """What became of a drive or stop; see the table in `drives`."""
+
+    GIVEN = 'given'
+    OBEYED = 'obeyed'
+    UNKNOWN = 'unknown'
+    OVER = 'over'
+
+
+class CommandFate(IntEnum):
+    """What became of the last command of a giver; as in omron_ld90_msgs/LastCommand."""
+
+    GIVEN = 1
+    OBEYED = 2
+    UNKNOWN = 3
+    COMPLETED = 4
+    FAILED = 5
+    NOT_OBEYED = 6
+
+
+@dataclass(frozen=True)
+class Record:
+    """One drive or stop, or what others did.
+
+    goal -- the goal for people
+    names -- the names by which the robot may confirm a drive, in lower case: `` if the robot needs
+        no name for it
+    """
+
+    number: int
+    kind: Kind
+    fate: Fate
+    giver: Giver = NO_GIVER
+    goal: str = ''
+    names: Tuple[str, ...] = ()
+    words: str = ''
+    command: int = 0
+    """Number of the command at its giver; 0: the giver does not number its commands."""
+    ending: CommandFate = CommandFate.NOT_OBEYED
+    """How a drive that is OVER ended."""
+
+    @property
+    def command_fate(self) -> CommandFate:
+        """What became of its command."""
+        if self.fate is not Fate.OVER:
+            return CommandFate[self.fate.name]
+        return self.ending if self.kind is Kind.DRIVE else CommandFate.COMPLETED
+
+    @property
+    def pending(self) -> bool:
+        """Whether it is a drive that the robot has not answered."""
+        return self.kind is Kind.DRIVE and self.fate is Fate.GIVEN
+
+    @property
+    def owed(self) -> bool:
+        """Whether it is a stop that the robot has not obeyed."""
+        return self.kind is Kind.STOP and self.fate is not Fate.OVER
+
+    @property
+    def may_move(self) -> bool:
+        """Whether it is a drive that the robot carries out, or may carry out."""
+        return self.kind is Kind.DRIVE and self.fate is not Fate.OVER
+
+
+@dataclass(frozen=True)
+class LastCommand:
+    """The newest command of a giver that numbers its commands."""
+
+    giver: str
+    number: int
+    fate: CommandFate
+
+
+@dataclass(frozen=True)
+class Memory:
+    """The state that survives a restart: the epoch, why it began, the records, and what became of
+    the last command of each giver."""
+
+    epoch: int
+    previous_epoch: int = 0
+    cause: Cause = Cause.RESTART
+    reason: str = ''
+    records: Tuple[Record, ...] = ()
+    last_commands: Tuple[LastCommand, ...] = ()
+
+    @property
+    def ruling(self) -> Optional[Record]:
+        """The record whose giver drives the robot."""
+        return next((r for r in reversed(self.records) if not r.pending), None)
+
+    @property
+    def giver(self) -> Giver:
+        """The program that drives or has stopped the robot; empty: none, or unknown."""
+        ruling = self.ruling
+        return NO_GIVER if ruling is None or ruling.fate is Fate.UNKNOWN else ruling.giver
+
+    @property
+    def drives(self) -> bool:
+        """Whether a drive, not a stop, was the last that moved or stopped the robot."""
+        return self.ruling is not None and self.ruling.kind in (Kind.DRIVE, Kind.FOREIGN_DRIVE)
+
+    @property
+    def goal(self) -> str:
+        """The goal of the ruling drive."""
+        return self.ruling.goal if self.ruling else ''
+
+    @property
+    def stop_owed(self) -> bool:
+        """Whether the robot has not obeyed a stop yet."""
+        return any(record.owed for record in self.records)
+
+    @property
+    def names(self) -> Tuple[str, ...]:
+        """The names of the goals to which the robot may drive because of us."""
+        return tuple(name for record in self.records for name in record.names)
+
+
+class Motion(NamedTuple):
+    """The published state."""
+
+    memory: Memory
+    state: MotionState
