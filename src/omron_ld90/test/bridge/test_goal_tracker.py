@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Fate, Motion
-from omron_ld90.bridge.goal_tracker import DOCK, REASON_DELAY, GoalTracker, TakenOver
+from omron_ld90.bridge.goal_tracker import DOCK, STATUSES_TO_JUDGE, GoalTracker, TakenOver
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
 
@@ -34,28 +34,55 @@ def test_a_failure_in_its_own_words():
         'Failed going to goal')
 
 
-@pytest.mark.parametrize('ending', [Ending.INTERRUPTED, Ending.CANCELLED, Ending.OVERRULED])
-def test_an_interruption_is_somebody_elses_unless_an_emergency_stop_follows(ending):
-    tracker = ended(ending, 'replaced by "goto 3"')
+def shown(tracker: GoalTracker) -> None:
+    """The robot sends as many statuses as tell the reason of an interruption."""
+    for _ in range(STATUSES_TO_JUDGE):
+        tracker.shown()
+
+
+@pytest.mark.parametrize('ending', [Ending.INTERRUPTED, Ending.CANCELLED])
+def test_an_interruption_is_somebody_elses_unless_the_next_statuses_show_an_emergency_stop(ending):
+    tracker = sent()
+    shown(tracker)
+    tracker.ended(CommandEnded(1, ending, 'replaced by "goto 3"'), 5.0)
     assert tracker.is_doubtful
-    tracker.check_clock(5.0 + 0.8 * REASON_DELAY)
-    assert tracker.failure is None
-    tracker.check_clock(5.0 + 1.2 * REASON_DELAY)
+    tracker.shown()
+    assert tracker.failure is None, 'this status may have been sent before'
+    tracker.shown()
     assert isinstance(tracker.failure, TakenOver)
 
 
-def test_a_drive_that_was_overruled_by_a_restart_of_the_controller_is_given_again():
+def test_a_drive_that_was_overruled_waits_for_the_next_epoch_however_long_it_takes():
     tracker = ended(Ending.OVERRULED, 'the controller was started')
+    shown(tracker)
+    assert (tracker.failure, tracker.is_doubtful) == (None, True)
     tracker.goes_on(5.1)
-    tracker.check_clock(9.0)
-    assert tracker.failure is None
+    shown(tracker)
+    assert (tracker.failure, tracker.word.due(True, 5.1)) == (None, True)
+
+
+def test_it_is_given_again_as_well_if_a_newer_command_of_this_program_came_before_it():
+    tracker = ended(Ending.OVERRULED, 'it is not newer than the last one of /bridge')
+    tracker.told(2, Fate.GIVEN, 5.1)
     assert tracker.word.due(True, 5.1)
 
 
-def test_one_that_was_interrupted_is_not():
+@pytest.mark.parametrize('is_known', [False, True])
+def test_it_has_failed_if_the_robot_does_something_else(is_known):
+    tracker = sent()
+    if is_known:
+        tracker.interrupted('another client')
+    tracker.ended(CommandEnded(1, Ending.OVERRULED, 'another client'), 5.0)
+    if not is_known:
+        tracker.interrupted('another client')
+    shown(tracker)
+    assert isinstance(tracker.failure, TakenOver)
+
+
+def test_one_that_was_interrupted_is_not_given_again():
     tracker = ended(Ending.INTERRUPTED)
     tracker.goes_on(5.1)
-    tracker.check_clock(9.0)
+    shown(tracker)
     assert isinstance(tracker.failure, TakenOver)
 
 

@@ -209,6 +209,8 @@ def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(
     robot.update(CommandEnded(give.number, Ending.OVERRULED, 'the controller was started'), 1.1)
     commands = [(one.command, one.known_epoch) for one in robot.due_commands(1.2)]
     assert commands == ([('goto 12', give.known_epoch + 1)] if again else [])
+    for stamp in (2, 3):
+        robot.update(RobotSeen(stamp, Motion.STANDING, place=(0.0, 0.0)), 2.0)
     if again:
         robot.check(3.0)
     else:

@@ -81,6 +81,8 @@ class TestWhatSomebodyElseDoes:
         bench = under_way()
         end_of_drive(bench, Ending.OVERRULED, 'Not sent, another command came first.')
         bench.wait(1.0)
+        assert bench.follower.running, 'the next epoch tells whether the drive may be given again'
+        bench.overrule()
         assert_failed(bench, 'taken over', stopped=False)
 
     def test_a_stop_that_the_controller_has_taken_is_told_until_the_robot_has_obeyed(self):
@@ -98,6 +100,9 @@ def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench = under_way()
     end_of_drive(bench, Ending.INTERRUPTED, 'replaced by "goto 3"')
     bench.wait(1.0)
+    bench.look()
+    assert bench.follower.running, 'this status may have been sent before'
+    bench.look()
     assert_failed(bench, 'taken over', stopped=False)
     assert 'replaced by "goto 3"' in bench.notes[-1]
 

@@ -139,7 +139,8 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
         end_of_drive(bench, Ending.FAILED, 'Cannot find path')
     elif end == 'taken over':
         end_of_drive(bench, Ending.INTERRUPTED, 'replaced')
-        bench.wait(1.0)
+        bench.look()
+        bench.look()
         bench.robot.obey(None, 'goto 3')
     else:
         bench.order(9)

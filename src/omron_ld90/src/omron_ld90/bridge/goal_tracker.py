@@ -9,7 +9,7 @@ from omron_ld90.bridge.last_word import STOP, LastWord
 from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
 
 DOCK = 'dock'
-REASON_DELAY = 0.5  # s after an interruption in which an emergency stop may be its reason
+STATUSES_TO_JUDGE = 2  # after an interruption; the first may have been sent before it
 UNMOVED = 0.1       # m by which the location of a standing robot may vary
 
 _FAILED = Reason(ReasonCode.DRIVE_FAILED, 'the robot failed to reach its goal')
@@ -35,7 +35,12 @@ class TakenOver(RouteFailed):
 
 
 class GoalTracker:
-    """Tracks the last goal from the command to the arrival."""
+    """Tracks the last goal from the command to the arrival.
+
+    An interruption does not tell its reason. The robot's next statuses do: they show an emergency
+    stop, or else another giver drives or stopped the robot. A drive that the controller refused
+    because of its epoch was not interrupted: the next epoch tells why (`goes_on`, `interrupted`).
+    """
 
     def __init__(self) -> None:
         self.goal: Optional[str] = None
@@ -50,7 +55,8 @@ class GoalTracker:
         """How many locations in a row since its arrival show the robot at the same place."""
         self._told: Tuple[int, Fate] = (0, Fate.NONE)  # number and fate of our last command
         self._place: Optional[Tuple[float, float]] = None
-        self._interruption: Optional[Tuple[float, str]] = None
+        self._interruption: Optional[str] = None  # the words about it
+        self._statuses = 0  # that the robot sent since then
         self._was_overruled = False  # the drive was refused because of its epoch
 
     @property
@@ -111,9 +117,10 @@ class GoalTracker:
             return
         if event.ending is Ending.SUCCEEDED:
             self._arrive()
+        elif event.ending is Ending.OVERRULED and self._interruption is None:
+            self._interruption, self._was_overruled = event.text, True
         elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED, Ending.OVERRULED):
-            self._was_overruled = event.ending is Ending.OVERRULED
-            self.interrupted(now, event.text)
+            self.interrupted(event.text)
         elif event.ending is Ending.EMERGENCY_STOPPED:
             self.failure = RouteFailed(EMERGENCY_STOP)
         elif event.ending is Ending.FAILED:
@@ -127,8 +134,10 @@ class GoalTracker:
         self._judge(now)
 
     def _judge(self, now: float) -> None:
-        if self.word.is_lost and self._told[0] > self.word.number:
-            self.end()
+        if self._told[0] > self.word.number:
+            self.goes_on(now)
+            if self.word.is_lost:
+                self.end()
         fate = self.word.told(self._told, now)
         if fate is Fate.COMPLETED:
             self._arrive()
@@ -143,27 +152,31 @@ class GoalTracker:
         if self.reached:
             self.rested_at_goal = self.rested_at_goal + 1 if stands else 0
 
-    def interrupted(self, now: float, words: str) -> None:
-        """The robot does something else; an emergency stop reported next may be the reason."""
+    def interrupted(self, words: str) -> None:
+        """The robot does something else; an emergency stop may be the reason."""
         if not self.word.is_stop:
             self.word.must_be_given = False
-        self._interruption = self._interruption or (now, words)
+        self._was_overruled = False
+        if self._interruption is None:
+            self._interruption, self._statuses = words, 0
+
+    def shown(self) -> None:
+        """The robot sent a status."""
+        self._statuses += 1
+        if (self._interruption is not None and not self._was_overruled
+                and self._statuses >= STATUSES_TO_JUDGE):
+            self.failure = TakenOver(self._interruption or 'The motion was interrupted.')
 
     def goes_on(self, now: float) -> None:
         """No other giver did anything, so a drive that was refused because of its epoch may be
         given again."""
-        if self._was_overruled and self._interruption is not None:
+        if self._was_overruled:
             self._interruption, self._was_overruled = None, False
             self.word.give_again(now)
 
     def obeyed(self) -> None:
         """The robot obeys the last drive after all, although another giver came before it."""
         self._interruption = None
-
-    def check_clock(self, now: float) -> None:
-        """If no reason for an interruption came in time, another giver caused it."""
-        if self._interruption is not None and now - self._interruption[0] > REASON_DELAY:
-            self.failure = TakenOver(self._interruption[1] or 'The motion was interrupted.')
 
     def _arrive(self) -> None:
         self.reached = True

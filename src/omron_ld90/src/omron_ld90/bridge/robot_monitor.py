@@ -116,7 +116,6 @@ class RobotMonitor:
 
     def check(self, now: float) -> None:
         """Raises RouteFailed or TakenOver if something has ended the running route."""
-        self.tracker.check_clock(now)
         if self.emergency or self.overruled is EpochCause.EMERGENCY_STOP:
             raise RouteFailed(EMERGENCY_STOP)
         for failure in (self._taken_over, self.tracker.failure):
@@ -139,6 +138,7 @@ class RobotMonitor:
     def _on_seen(self, status: p.RobotSeen, now: float) -> None:
         self.seen = status
         self.emergency = status.emergency_stop
+        self.tracker.shown()
         if status.docking is not None and status.docking is not self.docking:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
@@ -172,7 +172,7 @@ class RobotMonitor:
         if goes_on:
             self.tracker.goes_on(now)
         elif self.epoch and event.by_robot:
-            self.tracker.interrupted(now, event.reason)
+            self.tracker.interrupted(event.reason)
         elif self.epoch:
             self._taken_over = TakenOver(f'{event.reason or "Another command"} came first.')
         if self.epoch and (not goes_on or event.cause is EpochCause.EMERGENCY_STOP):

@@ -349,7 +349,6 @@ class RouteFollower:
         seen = self.robot.seen
         if self._restored is None:
             return
-        self.robot.tracker.check_clock(now)
         record, give_up = self._restored
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)
         if (unknown or self.robot.tracker.is_interrupted) and now <= give_up:
