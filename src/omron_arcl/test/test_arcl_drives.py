@@ -755,6 +755,29 @@ class TestWhoseStopping:
                     'Interrupted: Going to 3', 'Stopping', 'Stopped')
         assert (bench.epoch, bench.memory.giver) == (known, PERSON)
 
+    @pytest.mark.parametrize('seconds, line', [
+        (16.0, ''), (0.5, 'Unknown command stop'), (1.5, 'CommandError: stop')])
+    def test_a_stop_that_the_robot_does_not_answer_explains_no_stopping(self, bench, seconds, line):
+        bench.status('Stopped')
+        bench.stop(PERSON)
+        bench.robot(*[line] if line else [])
+        bench.pass_time(seconds)
+        bench.drive(PERSON, 'goto 3')
+        last = bench.stop(PERSON)
+        bench.robot('Stopping', 'Stopped')
+        assert last.result.outcome is Outcome.SUCCEEDED
+
+    def test_so_is_one_between_two_stops_before_and_two_after(self, bench):
+        bench.status('Stopped')
+        commands = [bench.give(text, giver=PERSON)
+                    for text in ('stop', 'stop', 'goto 3', 'stop', 'stop')]
+        known = bench.epoch
+        bench.robot('Stopping', 'Stopped', 'Stopping', 'Stopped')
+        assert [command.result is None for command in commands] == [False, False, True, True, True]
+        bench.robot('Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped', 'Stopping',
+                    'Stopped')
+        assert (bench.epoch, bench.memory.giver, bench.memory.stop_owed) == (known, PERSON, False)
+
 
 class TestLinesWithoutAName:
     @pytest.mark.parametrize('line', ['Unknown command', 'SetUpError: start a list first'])

@@ -197,6 +197,10 @@ def test_whatever_was_before_a_stop_and_then_a_goto_are_carried_out(script):
     stop = talk.give('stop')
     for _ in [e for e in talk.dispatcher._commands.sent if e.command.name == 'stop']:
         talk.robot('Stopping', 'Stopped')
+    for _ in range(3):  # it may not have answered an older drive
+        talk.pass_time(1.5)
+        talk.robot('Status: Stopped StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
+    talk.pass_time(0.1)
     assert stop.result.outcome is Outcome.SUCCEEDED
     goto = talk.give('goto afterwards')
     talk.robot('Going to afterwards', 'Arrived at afterwards')

@@ -20,7 +20,6 @@ from omron_arcl.replies import (
     ConfigErrors,
     ConfigurationChanged,
     ConfigValue,
-    DataStoreValue,
     DateTime,
     DistanceBetween,
     DockingState,
@@ -33,7 +32,6 @@ from omron_arcl.replies import (
     ExecutingList,
     ExecutingMacro,
     ExtendedStatus,
-    ExternalIO,
     ExternalIOUpdate,
     FailedGoingTo,
     Fault,
@@ -61,7 +59,6 @@ from omron_arcl.replies import (
     Parking,
     Patrolling,
     PauseState,
-    PayloadSlot,
     RangeDevice,
     RangeReading,
     RobotError,
@@ -182,18 +179,17 @@ CASES = [
     ('Saying "hello"', Done('Saying "hello"')),
     ('ApplicationFaultSet set f', Done('ApplicationFaultSet set f')),
     # examples of the newer manual, I617-E-02: data store (p. 110-119, 244)
-    ('GetDataStoreGroupValues: RobotsAvail 3', DataStoreValue('RobotsAvail', '3')),
-    ('GetDataStoreFieldValues: ParkingTime 773.984', DataStoreValue('ParkingTime', '773.984')),
-    ('tripReset: TripAggDockedTime 0.000', DataStoreValue('TripAggDockedTime', '0.000')),
+    ('GetDataStoreGroupValues: RobotsAvail 3', Item('GetDataStoreGroupValues', 'RobotsAvail 3')),
+    ('GetDataStoreFieldValues: ParkingTime 773.984',
+     Item('GetDataStoreFieldValues', 'ParkingTime 773.984')),
+    ('tripReset: TripAggDockedTime 0.000', Item('tripReset', 'TripAggDockedTime 0.000')),
     ('getDataStoreGroupInfo: "Fleet Robot statistics" "Queuing Statistics"',
      Item('GetDataStoreGroupInfo', '"Fleet Robot statistics" "Queuing Statistics"')),
     ('GetDataStoreTripGroupList: TripJobCounts',
      Item('GetDataStoreTripGroupList', 'TripJobCounts')),
     # external inputs and outputs (p. 82-101)
-    ('ExtIODump: example with 69 input(s), value = 0x000000000ff000000 and 37 output(s), '
-     'value = 0x1f00000000', ExternalIO('example', 69, 0xff000000, 37, 0x1f00000000)),
-    ('ExtIODumpLocal: my set with 1 input(s), value = 0x1 and 0 output(s), value = 0x0',
-     ExternalIO('my set', 1, 1, 0, 0)),
+    ('ExtIODump: example with 69 input(s)', Item('ExtIODump', 'example with 69 input(s)')),
+    ('ExtIODumpLocal: my set with 1 input(s)', Item('ExtIODumpLocal', 'my set with 1 input(s)')),
     ('extIOInputUpdate: input example2 updated with 0x00000000000000020 from 32',
      ExternalIOUpdate('example2', False, 0x20)),
     ('extIOInputUpdateBit: input example updated with 1 at bit 32 to 0x00000000080000000',
@@ -208,9 +204,9 @@ CASES = [
     ('AnalogInputListHelper: List format is: <minV> <maxV> <maxRaw> <name>',
      Item('AnalogInputListHelper', 'List format is: <minV> <maxV> <maxRaw> <name>')),
     # payload (p. 167-178)
-    ('PayloadQuery: "21" 2 "Glasses" 05/07/2012 21:15:11 ""', PayloadSlot(2, 'Glasses', '21')),
-    ('PayloadQuery: 1 "slot junk" 05/07/2012 21:11:33 hello', PayloadSlot(1, 'slot junk')),
-    ('PayloadQueryLocal: 3 "Empty" None None ""', PayloadSlot(3, 'Empty')),
+    ('PayloadQuery: "21" 2 "Glasses"', Item('PayloadQuery', '"21" 2 "Glasses"')),
+    ('PayloadQueryLocal: 3 "Empty" None None ""',
+     Item('PayloadQueryLocal', '3 "Empty" None None ""')),
     ('PayloadSlotCount: "21" 4 ""', Item('PayloadSlotCount', '"21" 4 ""')),
     ('PayloadUpdate: "31" 4 "Empty" None None',
      Notice('PayloadUpdate', '"31" 4 "Empty" None None')),
@@ -284,10 +280,8 @@ def test_the_irregular_ends_of_lists_all_are_ends(line, what):
     'Temperature:', 'DockingState:', 'DockingState: Lost ForcedState: Unforced ChargeState: Not',
     'Odometer: 1 mm', 'Stopped now', 'EStop', 'EStop what', 'Fault: f', 'Goal:', 'Motors',
     'RangeDeviceGetCurrent:', 'Locations: 1 2 3', 'Echo is on',
-    'ExtIODump: example', 'ExtIODump: e with x input(s), value = 0x1 and 1 output(s), value = 0x1',
     'extIOInputUpdate: input e updated with 7', 'extIOInputUpdate: side e updated with 1 from 1',
-    'extIOInputUpdateBit: input e updated with 1 at bit 2 to nothing', 'PayloadQuery: x "y"',
-    'PayloadQuery: "31"', 'GetDataStoreFieldValues:', 'tripReset:', 'Input:',
+    'extIOInputUpdateBit: input e updated with 1 at bit 2 to nothing', 'Input:',
 ])
 def test_a_line_of_no_known_kind_is_an_unknown_line(line):
     assert parse_line(line) == UnknownLine(line)
@@ -345,5 +339,5 @@ def test_replies_are_values():
 
 
 def test_every_reply_is_a_public_name():
-    kinds = {kind.__name__ for kind in arcl.Reply.__subclasses__()}
-    assert kinds <= set(arcl.replies.__all__)
+    assert all(getattr(arcl.replies, kind.__name__) is kind
+               for kind in arcl.Reply.__subclasses__())

@@ -17,7 +17,7 @@ from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
 from omron_arcl.listener import Listener
 from omron_arcl.parser import parse_line
-from omron_arcl.replies.reply import Reply, readable, same_name
+from omron_arcl.replies import Reply, readable, same_name
 from omron_arcl.session import Received
 from omron_arcl.session_log import SessionLog
 from omron_arcl.status import StatusAssembler

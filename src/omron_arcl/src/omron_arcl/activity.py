@@ -10,9 +10,9 @@ from enum import Enum
 from functools import lru_cache
 from typing import Any, Callable, Dict, NamedTuple, Tuple, Type
 
+from omron_arcl import replies
 from omron_arcl.parser import parse_line
-from omron_arcl.replies import driving, general, safety, tasks
-from omron_arcl.replies.reply import Reply, coordinates
+from omron_arcl.replies import Reply, coordinates
 
 
 class ActivityKind(Enum):
@@ -92,9 +92,9 @@ def _always(kind: ActivityKind, field: str = '') -> Callable[[Any], Tuple[Activi
     return lambda reply: (kind, getattr(reply, field) if field else '')
 
 
-def _interrupted(reply: driving.Interrupted) -> Tuple[ActivityKind, str]:
+def _interrupted(reply: replies.Interrupted) -> Tuple[ActivityKind, str]:
     ran = parse_line(reply.text)
-    if isinstance(ran, driving.Interrupted):
+    if isinstance(ran, replies.Interrupted):
         return ActivityKind.INTERRUPTED, ''
     return ActivityKind.INTERRUPTED, activity_of(ran).goal
 
@@ -104,33 +104,33 @@ _OF_NOTICES = {'Teleop': ActivityKind.TELEOPERATED, 'Lost': ActivityKind.LOST,
                'Docking': ActivityKind.DOCKING, 'Undocking': ActivityKind.UNDOCKING}
 
 _TABLE: Dict[Type[Reply], Callable[[Any], Tuple[ActivityKind, str]]] = {
-    driving.GoingTo: _toward(ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT),
-    driving.GoingToPoint: _always(ActivityKind.GOING_TO_POINT),
-    driving.ArrivedAt: _toward(ActivityKind.ARRIVED_AT_GOAL, ActivityKind.ARRIVED_AT_POINT),
-    driving.ArrivedAtPoint: _always(ActivityKind.ARRIVED_AT_POINT),
-    driving.FailedGoingTo: _always(ActivityKind.FAILED, 'goal'),
-    driving.RobotError: _always(ActivityKind.FAILED),
-    driving.Failure: _always(ActivityKind.FAILED),
-    driving.Stopping: _always(ActivityKind.STOPPING),
-    driving.Stopped: _always(ActivityKind.STOPPED),
-    driving.Interrupted: _interrupted,
-    driving.Patrolling: _always(ActivityKind.PATROLLING, 'route'),
-    driving.LapCompleted: _always(ActivityKind.PATROLLING),
-    driving.FinishedPatrolling: _always(ActivityKind.STOPPED, 'route'),
-    driving.Parking: lambda reply: (
+    replies.GoingTo: _toward(ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT),
+    replies.GoingToPoint: _always(ActivityKind.GOING_TO_POINT),
+    replies.ArrivedAt: _toward(ActivityKind.ARRIVED_AT_GOAL, ActivityKind.ARRIVED_AT_POINT),
+    replies.ArrivedAtPoint: _always(ActivityKind.ARRIVED_AT_POINT),
+    replies.FailedGoingTo: _always(ActivityKind.FAILED, 'goal'),
+    replies.RobotError: _always(ActivityKind.FAILED),
+    replies.Failure: _always(ActivityKind.FAILED),
+    replies.Stopping: _always(ActivityKind.STOPPING),
+    replies.Stopped: _always(ActivityKind.STOPPED),
+    replies.Interrupted: _interrupted,
+    replies.Patrolling: _always(ActivityKind.PATROLLING, 'route'),
+    replies.LapCompleted: _always(ActivityKind.PATROLLING),
+    replies.FinishedPatrolling: _always(ActivityKind.STOPPED, 'route'),
+    replies.Parking: lambda reply: (
         ActivityKind.PARKED if reply.parked else ActivityKind.PARKING, ''),
-    driving.DockingStatus: lambda reply: (ActivityKind[reply.docking.name], ''),
-    tasks.WillDoTask: _always(ActivityKind.DOING_TASK, 'task'),
-    tasks.DoingTask: _always(ActivityKind.DOING_TASK, 'task'),
-    tasks.ExecutingMacro: _always(ActivityKind.DOING_TASK, 'macro'),
-    tasks.ExecutingList: _always(ActivityKind.DOING_TASK),
-    tasks.WaitState: _always(ActivityKind.DOING_TASK),
-    tasks.CompletedTask: _always(ActivityKind.STOPPED, 'task'),
-    tasks.CompletedMacro: _always(ActivityKind.STOPPED, 'macro'),
-    tasks.FinishedList: _always(ActivityKind.STOPPED),
-    safety.EStop: _always(ActivityKind.EMERGENCY_STOP),
-    safety.Motors: lambda reply: (
+    replies.DockingStatus: lambda reply: (ActivityKind[reply.docking.name], ''),
+    replies.WillDoTask: _always(ActivityKind.DOING_TASK, 'task'),
+    replies.DoingTask: _always(ActivityKind.DOING_TASK, 'task'),
+    replies.ExecutingMacro: _always(ActivityKind.DOING_TASK, 'macro'),
+    replies.ExecutingList: _always(ActivityKind.DOING_TASK),
+    replies.WaitState: _always(ActivityKind.DOING_TASK),
+    replies.CompletedTask: _always(ActivityKind.STOPPED, 'task'),
+    replies.CompletedMacro: _always(ActivityKind.STOPPED, 'macro'),
+    replies.FinishedList: _always(ActivityKind.STOPPED),
+    replies.EStop: _always(ActivityKind.EMERGENCY_STOP),
+    replies.Motors: lambda reply: (
         ActivityKind.UNKNOWN if reply.enabled else ActivityKind.MOTORS_DISABLED, ''),
-    general.Notice: lambda reply: (
+    replies.Notice: lambda reply: (
         _OF_NOTICES.get(reply.kind, ActivityKind.UNKNOWN), ''),
 }

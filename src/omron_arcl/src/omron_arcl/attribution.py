@@ -11,11 +11,13 @@ programs for real robots rely on it. `assumed`: no source says it; check it with
 """
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
 
+from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Course
@@ -24,8 +26,7 @@ from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.parser import parse_line
 from omron_arcl.records import Cause
-from omron_arcl.replies import driving, equipment, general, refusals, safety, site, status, tasks
-from omron_arcl.replies.reply import Reply, UnknownLine, coordinates
+from omron_arcl.replies import Reply, UnknownLine, coordinates
 from omron_arcl.secret import redact_passwords
 
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
@@ -39,13 +40,14 @@ _IN_WORDS = {ActivityKind.DOCKING: Course.INTO_THE_DOCK,
              ActivityKind.UNDOCKING: Course.OUT_OF_THE_DOCK}
 # Lines to all clients, and refusals. They never answer a command whose answer is not documented.
 _NO_ANSWER = frozenset((
-    driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
-    driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
-    driving.Interrupted, driving.RobotError, driving.Failure, safety.EStop, safety.Motors,
-    tasks.WaitState, status.OneLineStatus, status.StatusText, equipment.RangeReading,
-    site.MapChanged, site.ConfigurationChanged, general.Notice, refusals.CommandError,
-    refusals.CommandErrorDescription, refusals.UnknownCommand, refusals.SetUpError,
-    refusals.Usage))
+    replies.DockingStatus, replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt,
+    replies.ArrivedAtPoint, replies.Parking, replies.Stopping, replies.Stopped,
+    replies.Interrupted, replies.RobotError, replies.Failure, replies.EStop, replies.Motors,
+    replies.WaitState, replies.OneLineStatus, replies.StatusText, replies.RangeReading,
+    replies.ExternalIOUpdate,
+    replies.MapChanged, replies.ConfigurationChanged, replies.Notice, replies.CommandError,
+    replies.CommandErrorDescription, replies.UnknownCommand, replies.SetUpError,
+    replies.Usage))
 
 
 class Part(Enum):
@@ -177,8 +179,8 @@ class Attribution:
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
     def _watch(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
-        if isinstance(reply, (status.StatusText, status.OneLineStatus)):
-            shown = reply.text if isinstance(reply, status.StatusText) else reply.status
+        if isinstance(reply, (replies.StatusText, replies.OneLineStatus)):
+            shown = reply.text if isinstance(reply, replies.StatusText) else reply.status
             if shown:
                 activity = read_activity(shown)
                 self.watch.observe(Observation(
@@ -197,8 +199,8 @@ _HANDLERS: Mapping[Means, Callable[[Attribution, Execution, Reply, str, float], 
 
 def _reason(reply: Reply) -> str:
     """The robot's reason, if it is not the whole line."""
-    if isinstance(reply, (refusals.CommandErrorDescription, refusals.SetUpError,
-                          driving.RobotError)):
+    if isinstance(reply, (replies.CommandErrorDescription, replies.SetUpError,
+                          replies.RobotError)):
         return reply.text
     return ''
 
@@ -275,15 +277,16 @@ def _without_known_answer(commands: CommandQueue, reply: Reply) -> List[Executio
         e for e in commands.sent if e.command.spec.completed_by is None][:1]
 
 
-def _stops_before_a_drive(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    """The stops that one `Stopped` ends: those that were sent before the next drive."""
-    stops: List[Execution] = []
-    for execution in commands.sent if commands.records.heard.stopped_by_us else ():
-        if execution.command.spec.stops:
-            stops.append(execution)
-        elif execution.command.spec.drives and stops:
-            break  # the stops behind this drive are not obeyed yet
-    return stops
+def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    """The stops that a `Stopped` ends: those whose `Stopping` has come, and those before which no
+    unanswered drive was sent, because the robot answers in the order of sending."""
+    heard, found = commands.records.heard, []
+    stops = [e for e in commands.sent if e.command.spec.stops and heard.stopped_by_us]
+    first = next((e.order for e in _fresh(commands)), math.inf)
+    for number, stop in enumerate(stops):
+        if stop.order < first or number < len(stops) - heard.unheard_stops:
+            found.append(stop)
+    return found
 
 
 def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[CommandQueue, Any], List[Execution]]:
@@ -292,7 +295,7 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[CommandQueue, Any
     Passwords in the robot's lines are redacted, so they are also redacted in the sent lines for the
     comparison.
     """
-    def find(commands: CommandQueue, reply: refusals.CommandError) -> List[Execution]:
+    def find(commands: CommandQueue, reply: replies.CommandError) -> List[Execution]:
         said = _plain(reply.command)
         return [e for e in commands.sent if not e.begun and e.rejected_at is None and is_same(
             said, _plain(redact_passwords(e.command.line).decode('utf-8', 'replace')))][:1]
@@ -308,18 +311,18 @@ def _refused(commands: CommandQueue, reply: Any) -> List[Execution]:
     return [e for e in commands.sent if e.rejected_at is not None][:1]
 
 
-def _refused_goal(commands: CommandQueue, reply: refusals.CommandErrorDescription
+def _refused_goal(commands: CommandQueue, reply: replies.CommandErrorDescription
                   ) -> List[Execution]:
     return _refused(commands, reply) if _NO_GOAL.search(reply.text) else []
 
 
-def _refused_by_emergency(commands: CommandQueue, reply: refusals.CommandErrorDescription
+def _refused_by_emergency(commands: CommandQueue, reply: replies.CommandErrorDescription
                           ) -> List[Execution]:
     return [e for e in _refused(commands, reply)
             if e.command.spec.drives and _EMERGENCY_STOP.search(reply.text)]
 
 
-def _goal_named(commands: CommandQueue, reply: refusals.CommandErrorDescription
+def _goal_named(commands: CommandQueue, reply: replies.CommandErrorDescription
                 ) -> List[Execution]:
     if _refused(commands, reply) or not _NO_GOAL.search(reply.text):
         return []
@@ -328,7 +331,7 @@ def _goal_named(commands: CommandQueue, reply: refusals.CommandErrorDescription
         for name in e.command.goals)][:1]
 
 
-def _unknown(commands: CommandQueue, reply: refusals.UnknownCommand) -> List[Execution]:
+def _unknown(commands: CommandQueue, reply: replies.UnknownCommand) -> List[Execution]:
     said = _plain_name(reply)
     return [e for e in commands.sent if said and (
         _first_word(e) == said or len(said) >= _CUT_NAME and _first_word(e).startswith(said))][:1]
@@ -337,19 +340,19 @@ def _unknown(commands: CommandQueue, reply: refusals.UnknownCommand) -> List[Exe
 def _newest_unanswered(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """The line names no command. A drive is the last choice: if the robot carries it out
     nevertheless, it must have a giver."""
-    if isinstance(reply, refusals.UnknownCommand) and _plain_name(reply):
+    if isinstance(reply, replies.UnknownCommand) and _plain_name(reply):
         return []
     unanswered = [e for e in commands.sent if not (e.begun or e.set_out)]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
     return (others or unanswered)[-1:]
 
 
-def _misused(commands: CommandQueue, reply: refusals.Usage) -> List[Execution]:
+def _misused(commands: CommandQueue, reply: replies.Usage) -> List[Execution]:
     name = reply.syntax.split(' ', 1)[0].lower()
     return [e for e in commands.sent if e.command.name.lower() == name and not e.begun][:1]
 
 
-def _plain_name(reply: refusals.UnknownCommand) -> str:
+def _plain_name(reply: replies.UnknownCommand) -> str:
     return reply.name.strip(' "\':.').lower()
 
 
@@ -357,20 +360,20 @@ def _first_word(execution: Execution) -> str:
     return execution.command.text.split(' ', 1)[0].lower()
 
 
-def _interrupted_by_name(commands: CommandQueue, reply: driving.Interrupted) -> List[Execution]:
+def _interrupted_by_name(commands: CommandQueue, reply: replies.Interrupted) -> List[Execution]:
     ran = parse_line(reply.text)
     return [e for e in commands.begun_drives if any(
         fits and fits(e.command, ran)
         for fits in (e.command.spec.acknowledged_by, e.command.spec.related))][:1]
 
 
-def _interrupted_at_its_point(commands: CommandQueue, reply: driving.Interrupted
+def _interrupted_at_its_point(commands: CommandQueue, reply: replies.Interrupted
                               ) -> List[Execution]:
     point = coordinates(getattr(parse_line(reply.text), 'goal', ''))
     return [e for e in commands.begun_drives if point and point in e.points][:1]
 
 
-def _interrupted_in_words(commands: CommandQueue, reply: driving.Interrupted) -> List[Execution]:
+def _interrupted_in_words(commands: CommandQueue, reply: replies.Interrupted) -> List[Execution]:
     ran = parse_line(reply.text)
     course = _IN_WORDS.get(activity_of(ran).kind)
     return [e for e in commands.begun_drives[-1:] if isinstance(ran, UnknownLine)
@@ -381,22 +384,22 @@ def _present_drive(commands: CommandQueue, reply: Reply) -> List[Execution]:
     return commands.begun_drives[-1:] or commands.drives[:1]
 
 
-def _failed_by_name(commands: CommandQueue, reply: driving.FailedGoingTo) -> List[Execution]:
+def _failed_by_name(commands: CommandQueue, reply: replies.FailedGoingTo) -> List[Execution]:
     return [e for e in commands.drives if e.command.is_for(reply.goal)][:1]
 
 
-def _failed_without_a_name(commands: CommandQueue, reply: driving.FailedGoingTo
+def _failed_without_a_name(commands: CommandQueue, reply: replies.FailedGoingTo
                            ) -> List[Execution]:
     nameless = reply.goal.lower() in ('goal', 'point') or coordinates(reply.goal)
     return _present_drive(commands, reply) if nameless else []
 
 
-def _fails_to_localize(commands: CommandQueue, reply: driving.Failure) -> List[Execution]:
+def _fails_to_localize(commands: CommandQueue, reply: replies.Failure) -> List[Execution]:
     return [e for e in commands.sent if e.command.name.startswith('localize')
             and _ABOUT_LOCALIZING.search(reply.text)][:1]
 
 
-def _fails_to_begin(commands: CommandQueue, reply: driving.Failure) -> List[Execution]:
+def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> List[Execution]:
     """A drive that has begun goes on: `drive_watch` decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return commands.drives[:1] if about else []
@@ -421,7 +424,7 @@ def _docks_by_itself(commands: CommandQueue, reply: Reply) -> bool:
     return activity_of(reply).kind is ActivityKind.DOCKING and commands.records.is_idle
 
 
-_HALTS = (driving.Stopping,)
+_HALTS = (replies.Stopping,)
 _ANY: Tuple[Type[Reply], ...] = ()
 
 ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
@@ -441,62 +444,62 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('replacement', _HALTS,
             lambda commands, reply: commands.records.replaces_a_drive, StopOf.REPLACEMENT,
             'assumed: some robots stop for an instant to replace a drive'),
-        Row('no replacement', (driving.Stopped,),
+        Row('no replacement', (replies.Stopped,),
             lambda commands, reply: commands.records.heard.replacing, StopOf.OTHERS,
             'p. 242: a robot that stands was stopped'),
         Row('stop of another client', _HALTS, lambda commands, reply: True, StopOf.OTHERS,
             'p. 46: all clients receive it')),
     Part.COMMAND: (
         # refusals
-        Row('refused: whole line', (refusals.CommandError,), _repeats(str.__eq__),
+        Row('refused: whole line', (replies.CommandError,), _repeats(str.__eq__),
             Means.REFUSED_SOON, 'p. 46: the line is repeated, and a description follows'),
-        Row('refused: beginning', (refusals.CommandError,),
+        Row('refused: beginning', (replies.CommandError,),
             _repeats(lambda said, given: len(said) >= _CUT_NAME and given.startswith(said)),
             Means.REFUSED_SOON, 'observed: long names are cut'),
-        Row('refused: name', (refusals.CommandError,),
+        Row('refused: name', (replies.CommandError,),
             _repeats(lambda said, given: said.split()[:1] == given.split()[:1]),
             Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
-        Row('no goal', (refusals.CommandErrorDescription,), _refused_goal, Outcome.NO_GOAL,
+        Row('no goal', (replies.CommandErrorDescription,), _refused_goal, Outcome.NO_GOAL,
             'p. 46: `No goal`'),
-        Row('no goal of this name', (refusals.CommandErrorDescription,), _goal_named,
+        Row('no goal of this name', (replies.CommandErrorDescription,), _goal_named,
             Outcome.NO_GOAL, 'observed: the description comes alone'),
-        Row('no power', (refusals.CommandErrorDescription,), _refused_by_emergency,
+        Row('no power', (replies.CommandErrorDescription,), _refused_by_emergency,
             Outcome.EMERGENCY_STOPPED, 'p. 87: `Estop pressed cannot enable motors`'),
-        Row('refused', (refusals.CommandErrorDescription,), _refused, Outcome.REJECTED,
+        Row('refused', (replies.CommandErrorDescription,), _refused, Outcome.REJECTED,
             'p. 46: the description follows the error'),
-        Row('unknown command', (refusals.UnknownCommand,), _unknown, Outcome.UNKNOWN_COMMAND,
+        Row('unknown command', (replies.UnknownCommand,), _unknown, Outcome.UNKNOWN_COMMAND,
             'observed: the name follows, cut after 16 characters'),
-        Row('unknown command without a name', (refusals.UnknownCommand,), _newest_unanswered,
+        Row('unknown command without a name', (replies.UnknownCommand,), _newest_unanswered,
             Outcome.UNKNOWN_COMMAND, 'p. 44: `Unknown command`'),
-        Row('not set up', (refusals.SetUpError,), _newest_unanswered, Outcome.REJECTED,
+        Row('not set up', (replies.SetUpError,), _newest_unanswered, Outcome.REJECTED,
             'p. 46: names no command'),
-        Row('usage', (refusals.Usage,), _misused, Outcome.REJECTED,
+        Row('usage', (replies.Usage,), _misused, Outcome.REJECTED,
             'p. 44: a command that lacks arguments is answered by its syntax'),
         # failures and interruptions of drives
-        Row('interrupted', (driving.Interrupted,), _interrupted_by_name, Outcome.INTERRUPTED,
+        Row('interrupted', (replies.Interrupted,), _interrupted_by_name, Outcome.INTERRUPTED,
             'p. 242: the line repeats the status of the motion'),
-        Row('interrupted at its point', (driving.Interrupted,), _interrupted_at_its_point,
+        Row('interrupted at its point', (replies.Interrupted,), _interrupted_at_its_point,
             Outcome.INTERRUPTED, 'I617-E-02 p. 243: the point of a goal instead of its name'),
-        Row('interrupted in other words', (driving.Interrupted,), _interrupted_in_words,
+        Row('interrupted in other words', (replies.Interrupted,), _interrupted_in_words,
             Outcome.INTERRUPTED, 'assumed: only what the robot does can be interrupted'),
-        Row('error: emergency stop', (driving.RobotError,),
+        Row('error: emergency stop', (replies.RobotError,),
             lambda commands, reply: (
                 _need_motors(commands) if _EMERGENCY_STOP.search(reply.text) else []),
             Outcome.EMERGENCY_STOPPED, 'p. 251: `Error: Emergency stop pressed`'),
-        Row('error', (driving.RobotError,), _present_drive, Outcome.FAILED,
+        Row('error', (replies.RobotError,), _present_drive, Outcome.FAILED,
             'p. 251: an error while the robot drives names no command'),
-        Row('failed going to a goal', (driving.FailedGoingTo,), _failed_by_name, Outcome.FAILED,
+        Row('failed going to a goal', (replies.FailedGoingTo,), _failed_by_name, Outcome.FAILED,
             'observed'),
-        Row('failed going', (driving.FailedGoingTo,), _failed_without_a_name, Outcome.FAILED,
+        Row('failed going', (replies.FailedGoingTo,), _failed_without_a_name, Outcome.FAILED,
             'observed: `Failed going to goal`'),
-        Row('failed to localize', (driving.Failure,), _fails_to_localize, Outcome.FAILED,
+        Row('failed to localize', (replies.Failure,), _fails_to_localize, Outcome.FAILED,
             'observed'),
-        Row('failed to begin', (driving.Failure,), _fails_to_begin, Outcome.FAILED,
+        Row('failed to begin', (replies.Failure,), _fails_to_begin, Outcome.FAILED,
             'p. 251: `Cannot find path`'),
-        Row('emergency stop', (safety.EStop,),
+        Row('emergency stop', (replies.EStop,),
             lambda commands, reply: _need_motors(commands) if reply.pressed else [],
             Outcome.EMERGENCY_STOPPED, 'p. 190'),
-        Row('motors disabled', (safety.Motors,),
+        Row('motors disabled', (replies.Motors,),
             lambda commands, reply: [] if reply.enabled else _need_motors(commands),
             Outcome.FAILED, 'p. 191'),
         # drives: the lines of each command stand in `command_table`
@@ -512,7 +515,7 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('drive of another client', _ANY, lambda commands, reply: True, Begins.OTHERS,
             'observed: all clients receive it')),
     Part.ANSWER: (
-        Row('stands', (driving.Stopped,), _stops_before_a_drive, Outcome.SUCCEEDED,
+        Row('stands', (replies.Stopped,), _obeyed_stops, Outcome.SUCCEEDED,
             'p. 242: one `Stopped` may follow several `stop`'),
         Row('answer', _ANY, _answered, Outcome.SUCCEEDED, 'see `command_table`'),
         Row('answer has begun', _ANY, _answer_begun, Means.ACKNOWLEDGED, 'see `command_table`'),

@@ -30,7 +30,7 @@ from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
 from omron_arcl.records import Motion
-from omron_arcl.replies.site import Goal, Macro, MapChanged, Route
+from omron_arcl.replies import Goal, Macro, MapChanged, Route
 from omron_arcl.secret import redact_passwords
 from omron_arcl.session import LoggedIn, Received, Session, State, Trace
 from omron_arcl.session_log import SessionLog

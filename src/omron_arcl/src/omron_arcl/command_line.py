@@ -7,7 +7,7 @@ from omron_arcl.command_table import COMMANDS, spec_of
 from omron_arcl.commands import Command
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.readers import split_words
-from omron_arcl.replies.reply import readable
+from omron_arcl.replies import readable
 from omron_arcl.secret import redact_passwords
 
 LONGEST_COMMAND = 5000  # bytes; the server drops a client that sends more

@@ -3,14 +3,11 @@ from __future__ import annotations
 
 from typing import Callable, List, Optional
 
-from omron_arcl.drives import Drives
+from omron_arcl.drives import UNHEEDED, Drives
 from omron_arcl.errors import Busy
 from omron_arcl.execution import Execution, Outcome
 
 MAXIMUM_WAITING = 200
-
-# The outcomes of a stop that the robot did not obey.
-_UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 
 
 class CommandQueue:
@@ -112,7 +109,7 @@ class CommandQueue:
             self.records.ended(execution, outcome, words, self.now)
         if execution.command.spec.stops and outcome is Outcome.SUCCEEDED:
             self.end_before(execution, words)
-        elif execution.command.spec.stops and outcome in _UNHEEDED:
+        elif execution.command.spec.stops and outcome in UNHEEDED:
             self._give_up_cancelled(execution, outcome, words)
 
     def end_before(self, execution: Execution, words: str) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Dict, Iterable, Optional, Tuple
 
+from omron_arcl import replies
 from omron_arcl.commands import Category, CommandSpec, Course, Predicate
 from omron_arcl.predicates import (
     any_of,
@@ -22,9 +23,7 @@ from omron_arcl.predicates import (
     same_task,
     says,
 )
-from omron_arcl.replies import driving, equipment, general, safety, site, status, tasks
-from omron_arcl.replies.driving import DockingState
-from omron_arcl.replies.reply import UnknownLine
+from omron_arcl.replies import DockingState, UnknownLine
 
 # s without a line or status about a drive that has begun, after which it has timed out
 _DRIVE_TIMEOUT = 600.0
@@ -80,18 +79,18 @@ def _quiet(category: Category, *syntaxes: str, **shortcuts: str) -> Iterable[Com
 
 
 _LEAVING_THE_DOCK = docking_is(DockingState.DOCKED, DockingState.UNDOCKING, DockingState.UNDOCKED)
-_TO_A_GOAL = (driving.GoingTo, driving.ArrivedAt, driving.DockingStatus)
-_ON_THE_WAY = (*_TO_A_GOAL, driving.GoingToPoint, driving.ArrivedAtPoint)
-_OF_TASKS = (tasks.WillDoTask, tasks.DoingTask, tasks.CompletedTask, tasks.CompletedInstantTask,
-             tasks.WaitState)
+_TO_A_GOAL = (replies.GoingTo, replies.ArrivedAt, replies.DockingStatus)
+_ON_THE_WAY = (*_TO_A_GOAL, replies.GoingToPoint, replies.ArrivedAtPoint)
+_OF_TASKS = (replies.WillDoTask, replies.DoingTask, replies.CompletedTask,
+             replies.CompletedInstantTask, replies.WaitState)
 
 _ROWS: Tuple[CommandSpec, ...] = (
     # driving
-    _drive('goto <goal> [heading]', names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0),
+    _drive('goto <goal> [heading]', names(replies.GoingTo), names(replies.ArrivedAt), goal_at=0),
     _drive('gotoPoint <x> <y> [heading]',
-           any_of(is_one_of(driving.GoingToPoint), at_the_point(driving.GoingTo)),
-           any_of(is_one_of(driving.ArrivedAtPoint), at_the_point(driving.ArrivedAt))),
-    _drive('gotoRouteGoal <route> <goal>', names(driving.GoingTo), names(driving.ArrivedAt),
+           any_of(is_one_of(replies.GoingToPoint), at_the_point(replies.GoingTo)),
+           any_of(is_one_of(replies.ArrivedAtPoint), at_the_point(replies.ArrivedAt))),
+    _drive('gotoRouteGoal <route> <goal>', names(replies.GoingTo), names(replies.ArrivedAt),
            goal_at=1),
     # A robot that misses its dock undocks and tries again (ARCL manual I617-E-02 p. 71).
     _drive('dock', docking_is(DockingState.DOCKING), docking_is(DockingState.DOCKED),
@@ -99,39 +98,39 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _drive('undock', docking_is(DockingState.UNDOCKING), docking_is(DockingState.UNDOCKED),
            timeout=60.0, aborted_by=docking_is(DockingState.DOCKING, DockingState.DOCKED),
            course=Course.OUT_OF_THE_DOCK),
-    _tasks('patrol <route>', names(driving.Patrolling, 'route'), never,
-           is_one_of(*_TO_A_GOAL, driving.LapCompleted, *_OF_TASKS), goal_at=0),
-    *(_tasks(syntax, names(driving.Patrolling, 'route'),
-             names(driving.FinishedPatrolling, 'route'),
+    _tasks('patrol <route>', names(replies.Patrolling, 'route'), never,
+           is_one_of(*_TO_A_GOAL, replies.LapCompleted, *_OF_TASKS), goal_at=0),
+    *(_tasks(syntax, names(replies.Patrolling, 'route'),
+             names(replies.FinishedPatrolling, 'route'),
              is_one_of(*_TO_A_GOAL, *_OF_TASKS), goal_at=0)
       for syntax in ('patrolOnce <route> [index]', 'patrolResume <route>')),
-    _tasks('doTask <task> [arguments]', same_task(tasks.WillDoTask, tasks.DoingTask),
-           same_task(tasks.CompletedTask),
-           any_of(same_task(tasks.WillDoTask, tasks.DoingTask),
-                  is_one_of(tasks.WaitState, tasks.PauseState, *_ON_THE_WAY))),
-    _tasks('executeMacro <macro>', names(tasks.ExecutingMacro, 'macro'),
-           names(tasks.CompletedMacro, 'macro'),
+    _tasks('doTask <task> [arguments]', same_task(replies.WillDoTask, replies.DoingTask),
+           same_task(replies.CompletedTask),
+           any_of(same_task(replies.WillDoTask, replies.DoingTask),
+                  is_one_of(replies.WaitState, replies.PauseState, *_ON_THE_WAY))),
+    _tasks('executeMacro <macro>', names(replies.ExecutingMacro, 'macro'),
+           names(replies.CompletedMacro, 'macro'),
            is_one_of(*_OF_TASKS, *_ON_THE_WAY), goal_at=0),
-    _tasks('listExecute', is_one_of(tasks.ExecutingList), is_one_of(tasks.FinishedList),
+    _tasks('listExecute', is_one_of(replies.ExecutingList), is_one_of(replies.FinishedList),
            is_one_of(*_OF_TASKS, *_ON_THE_WAY)),
     _drive('queueDropoff <goal> [priority] [jobId]',
-           names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0,
+           names(replies.GoingTo), names(replies.ArrivedAt), goal_at=0,
            related=any_of(says('queueDropoff'), notices('QueueUpdate'), _LEAVING_THE_DOCK),
            shortcut='qd', adds_job=True),
     # other commands that move the robot, or let it be moved
-    CommandSpec('stop', Category.MOTION, is_one_of(driving.Stopped),
-                acknowledged_by=is_one_of(driving.Stopping),
-                related=is_one_of(driving.Interrupted), timeout=15.0),
+    CommandSpec('stop', Category.MOTION, is_one_of(replies.Stopped),
+                acknowledged_by=is_one_of(replies.Stopping),
+                related=is_one_of(replies.Interrupted), timeout=15.0),
     CommandSpec('enableMotors', Category.MOTION,
-                lambda command, reply: isinstance(reply, safety.Motors) and reply.enabled),
+                lambda command, reply: isinstance(reply, replies.Motors) and reply.enabled),
     *(CommandSpec(syntax, Category.MOTION,
-                  lambda command, reply: isinstance(reply, driving.Localizing) and reply.done,
-                  related=is_one_of(driving.Localizing), timeout=30.0, needs_standing=True)
+                  lambda command, reply: isinstance(reply, replies.Localizing) and reply.done,
+                  related=is_one_of(replies.Localizing), timeout=30.0, needs_standing=True)
       for syntax in ('localizeToPoint <x> <y> <heading> [xySpread] [angleSpread]',
                      'localizeAtGoal <goal>')),
-    _answer('doTaskInstant <task> [arguments]', tasks.CompletedInstantTask,
+    _answer('doTaskInstant <task> [arguments]', replies.CompletedInstantTask,
             category=Category.MOTION),
-    _answer('waitTaskCancel', tasks.WaitState, category=Category.MOTION),
+    _answer('waitTaskCancel', replies.WaitState, category=Category.MOTION),
     _done('listStart [name]', Category.MOTION, 'Making new list',
           related=says('List being cleared')),
     _done('listAdd <task> [arguments]', Category.MOTION, 'Added task'),
@@ -145,23 +144,23 @@ _ROWS: Tuple[CommandSpec, ...] = (
             'applicationBlockDrivingSet <name> <short> <long>',
             applicationBlockDrivingClear='abdc', applicationBlockDrivingSet='abds'),
     # status and state
-    CommandSpec('status', Category.QUERY, is_one_of(status.Temperature),
+    CommandSpec('status', Category.QUERY, is_one_of(replies.Temperature),
                 related=is_one_of(
-                    status.ExtendedStatus, status.StatusText, status.StateOfCharge,
-                    status.BatteryVoltage, status.Location, status.LocalizationScore)),
-    _answer('oneLineStatus', status.OneLineStatus),
-    _answer('queryDockStatus', driving.DockingStatus),
-    _answer('queryMotors', safety.Motors, safety.EStop),
-    _answer('odometer', status.Odometer),
+                    replies.ExtendedStatus, replies.StatusText, replies.StateOfCharge,
+                    replies.BatteryVoltage, replies.Location, replies.LocalizationScore)),
+    _answer('oneLineStatus', replies.OneLineStatus),
+    _answer('queryDockStatus', replies.DockingStatus),
+    _answer('queryMotors', replies.Motors, replies.EStop),
+    _answer('odometer', replies.Odometer),
     _done('odometerReset', Category.DEVICE, 'Reset odometer'),
-    _answer('getDateTime', status.DateTime),
-    _answer('pauseTaskState', tasks.PauseState),
-    _answer('waitTaskState', tasks.WaitState),
-    _answer('distanceBetween <goal> <goal>', site.DistanceBetween),
+    _answer('getDateTime', replies.DateTime),
+    _answer('pauseTaskState', replies.PauseState),
+    _answer('waitTaskState', replies.WaitState),
+    _answer('distanceBetween <goal> <goal>', replies.DistanceBetween),
     _listing('queueQueryLocal <type> <value> [echo]', 'QueueQuery', items('QueueQuery')),
     _listing('queueShowRobotLocal [echo]', 'QueueShowRobot', items('QueueRobot'),
              shortcut='qsrl'),
-    _answer('distanceFromHere <goal>', site.DistanceFromHere),
+    _answer('distanceFromHere <goal>', replies.DistanceFromHere),
     *_quiet(Category.QUERY, 'goalDistanceRemaining', 'etaRequest', 'arclStat', 'centralServer',
             'trackSectors', arclStat='ast'),
     # statistics and stored values of the robot
@@ -170,23 +169,24 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _done('createInfo <name> <length> <value>', Category.DEVICE, 'Created info for'),
     _done('updateInfo <name> <value>', Category.DEVICE, 'Updated info for'),
     *(_listing(f'getDataStore{syntax}', f'GetDataStore{syntax.split()[0]}',
-               any_of(items(f'GetDataStore{syntax.split()[0]}'), is_one_of(status.DataStoreValue)))
+               items(f'GetDataStore{syntax.split()[0]}'))
       for syntax in ('GroupList', 'GroupValues <group>', 'GroupInfo <group>', 'TripGroupList',
                      'FieldList', 'FieldValues <field>', 'FieldInfo <field>')),
-    _listing('tripReset', 'TripReset', is_one_of(status.DataStoreValue), Category.DEVICE),
+    _listing('tripReset', 'TripReset', items('tripReset'), Category.DEVICE),
     # goals, routes, macros, map objects
-    _listing('getGoals', 'goals', is_one_of(site.Goal)),
-    _listing('getRoutes', 'routes', any_of(is_one_of(site.Route), items('Routes'))),
-    _listing('getMacros', 'macros', is_one_of(site.Macro, UnknownLine)),
+    _listing('getGoals', 'goals', is_one_of(replies.Goal)),
+    _listing('getRoutes', 'routes', any_of(is_one_of(replies.Route), items('Routes'))),
+    _listing('getMacros', 'macros', is_one_of(replies.Macro, UnknownLine)),
     _listing('mapObjectTypeList', 'MapObjectTypeList', items('MapObjectTypeList')),
     _listing('mapObjectTypeInfo <type>', 'MapObjectTypeInfo',
              items('MapObjectTypeList', 'MapObjectTypeInfoArgument')),
-    _listing('mapObjectList <type>', 'MapObjectList', is_one_of(site.MapObjectName)),
+    _listing('mapObjectList <type>', 'MapObjectList', is_one_of(replies.MapObjectName)),
     _listing('mapObjectInfo <name>', 'MapObjectInfo',
-             any_of(items('MapObjectInfo', 'MapObjectInfoParams'), is_one_of(site.MapObjectCoord))),
+             any_of(items('MapObjectInfo', 'MapObjectInfoParams'),
+                    is_one_of(replies.MapObjectCoord))),
     # range devices
     *(_listing(name, 'RangeDeviceList',
-               any_of(is_one_of(equipment.RangeDevice), items('RangeDeviceCurrentDrawingData',
+               any_of(is_one_of(replies.RangeDevice), items('RangeDeviceCurrentDrawingData',
                                                     'RangeDeviceCumulativeDrawingData')))
       for name in ('rangeDeviceGetList', 'rangeDeviceList')),
     CommandSpec('rangeDeviceGetCurrent <device>', Category.QUERY, is_scan(cumulative=False)),
@@ -194,17 +194,17 @@ _ROWS: Tuple[CommandSpec, ...] = (
     # configuration: reading is a query
     _listing('getConfigSectionList', 'GetConfigSectionList', items('GetConfigSectionList')),
     _listing('getConfigSectionValues <section>', 'GetConfigSectionValues',
-             is_one_of(site.ConfigValue)),
+             is_one_of(replies.ConfigValue)),
     _listing('getConfigSectionInfo <section>', 'GetConfigSectionInfo',
              items('GetConfigSectionInfo', 'GetConfigSectionParamInfo')),
     *_quiet(Category.CONFIGURATION, 'scanStart', 'scanStop', 'scanAddGoal'),
     _done('configStart', Category.CONFIGURATION, 'New config starting'),
     _done('configAdd <line>', Category.CONFIGURATION, 'Added'),
     CommandSpec('configParse', Category.CONFIGURATION,
-                any_of(says('Config parsed fine'), is_one_of(site.ConfigErrors)),
+                any_of(says('Config parsed fine'), is_one_of(replies.ConfigErrors)),
                 timeout=60.0,
                 related=any_of(says('Will parse config'),
-                               is_one_of(site.MapChanged, site.ConfigurationChanged))),
+                               is_one_of(replies.MapChanged, replies.ConfigurationChanged))),
     _done('newConfigParam <section> <name> <description> <priority> <type> <default> '
           '<min> <max> <hint>', Category.CONFIGURATION, 'Will add new param'),
     _done('newConfigSectionComment <section> <text>', Category.CONFIGURATION,
@@ -214,28 +214,28 @@ _ROWS: Tuple[CommandSpec, ...] = (
           'ApplicationFaultSet set', shortcut='afs'),
     _done('applicationFaultClear <name>', Category.DEVICE, 'ApplicationFaultClear cleared',
           shortcut='afc'),
-    _listing('applicationFaultQuery', 'ApplicationFaultQuery', is_one_of(safety.Fault),
+    _listing('applicationFaultQuery', 'ApplicationFaultQuery', is_one_of(replies.Fault),
              shortcut='afq'),
-    _listing('faultsGet', 'FaultList', is_one_of(safety.Fault)),
-    _listing('inputList', 'InputList', any_of(items('InputList'), is_one_of(equipment.Input))),
-    _listing('outputList', 'OutputList', any_of(items('OutputList'), is_one_of(equipment.Input))),
+    _listing('faultsGet', 'FaultList', is_one_of(replies.Fault)),
+    _listing('inputList', 'InputList', any_of(items('InputList'), is_one_of(replies.Input))),
+    _listing('outputList', 'OutputList', any_of(items('OutputList'), is_one_of(replies.Input))),
     _listing('analogInputList', 'AnalogInputList',
              items('AnalogInputList', 'AnalogInputListHelper')),
-    _answer('inputQuery <name>', equipment.Input),
-    _answer('outputQuery <name>', equipment.Input),
-    _answer('outputOn <name>', equipment.Input, category=Category.DEVICE),
-    _answer('outputOff <name>', equipment.Input, category=Category.DEVICE),
+    _answer('inputQuery <name>', replies.Input),
+    _answer('outputQuery <name>', replies.Input),
+    _answer('outputOn <name>', replies.Input, category=Category.DEVICE),
+    _answer('outputOff <name>', replies.Input, category=Category.DEVICE),
     CommandSpec('analogInputQueryRaw <name>', Category.QUERY, items('AnalogInputRaw')),
     CommandSpec('analogInputQueryVoltage <name>', Category.QUERY, items('AnalogInputVoltage')),
-    *(_listing(name, name, is_one_of(equipment.ExternalIO))
-      for name in ('extIODump', 'extIODumpLocal')),
+    *(_listing(name, name, items(f'E{name[1:]}')) for name in ('extIODump', 'extIODumpLocal')),
     *(CommandSpec(f'extIO{side}{syntax}', Category.DEVICE,
-                  names(equipment.ExternalIOUpdate, 'name'), goal_at=0)
+                  names(replies.ExternalIOUpdate, 'name'), goal_at=0)
       for side in ('Input', 'Output')
       for syntax in ('Update <name> <value>', 'UpdateBit <name> <bit> <0|1>',
                      'UpdateByte <name> <byte> <value>')),
     _done('extIOAdd <name> <inputs> <outputs>', Category.CONFIGURATION, 'extIOAdd:'),
-    _listing('payloadQueryLocal [slot] [echo]', 'PayloadQuery', is_one_of(equipment.PayloadSlot)),
+    _listing('payloadQueryLocal [slot] [echo]', 'PayloadQuery',
+             items('PayloadQuery', 'PayloadQueryLocal')),
     _listing('payloadSlotCountLocal', 'PayloadSlotCount', items('PayloadSlotCount')),
     _done('payloadSet <slot> <content>', Category.DEVICE, 'payloadSet on',
           related=says('payloadSet attempting')),
@@ -250,8 +250,8 @@ _ROWS: Tuple[CommandSpec, ...] = (
             'clearAllObstacles'),
     # the connection, and power of the robot
     _listing('help', 'commands',
-             any_of(is_one_of(general.HelpEntry, UnknownLine), items('Commands'))),
-    _answer('echo [on|off]', general.Echo),
+             any_of(is_one_of(replies.HelpEntry, UnknownLine), items('Commands'))),
+    _answer('echo [on|off]', replies.Echo),
     _done('connectOutgoing <host> <port>', Category.DANGEROUS, 'Outgoing connected'),
     _done('extIORemove <name>', Category.DANGEROUS, 'extIORemove:'),  # restarts the robot's ARAM
     *_quiet(Category.DANGEROUS, 'quit', 'shutDown', 'shutDownServer', 'disableMotors',

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Callable, Optional, Tuple
 
-from omron_arcl.replies.reply import Reply, same_name
+from omron_arcl.replies import Reply, same_name
 
 ACKNOWLEDGE_TIMEOUT = 60.0  # s in which a drive must be acknowledged; it may leave the dock first
 

@@ -23,7 +23,7 @@ from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command, Course
 from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
-from omron_arcl.replies.reply import Reply
+from omron_arcl.replies import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
 _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come

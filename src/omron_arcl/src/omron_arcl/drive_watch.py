@@ -13,12 +13,12 @@ from __future__ import annotations
 from enum import Enum
 from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
+from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Course
 from omron_arcl.execution import Doubt, Execution, Outcome
-from omron_arcl.replies import driving
-from omron_arcl.replies.reply import coordinates
+from omron_arcl.replies import coordinates
 
 # s after which an activity that contradicted a command at least twice ends it
 SETTLE: Mapping[Course, float] = {
@@ -203,7 +203,7 @@ def _acknowledges(execution: Execution, activity: Activity) -> bool:
 
 
 def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float) -> None:
-    broken_off = (isinstance(seen.activity.reply, driving.Interrupted) and not seen.is_status
+    broken_off = (isinstance(seen.activity.reply, replies.Interrupted) and not seen.is_status
                   and (not seen.activity.goal or not execution.begun))
     doubt = execution.doubt
     if doubt is None or (outcome is not doubt.outcome

@@ -51,6 +51,7 @@ from dataclasses import replace
 from enum import Enum
 from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
+from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.commands import Command, Course
 from omron_arcl.errors import ArclError
@@ -67,8 +68,7 @@ from omron_arcl.records import (
     MotionState,
     Record,
 )
-from omron_arcl.replies import safety
-from omron_arcl.replies.reply import Reply
+from omron_arcl.replies import Reply
 
 LOOK = 2.0  # s of a new connection to wait for a status that may make an owed stop unnecessary
 RETRY = 1.0  # s between two attempts to send an owed stop
@@ -111,6 +111,8 @@ _EVENTS: Mapping[Outcome, Event] = {
     Outcome.LOST: Event.LOST, Outcome.TIMED_OUT: Event.LOST,
     Outcome.EMERGENCY_STOPPED: Event.EMERGENCY_STOP}
 _ENDINGS = {Event.COMPLETED: CommandFate.COMPLETED, Event.FAILED: CommandFate.FAILED}
+UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
+"""The outcomes of a stop that the robot does not obey."""
 # The outcomes of a stop after which the robot need not obey it any more.
 _OBEYED_STOP = (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED)
 
@@ -307,6 +309,8 @@ class Drives:
         """A command has ended, or could not be sent."""
         record = self._record_of(execution)
         self._executions = {n: e for n, e in self._executions.items() if e is not execution}
+        if execution.command.spec.stops and outcome in UNHEEDED and not execution.begun:
+            self.heard.forget_stop()
         if record is None:  # what came later has ended it already
             return
         if record.kind is Kind.STOP:
@@ -321,8 +325,9 @@ class Drives:
             self._retry_at = now + RETRY
             return
         at = self._records.index(record)
-        # this `Stopped` may be that of an older stop, so that drives may still follow
-        may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and r.may_move]
+        # this `Stopped` may be that of an older stop, so that drives and stops may still follow
+        may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and (
+            r.may_move or r.kind is Kind.STOP and r.fate is Fate.OVER)]
         self._records = (*may_follow, replace(record, fate=Fate.OVER), *self._records[at + 1:])
         self._retry_at = -math.inf
         self._keep()
@@ -354,7 +359,7 @@ class Drives:
     def said(self, reply: Reply) -> None:
         """The robot sends a line that is no status; called before the line ends commands."""
         self.heard.said(reply)
-        if isinstance(reply, safety.EStop) and reply.pressed:
+        if isinstance(reply, replies.EStop) and reply.pressed:
             self.note_emergency('emergency stop')
 
     def begins_to_stop(self, whose: StopOf) -> None:

@@ -1,13 +1,11 @@
-"""Readers of lines about inputs and outputs, payload and range devices; see `readers`."""
+"""Readers of lines about inputs and outputs and range devices; see `readers`."""
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from omron_arcl.readers import split_words
-from omron_arcl.replies import equipment
+from omron_arcl import replies
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -16,31 +14,17 @@ _COORDINATE_LIMIT = 2 ** 31  # ARCL's integers are signed 32 bit
 _STATES = ('on', 'off', 'broken')
 
 
-def digital_input(text: str, output: bool) -> equipment.Input:
+def digital_input(text: str, output: bool) -> replies.Input:
     """`<name> on`, or only the name (in the lists of some robots, by the manual)."""
     name, _, state = text.rpartition(' ')
     if state.lower() not in _STATES:
         name, state = text, ''
     if not name:
         raise ValueError
-    return equipment.Input(name.strip('"'), state.lower(), output)
+    return replies.Input(name.strip('"'), state.lower(), output)
 
 
-_EXTERNAL_IO = re.compile(r'(.+) with (\d+) input\(s\), value = (\w+)'
-                          r' and (\d+) output\(s\), value = (\w+)$')
-
-
-def external_io(text: str) -> equipment.ExternalIO:
-    """`<name> with 69 input(s), value = 0x1f and 37 output(s), value = 0x2f`."""
-    match = _EXTERNAL_IO.match(text)
-    if not match:
-        raise ValueError
-    name, inputs, input_bits, outputs, output_bits = match.groups()
-    return equipment.ExternalIO(name, int(inputs), int(input_bits, 16),
-                                int(outputs), int(output_bits, 16))
-
-
-def external_io_update(text: str) -> equipment.ExternalIOUpdate:
+def external_io_update(text: str) -> replies.ExternalIOUpdate:
     """`input <name> updated with 0x20 from 32`, `output <name> updated with 1 at bit 32 to 0x80`.
 
     The value of the whole set is the first number in the one form, the last in the other.
@@ -50,25 +34,17 @@ def external_io_update(text: str) -> equipment.ExternalIOUpdate:
     value, how, *_, last = change.split()
     if side.lower() not in ('input', 'output') or not name or how not in ('from', 'at'):
         raise ValueError
-    return equipment.ExternalIOUpdate(name, side.lower() == 'output',
+    return replies.ExternalIOUpdate(name, side.lower() == 'output',
                                       int(value if how == 'from' else last, 16))
 
 
-def payload_slot(text: str) -> equipment.PayloadSlot:
-    """`1 "<content>" <date> <time> <echo>`; a fleet manager puts the robot's quoted name first."""
-    fields = split_words(text)
-    robot = fields.pop(0) if text.startswith('"') else ''
-    slot, content, *_ = fields
-    return equipment.PayloadSlot(int(slot), content, robot)
-
-
-def range_device(text: str) -> equipment.RangeDevice:
+def range_device(text: str) -> replies.RangeDevice:
     """`<name> <kind>`."""
     name, _, kind = text.partition(' ')
-    return equipment.RangeDevice(name, kind)
+    return replies.RangeDevice(name, kind)
 
 
-def range_reading(text: str, cumulative: bool) -> equipment.RangeReading:
+def range_reading(text: str, cumulative: bool) -> replies.RangeReading:
     """`<device> x y x y ...`: whole mm in the map frame; an unpaired last number is dropped."""
     device, _, numbers = text.partition(' ')
     if not device:
@@ -76,7 +52,7 @@ def range_reading(text: str, cumulative: bool) -> equipment.RangeReading:
     flat = _integers(numbers)
     points = flat[:flat.size // 2 * 2].reshape(-1, 2)
     points.setflags(write=False)
-    return equipment.RangeReading(device, points, cumulative)
+    return replies.RangeReading(device, points, cumulative)
 
 
 def _integers(text: str) -> npt.NDArray[np.int64]:

@@ -7,20 +7,20 @@ from __future__ import annotations
 from enum import Enum
 from typing import Optional, Set
 
+from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, activity_of
-from omron_arcl.replies import driving, safety, tasks
-from omron_arcl.replies.reply import Reply
+from omron_arcl.replies import Reply
 
 # Lines that say what the robot does from now on; the others are answers, or belong to a command.
 _TELLING = (
-    driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt, driving.ArrivedAtPoint,
-    driving.FailedGoingTo, driving.Stopping, driving.Stopped, driving.Patrolling,
-    driving.FinishedPatrolling, driving.Parking, tasks.DoingTask, tasks.CompletedTask,
-    tasks.ExecutingMacro, tasks.CompletedMacro, tasks.ExecutingList, tasks.FinishedList,
-    safety.EStop)
+    replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt, replies.ArrivedAtPoint,
+    replies.FailedGoingTo, replies.Stopping, replies.Stopped, replies.Patrolling,
+    replies.FinishedPatrolling, replies.Parking, replies.DoingTask, replies.CompletedTask,
+    replies.ExecutingMacro, replies.CompletedMacro, replies.ExecutingList, replies.FinishedList,
+    replies.EStop)
 # The robot begins a new motion. If no command of ours asked for it, another client did.
-_SETTING_OUT = (driving.GoingTo, driving.GoingToPoint, driving.Patrolling, tasks.ExecutingMacro,
-                tasks.DoingTask)
+_SETTING_OUT = (replies.GoingTo, replies.GoingToPoint, replies.Patrolling, replies.ExecutingMacro,
+                replies.DoingTask)
 
 
 class SelfStop(Enum):
@@ -63,7 +63,7 @@ class Heard:
         """Whether the robot began to stop, perhaps only to replace its drive by a newer one."""
         self.stops_itself: Optional[SelfStop] = None
         """Why the robot may say `Stopping` next."""
-        self._docking: Optional[driving.DockingState] = None
+        self._docking: Optional[replies.DockingState] = None
         self._ours: Set[bool] = set()  # of the `Stopping`s that the next `Stopped` ends
 
     @property
@@ -74,13 +74,13 @@ class Heard:
     def said(self, reply: Reply) -> None:
         """The robot sends a line that is no status."""
         self.sets_out = isinstance(reply, _SETTING_OUT)
-        if isinstance(reply, driving.DockingStatus):
+        if isinstance(reply, replies.DockingStatus):
             self._docking_said(reply)
-        elif isinstance(reply, driving.Stopped):
+        elif isinstance(reply, replies.Stopped):
             self._stands()
-        elif isinstance(reply, safety.Motors) and reply.enabled:
+        elif isinstance(reply, replies.Motors) and reply.enabled:
             self.emergency, self.stops_itself = False, SelfStop.MOTORS_ENABLED
-        elif isinstance(reply, safety.Fault) and reply.cleared:
+        elif isinstance(reply, replies.Fault) and reply.cleared:
             self.stops_itself = SelfStop.FAULT_CLEARED
         if isinstance(reply, _TELLING):
             self.activity = activity_of(reply)
@@ -96,19 +96,23 @@ class Heard:
         elif whose is StopOf.CLEARED_FAULT:
             self.stops_itself = None
 
+    def forget_stop(self) -> None:
+        """The robot will not answer one of the stops that were sent."""
+        self.unheard_stops = max(self.unheard_stops - 1, 0)
+
     def _stands(self) -> None:
         if False in self._ours:  # else the robot's own pair is still to come
             self.stops_itself = None
         self.stopped_by_us, self._ours = self._ours != {False}, set()
         self.replacing = False
 
-    def _docking_said(self, reply: driving.DockingStatus) -> None:
+    def _docking_said(self, reply: replies.DockingStatus) -> None:
         """A docking state is also an answer, so that only a change says what the robot does."""
         before, self._docking = self._docking, reply.docking
         if before is reply.docking:
             return
-        self.sets_out = reply.docking is driving.DockingState.DOCKING and before is not None
-        if reply.docking is not driving.DockingState.UNDOCKED:
+        self.sets_out = reply.docking is replies.DockingState.DOCKING and before is not None
+        if reply.docking is not replies.DockingState.UNDOCKED:
             self.activity = activity_of(reply)
-        elif before is driving.DockingState.UNDOCKING:
+        elif before is replies.DockingState.UNDOCKING:
             self.activity, self.stops_itself = activity_of(reply), SelfStop.UNDOCKED

@@ -12,9 +12,9 @@ from typing import Dict, List, Tuple
 
 from omron_arcl import equipment_readers as equipment
 from omron_arcl import readers as read
+from omron_arcl import replies
 from omron_arcl.readers import Reader, Row
-from omron_arcl.replies import driving, general, refusals, safety, site, status, tasks
-from omron_arcl.replies.reply import Reply, UnknownLine
+from omron_arcl.replies import Reply, UnknownLine
 
 
 def parse_line(text: str) -> Reply:
@@ -34,7 +34,7 @@ def parse_line(text: str) -> Reply:
             continue
     help_entry = _HELP_ENTRY.match(text)
     if help_entry:
-        return general.HelpEntry(*help_entry.groups())
+        return replies.HelpEntry(*help_entry.groups())
     return UnknownLine(text)
 
 
@@ -56,31 +56,31 @@ _TABLE: Tuple[Row, ...] = (
     *((f'{word}:', read.one_line_status(f'{word}:')) for word in (
         'Status', 'Location', 'StateOfCharge', 'BatteryVoltage', 'LocalizationScore',
         'Temperature')),
-    ('Status:', status.StatusText),
-    ('ExtendedStatusForHumans:', status.ExtendedStatus),
+    ('Status:', replies.StatusText),
+    ('ExtendedStatusForHumans:', replies.ExtendedStatus),
     ('DockingState:', read.docking),
     # driving
-    ('Going to point', read.to_point(driving.GoingToPoint())),
-    ('Going to', read.named(driving.GoingTo)),
-    ('Arrived at point', read.to_point(driving.ArrivedAtPoint())),
-    ('Arrived at', read.named(driving.ArrivedAt)),
-    ('Failed going to', read.named(driving.FailedGoingTo)),
-    *(read.said(phrase, driving.Failure) for phrase in (
+    ('Going to point', read.to_point(replies.GoingToPoint())),
+    ('Going to', read.named(replies.GoingTo)),
+    ('Arrived at point', read.to_point(replies.ArrivedAtPoint())),
+    ('Arrived at', read.named(replies.ArrivedAt)),
+    ('Failed going to', read.named(replies.FailedGoingTo)),
+    *(read.said(phrase, replies.Failure) for phrase in (
         'Failed', 'Cannot', 'Can not', "Can't", 'Could not', 'Unable to', 'Stalled')),
-    ('Stopping', read.exactly(driving.Stopping())),
-    ('Stopped', read.exactly(driving.Stopped())),
-    ('Parking', read.exactly(driving.Parking(parked=False))),
-    ('Parked', read.exactly(driving.Parking(parked=True))),
+    ('Stopping', read.exactly(replies.Stopping())),
+    ('Stopped', read.exactly(replies.Stopped())),
+    ('Parking', read.exactly(replies.Parking(parked=False))),
+    ('Parked', read.exactly(replies.Parking(parked=True))),
     ('Patrolling route', read.patrolling),
-    ('Finished patrolling route', read.named(driving.FinishedPatrolling)),
-    ('Completed patrol,', lambda text: driving.LapCompleted()),
-    ('Interrupted:', driving.Interrupted),
-    ('Error:', driving.RobotError),
+    ('Finished patrolling route', read.named(replies.FinishedPatrolling)),
+    ('Completed patrol,', lambda text: replies.LapCompleted()),
+    ('Interrupted:', replies.Interrupted),
+    ('Error:', replies.RobotError),
     ('Localizing', read.localizing(False, 'Localizing')),
     ('Localized', read.localizing(True, 'Localized')),
     # emergency stop, motors, faults
     *((phrase, read.estop) for phrase in ('EStop', 'E-Stop', 'Emergency stop')),
-    *((f'Motors {word}', read.exactly(safety.Motors(state)))
+    *((f'Motors {word}', read.exactly(replies.Motors(state)))
       for word, state in (('enabled', True), ('are enabled', True), ('disabled', False),
                           ('are disabled', False))),
     ('Fault:', read.fault),
@@ -88,61 +88,56 @@ _TABLE: Tuple[Row, ...] = (
     ('FaultList:', read.fault),
     ('ApplicationFaultQuery:', read.fault),
     # errors
-    ('CommandError:', refusals.CommandError),
-    ('CommandErrorDescription:', refusals.CommandErrorDescription),
-    *(read.said(phrase, refusals.CommandErrorDescription)
+    ('CommandError:', replies.CommandError),
+    ('CommandErrorDescription:', replies.CommandErrorDescription),
+    *(read.said(phrase, replies.CommandErrorDescription)
       for phrase in ('No goal', 'No such goal')),
-    ('Unknown command', refusals.UnknownCommand),
-    ('Unknown command:', refusals.UnknownCommand),
-    ('SetUpError:', refusals.SetUpError),
-    ('usage:', read.named(refusals.Usage)),
+    ('Unknown command', replies.UnknownCommand),
+    ('Unknown command:', replies.UnknownCommand),
+    ('SetUpError:', replies.SetUpError),
+    ('usage:', read.named(replies.Usage)),
     # tasks, macros, lists
-    ('Will do task', read.named(tasks.WillDoTask)),
-    ('Doing task', read.named(tasks.DoingTask)),
-    ('Completed doing task', read.named(tasks.CompletedTask)),
+    ('Will do task', read.named(replies.WillDoTask)),
+    ('Doing task', read.named(replies.DoingTask)),
+    ('Completed doing task', read.named(replies.CompletedTask)),
     ('Completed doing instant task', read.instant_task),
     ('Completed doing instant task:', read.instant_task),
-    ('Executing macro', read.named(tasks.ExecutingMacro)),
-    ('Completed macro', read.named(tasks.CompletedMacro)),
-    ('Executing list', read.exactly(tasks.ExecutingList())),
-    ('Successfully finished task list', read.exactly(tasks.FinishedList())),
+    ('Executing macro', read.named(replies.ExecutingMacro)),
+    ('Completed macro', read.named(replies.CompletedMacro)),
+    ('Executing list', read.exactly(replies.ExecutingList())),
+    ('Successfully finished task list', read.exactly(replies.FinishedList())),
     read.said('List being cleared'), read.said('Making new list'), read.said('Added task'),
-    ('WaitState:', tasks.WaitState),
-    ('WaitTask:', tasks.WaitState),
-    ('PauseTask:', tasks.PauseState),
+    ('WaitState:', replies.WaitState),
+    ('WaitTask:', replies.WaitState),
+    ('PauseTask:', replies.PauseState),
     # queries
-    ('Goal:', read.named(site.Goal)),
-    ('Route:', read.named(site.Route)),
-    ('Macro:', read.named(site.Macro)),
+    ('Goal:', read.named(replies.Goal)),
+    ('Route:', read.named(replies.Route)),
+    ('Macro:', read.named(replies.Macro)),
     ('Odometer:', read.odometer),
-    ('DateTime:', status.DateTime),
+    ('DateTime:', replies.DateTime),
     ('DistanceBetween:', read.distance_between),
     ('DistanceFromHere:', read.distance_from_here),
     ('MapObjectList:', read.map_object),
     ('MapObjectInfoCoord:', read.map_object_coord),
-    ('GetConfigSectionValue:', read.key_and_value(site.ConfigValue)),
+    ('GetConfigSectionValue:', read.key_and_value(replies.ConfigValue)),
     ('Input:', partial(equipment.digital_input, output=False)),
     ('Output:', partial(equipment.digital_input, output=True)),
     ('RangeDevice:', equipment.range_device),
-    ('ExtIODump:', equipment.external_io),
-    ('ExtIODumpLocal:', equipment.external_io),
     *((f'extIO{side}Update{part}:', equipment.external_io_update)
       for side in ('Input', 'Output') for part in ('', 'Bit', 'Byte')),
-    ('PayloadQuery:', equipment.payload_slot),
-    ('PayloadQueryLocal:', equipment.payload_slot),
-    *((f'{prefix}:', read.key_and_value(status.DataStoreValue)) for prefix in (
-        'GetDataStoreFieldValues', 'GetDataStoreGroupValues', 'tripReset')),
     *(read.item(prefix) for prefix in (
         'InfoList', 'Info', 'MapObjectTypeList', 'MapObjectTypeInfoArgument', 'MapObjectInfo',
         'MapObjectInfoParams', 'GetConfigSectionList', 'GetConfigSectionInfo',
         'GetConfigSectionParamInfo', 'InputList', 'OutputList', 'AnalogInputListHelper',
         'AnalogInputList', 'AnalogInputRaw', 'AnalogInputVoltage', 'RangeDeviceCurrentDrawingData',
         'RangeDeviceCumulativeDrawingData', 'GetDataStoreGroupList', 'GetDataStoreGroupInfo',
-        'GetDataStoreTripGroupList', 'GetDataStoreFieldList', 'GetDataStoreFieldInfo',
-        'PayloadSlotCount', 'QueueShow', 'QueueRobot', 'QueueQuery', 'QueueMulti',
-        'RobotFaultQuery')),
-    ('Routes', read.exactly(general.Item('Routes', ''))),
-    ('Commands:', read.exactly(general.Item('Commands', ''))),
+        'GetDataStoreGroupValues', 'GetDataStoreTripGroupList', 'GetDataStoreFieldList',
+        'GetDataStoreFieldInfo', 'GetDataStoreFieldValues', 'tripReset', 'ExtIODump',
+        'ExtIODumpLocal', 'PayloadQuery', 'PayloadQueryLocal', 'PayloadSlotCount', 'QueueShow',
+        'QueueRobot', 'QueueQuery', 'QueueMulti', 'RobotFaultQuery')),
+    ('Routes', read.exactly(replies.Item('Routes', ''))),
+    ('Commands:', read.exactly(replies.Item('Commands', ''))),
     *(read.end(phrase) for phrase in (
         'End of goals', 'End of routes', 'End of macros', 'End of commands', 'End of info list',
         'End of MapObjectTypeList', 'End of MapObjectTypeInfo', 'End of MapObjectList',
@@ -157,9 +152,9 @@ _TABLE: Tuple[Row, ...] = (
         'EndPayloadSlotCountLocal', 'EndQueueShow', 'EndQueueShowCompleted', 'EndQueueShowRobot',
         'EndQueueShowRobotLocal', 'EndQueueQuery', 'EndQueueQueryLocal', 'EndQueueMulti')),
     # confirmations, and lines that are sent to all clients
-    ('Map changed', read.exactly(site.MapChanged())),
-    ('Configuration changed', read.exactly(site.ConfigurationChanged())),
-    ('Config had errors parsing:', site.ConfigErrors),
+    ('Map changed', read.exactly(replies.MapChanged())),
+    ('Configuration changed', read.exactly(replies.ConfigurationChanged())),
+    ('Config had errors parsing:', replies.ConfigErrors),
     *(read.said(phrase) for phrase in (
         'Reset odometer', 'Created info for', 'Updated info for', 'New config starting', 'Added',
         'Will parse config', 'Config parsed fine', 'Will add new param',
@@ -170,24 +165,24 @@ _TABLE: Tuple[Row, ...] = (
         'queueDropoff goal', 'queuePickup goal', 'queuePickupDropoff goals',
         'queueCancel attempting', 'queueCancel cancelling', 'queueModify modifying',
         'queueModifyLocal modifying')),
-    ('Echo is on.', read.exactly(general.Echo(True))),
-    ('Echo is off.', read.exactly(general.Echo(False))),
-    ('Echo turned on.', read.exactly(general.Echo(True))),
-    ('Echo turned off.', read.exactly(general.Echo(False))),
-    *((f'{kind}:', partial(general.Notice, kind)) for kind in (
+    ('Echo is on.', read.exactly(replies.Echo(True))),
+    ('Echo is off.', read.exactly(replies.Echo(False))),
+    ('Echo turned on.', read.exactly(replies.Echo(True))),
+    ('Echo turned off.', read.exactly(replies.Echo(False))),
+    *((f'{kind}:', partial(replies.Notice, kind)) for kind in (
         'QueueUpdate', 'QueueCancel', 'PayloadUpdate', 'RobotFault', 'RobotFaultCleared')),
-    ('QueueUpdate cancelling', partial(general.Notice, 'QueueCancel')),
-    ('TextRequestChargeVoltage', partial(general.Notice, 'Charge')),
-    ('Charge requested', partial(general.Notice, 'Charge')),
-    ('Teleop driving', partial(general.Notice, 'Teleop')),
-    ('Robot lost', read.exactly(general.Notice('Lost', ''))),
-    *((state, read.exactly(general.Notice(state, '')))
+    ('QueueUpdate cancelling', partial(replies.Notice, 'QueueCancel')),
+    ('TextRequestChargeVoltage', partial(replies.Notice, 'Charge')),
+    ('Charge requested', partial(replies.Notice, 'Charge')),
+    ('Teleop driving', partial(replies.Notice, 'Teleop')),
+    ('Robot lost', read.exactly(replies.Notice('Lost', ''))),
+    *((state, read.exactly(replies.Notice(state, '')))
       for state in ('Docked', 'Docking', 'Undocking', 'Undocked')),
-    ('Driving into dock', partial(general.Notice, 'Docking')),
-    ('Driving', partial(general.Notice, 'Driving')),
-    ('Following', partial(general.Notice, 'Following')),
-    read.said('Shutting down', general.ServerClosing),
-    read.said('Closing connection', general.ServerClosing),
+    ('Driving into dock', partial(replies.Notice, 'Docking')),
+    ('Driving', partial(replies.Notice, 'Driving')),
+    ('Following', partial(replies.Notice, 'Following')),
+    read.said('Shutting down', replies.ServerClosing),
+    read.said('Closing connection', replies.ServerClosing),
 )
 
 

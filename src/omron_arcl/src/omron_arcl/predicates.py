@@ -4,9 +4,9 @@ from __future__ import annotations
 import re
 from typing import List
 
+from omron_arcl import replies
 from omron_arcl.commands import Command, Predicate
-from omron_arcl.replies import driving, equipment, general, tasks
-from omron_arcl.replies.reply import Reply, coordinates
+from omron_arcl.replies import Reply, coordinates
 
 
 def never(command: Command, reply: Reply) -> bool:
@@ -25,38 +25,38 @@ def names(kind: type, field: str = 'goal') -> Predicate:
                                    and command.is_for(getattr(reply, field)))
 
 
-def docking_is(*states: driving.DockingState) -> Predicate:
+def docking_is(*states: replies.DockingState) -> Predicate:
     """Matches a docking state that is one of these."""
-    return lambda command, reply: (isinstance(reply, driving.DockingStatus)
+    return lambda command, reply: (isinstance(reply, replies.DockingStatus)
                                    and reply.docking in states)
 
 
 def is_scan(cumulative: bool) -> Predicate:
     """Matches a reading of a range device: the current one, or the cumulative one."""
-    return lambda command, reply: (isinstance(reply, equipment.RangeReading)
+    return lambda command, reply: (isinstance(reply, replies.RangeReading)
                                    and reply.cumulative is cumulative)
 
 
 def says(phrase: str) -> Predicate:
     """Matches a confirmation that begins with this phrase."""
-    return lambda command, reply: (isinstance(reply, general.Done)
+    return lambda command, reply: (isinstance(reply, replies.Done)
                                    and reply.text.startswith(phrase))
 
 
 def end_of(what: str) -> Predicate:
     """Matches the end of this list, also with the suffix `local` that a fleet manager uses."""
     ends = (what.lower(), f'{what.lower()}local')
-    return lambda command, reply: isinstance(reply, general.EndOf) and reply.what in ends
+    return lambda command, reply: isinstance(reply, replies.EndOf) and reply.what in ends
 
 
 def items(*prefixes: str) -> Predicate:
     """Matches an item of a list by its prefix."""
-    return lambda command, reply: isinstance(reply, general.Item) and reply.prefix in prefixes
+    return lambda command, reply: isinstance(reply, replies.Item) and reply.prefix in prefixes
 
 
 def notices(kind: str) -> Predicate:
     """Matches a notice of this kind."""
-    return lambda command, reply: isinstance(reply, general.Notice) and reply.kind == kind
+    return lambda command, reply: isinstance(reply, replies.Notice) and reply.kind == kind
 
 
 def any_of(*predicates: Predicate) -> Predicate:
@@ -86,8 +86,8 @@ def same_task(*kinds: type) -> Predicate:
     return fits
 
 
-_NAMING_A_GOAL = (driving.GoingTo, driving.ArrivedAt)
-_NAMING_A_TASK = (tasks.WillDoTask, tasks.DoingTask, tasks.CompletedTask)
+_NAMING_A_GOAL = (replies.GoingTo, replies.ArrivedAt)
+_NAMING_A_TASK = (replies.WillDoTask, replies.DoingTask, replies.CompletedTask)
 
 
 def _words(task: str) -> List[str]:

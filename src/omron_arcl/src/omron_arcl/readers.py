@@ -9,8 +9,8 @@ import re
 from functools import partial
 from typing import Any, Callable, Dict, List, Tuple
 
-from omron_arcl.replies import driving, general, safety, site, status, tasks
-from omron_arcl.replies.reply import Reply, coordinates
+from omron_arcl import replies
+from omron_arcl.replies import Reply, coordinates
 
 Reader = Callable[[str], Reply]
 Row = Tuple[str, Reader]
@@ -63,25 +63,25 @@ def measured(kind: Callable[[float], Reply], limits: Tuple[float, float]) -> Rea
     return lambda text: kind(number(text, minimum, maximum))
 
 
-state_of_charge = measured(status.StateOfCharge, _PERCENT)
-battery_voltage = measured(status.BatteryVoltage, _VOLTS)
-localization_score = measured(status.LocalizationScore, _SCORE)
+state_of_charge = measured(replies.StateOfCharge, _PERCENT)
+battery_voltage = measured(replies.BatteryVoltage, _VOLTS)
+localization_score = measured(replies.LocalizationScore, _SCORE)
 
 
-def location(text: str) -> status.Location:
+def location(text: str) -> replies.Location:
     """`3120 -540 -87`: mm, mm, degrees."""
     words = text.split()
     x, y, heading = map(float, words)
     if (not -_FARTHEST <= x <= _FARTHEST or not -_FARTHEST <= y <= _FARTHEST
             or not -_MAXIMUM_DEGREES <= heading <= _MAXIMUM_DEGREES or '_' in text):
         raise ValueError
-    return status.Location(x, y, heading)
+    return replies.Location(x, y, heading)
 
 
-def temperature(text: str) -> status.Temperature:
+def temperature(text: str) -> replies.Temperature:
     """Degrees Celsius; -127 and -128 mean that there is no sensor."""
     celsius = number(text, *_CELSIUS)
-    return status.Temperature(None if celsius in (-127.0, -128.0) else celsius)
+    return replies.Temperature(None if celsius in (-127.0, -128.0) else celsius)
 
 
 _STATUS_FIELDS: Dict[str, Tuple[str, Callable[[str], object]]] = {
@@ -113,27 +113,27 @@ def one_line_status(first: str) -> Reader:
             name, read_field = _STATUS_FIELDS[keyword.lower()]
             with contextlib.suppress(ValueError):
                 fields[name] = read_field(value.strip())
-        return status.OneLineStatus(**fields)
+        return replies.OneLineStatus(**fields)
     return read
 
 
-def docking(text: str) -> driving.DockingStatus:
+def docking(text: str) -> replies.DockingStatus:
     """`Docked ForcedState: Unforced ChargeState: Float`."""
     words = text.split() or ['']
-    state = driving.DockingState(words[0].capitalize())
+    state = replies.DockingState(words[0].capitalize())
     fields = dict(zip((word.lower() for word in words[1::2]), words[2::2]))
-    return driving.DockingStatus(state, fields.get('forcedstate:', '').lower() == 'forced',
+    return replies.DockingStatus(state, fields.get('forcedstate:', '').lower() == 'forced',
                                  fields.get('chargestate:', ''))
 
 
-def estop(text: str) -> safety.EStop:
+def estop(text: str) -> replies.EStop:
     """`pressed`, `relieved but motors still disabled`, `pressed, cannot enable motors`."""
     words = text.lower().replace(',', ' ').split()
     if words[:1] == ['button']:
         del words[0]
     if words[:1] not in (['pressed'], ['relieved'], ['released']):
         raise ValueError
-    return safety.EStop(words[0] == 'pressed', f'EStop {text}')
+    return replies.EStop(words[0] == 'pressed', f'EStop {text}')
 
 
 def to_point(reply: Reply) -> Reader:
@@ -145,18 +145,18 @@ def to_point(reply: Reply) -> Reader:
     return read
 
 
-def patrolling(text: str) -> driving.Patrolling:
+def patrolling(text: str) -> replies.Patrolling:
     """`<route>`, or `<route> once`."""
     if text.lower().endswith(' once'):
-        return driving.Patrolling(unquoted(text[:-len(' once')]), once=True)
+        return replies.Patrolling(unquoted(text[:-len(' once')]), once=True)
     if not text:
         raise ValueError
-    return driving.Patrolling(unquoted(text), once=False)
+    return replies.Patrolling(unquoted(text), once=False)
 
 
-def instant_task(text: str) -> tasks.CompletedInstantTask:
+def instant_task(text: str) -> replies.CompletedInstantTask:
     """The task; some robots put a colon before it."""
-    return tasks.CompletedInstantTask(text.lstrip(': '))
+    return replies.CompletedInstantTask(text.lstrip(': '))
 
 
 _QUOTED_WORDS = re.compile(r'"([^"]*)"|(\S+)')
@@ -170,42 +170,42 @@ def split_words(text: str) -> List[str]:
 _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 
 
-def fault(text: str, cleared: bool = False) -> safety.Fault:
+def fault(text: str, cleared: bool = False) -> replies.Fault:
     """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
     kind, name, short, long, *flags = split_words(text)
     stops, critical, application = (_TRUTH.get(flag.lower(), False)
                                     for flag in (flags + ['', '', ''])[:3])
-    return safety.Fault(kind, name, short, long, stops, critical, application, cleared)
+    return replies.Fault(kind, name, short, long, stops, critical, application, cleared)
 
 
-def odometer(text: str) -> status.Odometer:
+def odometer(text: str) -> replies.Odometer:
     """`8281 mm 210 deg 469 sec`."""
     distance, _, rotation, _, seconds, _ = text.split()
-    return status.Odometer(number(distance), number(rotation), number(seconds))
+    return replies.Odometer(number(distance), number(rotation), number(seconds))
 
 
-def distance_between(text: str) -> site.DistanceBetween:
+def distance_between(text: str) -> replies.DistanceBetween:
     """`<mm> "<goal>" "<goal>"`."""
     distance, origin, destination = split_words(text)
-    return site.DistanceBetween(number(distance), origin, destination)
+    return replies.DistanceBetween(number(distance), origin, destination)
 
 
-def distance_from_here(text: str) -> site.DistanceFromHere:
+def distance_from_here(text: str) -> replies.DistanceFromHere:
     """`12345 "<goal>"`."""
     distance, _, goal = text.partition(' ')
-    return site.DistanceFromHere(number(distance), unquoted(goal.strip()))
+    return replies.DistanceFromHere(number(distance), unquoted(goal.strip()))
 
 
-def map_object(text: str) -> site.MapObjectName:
+def map_object(text: str) -> replies.MapObjectName:
     """`"<name>" <type>`."""
     name, kind, *_ = split_words(text)
-    return site.MapObjectName(name, kind)
+    return replies.MapObjectName(name, kind)
 
 
-def map_object_coord(text: str) -> site.MapObjectCoord:
+def map_object_coord(text: str) -> replies.MapObjectCoord:
     """`"<name>" -3914 1929 -90.000`: mm, mm, degrees."""
     name, x, y, heading = split_words(text)
-    return site.MapObjectCoord(name, number(x, -_FARTHEST, _FARTHEST),
+    return replies.MapObjectCoord(name, number(x, -_FARTHEST, _FARTHEST),
                               number(y, -_FARTHEST, _FARTHEST),
                               number(heading, -_MAXIMUM_DEGREES, _MAXIMUM_DEGREES))
 
@@ -220,20 +220,20 @@ def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
 
 def localizing(done: bool, head: str) -> Reader:
     """Reads any rest of the line, because the wording differs between robots."""
-    return lambda text: driving.Localizing(done, f'{head} {text}'.strip())
+    return lambda text: replies.Localizing(done, f'{head} {text}'.strip())
 
 
-def said(phrase: str, kind: Callable[[str], Reply] = general.Done) -> Row:
+def said(phrase: str, kind: Callable[[str], Reply] = replies.Done) -> Row:
     """A row whose reply keeps the whole line."""
     return phrase, lambda text: kind(f'{phrase} {text}'.strip())
 
 
 def item(prefix: str) -> Row:
     """A row for list items, which are kept as text."""
-    return f'{prefix}:', partial(general.Item, prefix)
+    return f'{prefix}:', partial(replies.Item, prefix)
 
 
 def end(phrase: str) -> Row:
     """A row for the end of a list. The robot writes `End of x`, `EndOfX` and `EndX`."""
     what = re.sub(r'^end ?(of)? ?', '', phrase.lower())
-    return phrase, exactly(general.EndOf(what))
+    return phrase, exactly(replies.EndOf(what))

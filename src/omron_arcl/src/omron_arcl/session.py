@@ -31,10 +31,16 @@ from omron_arcl.errors import (
 from omron_arcl.framing import LONGEST_LINE, LineBuffer, decode
 from omron_arcl.help_list import HelpList, read_entry
 from omron_arcl.parser import parse_line
-from omron_arcl.replies.general import Done, HelpEntry, Item, ServerClosing
-from omron_arcl.replies.refusals import CommandError
-from omron_arcl.replies.reply import Reply, UnknownLine
-from omron_arcl.replies.site import ConfigValue
+from omron_arcl.replies import (
+    CommandError,
+    ConfigValue,
+    Done,
+    HelpEntry,
+    Item,
+    Reply,
+    ServerClosing,
+    UnknownLine,
+)
 from omron_arcl.secret import REDACTED, redact_passwords
 
 PROMPT_TIMEOUT = 1.0  # s of silence after which the password is sent without a prompt

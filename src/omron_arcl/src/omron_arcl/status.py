@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Callable, Dict, Optional, Set, Tuple, Type
 
-from omron_arcl.replies.reply import Reply
-from omron_arcl.replies.status import (
+from omron_arcl.replies import (
     BatteryVoltage,
     ExtendedStatus,
     LocalizationScore,
     Location,
     OneLineStatus,
+    Reply,
     StateOfCharge,
     StatusText,
     Temperature,

@@ -51,8 +51,7 @@ from std_msgs.msg import String
 from node_lifecycle import number, parameter, run
 from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.periodic import Periodic
-from omron_arcl import InvalidCommand, parse_line
-from omron_arcl.replies import driving
+from omron_arcl import InvalidCommand, parse_line, replies
 from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
 from omron_ld90.nodes.support import shared_parameters
@@ -268,7 +267,7 @@ class GoalSender:
         """Shows the robot's line when it sets out."""
         with self._lock:
             given = self._given.get(number)
-            if given and isinstance(parse_line(line), (driving.GoingTo, driving.GoingToPoint)):
+            if given and isinstance(parse_line(line), (replies.GoingTo, replies.GoingToPoint)):
                 self._feedback.show(Notice(Severity.INFO, line), given.place)
 
     def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
