@@ -1,10 +1,14 @@
 """A drive ends when the robot says so, with any words or only in its status."""
 from __future__ import annotations
 
+from typing import Optional, Tuple
+
 import pytest
 from arcl_builders import DOCK, Conversation, outcome
 
-from omron_arcl import Execution, Outcome
+from omron_arcl import ActivityKind, Execution, Outcome
+from omron_arcl import drive_watch as watch
+from omron_arcl.commands import Course
 
 
 @pytest.fixture
@@ -346,3 +350,71 @@ def test_a_robot_that_leaves_its_dock_and_is_in_it_again_was_interrupted(talk, s
     undock = begun(talk, 'undock', UNDOCKING)
     talk.robot(f'DockingState: {state} ForcedState: Unforced ChargeState: Not')
     assert outcome(undock) is Outcome.INTERRUPTED
+
+
+# --- the tables -----------------------------------------------------------------------------------
+
+def sight(talk: Conversation, command: str, lines: Tuple[str, ...], status: str,
+          before: str = 'Stopped') -> Tuple[bool, Optional[Outcome], float]:
+    """Whether a drive has begun, how it seems to end, and when the robot last confirmed it."""
+    shows(talk, before, 1.5)
+    execution = talk.give(command)
+    talk.robot(*lines)
+    shows(talk, status, 1.5)
+    return execution.begun, execution.doubt and execution.doubt.outcome, execution.heard
+
+
+ON = ('Going to 12',)
+POINT = 'Status: Going to 100 200 StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
+SIGHTS = {
+    'emergency stop': ('goto 12', ON, 'EStop pressed'),
+    'no power': ('goto 12', ON, 'Motors disabled'),
+    'arrived': ('goto 12', ON, 'Arrived at 12'),
+    'its goal': ('goto 12', ON, 'Going to 12'),
+    'its point': ('goto 12', ON, 'Going to 100 200'),
+    'at its point': ('goto 12', (*ON, POINT), 'Arrived at 100 200'),
+    'broken off': ('goto 12', (UNDOCKING,), 'Interrupted: Undocking', DOCKED),
+    'on its way to the dock': ('dock', (), 'Going to Dock1'),
+    'leaving the dock': ('goto 12', (UNDOCKING,), UNDOCKING, DOCKED)}
+
+
+def test_each_judgement_has_a_sight():
+    assert list(SIGHTS) == [row.name for row in watch.JUDGEMENTS]
+
+
+@pytest.mark.parametrize('row', watch.JUDGEMENTS, ids=lambda row: row.name)
+def test_a_judgement_decides_and_nothing_else_stands_for_it(row, monkeypatch):
+    begun, doubted, heard = expected = sight(Conversation(), *SIGHTS[row.name])
+    if isinstance(row.verdict, Outcome):
+        assert doubted is row.verdict
+    else:
+        assert (doubted, heard > 2.0) == (None, True)
+    monkeypatch.setattr(watch, 'JUDGEMENTS',
+                        tuple(one for one in watch.JUDGEMENTS if one is not row))
+    assert sight(Conversation(), *SIGHTS[row.name]) != expected
+
+
+BEGUN = {Course.TO_A_PLACE: ('gotoPoint 1 2', ('Going to point',)),
+         Course.INTO_THE_DOCK: ('dock', (DOCK[1],)),
+         Course.OUT_OF_THE_DOCK: ('undock', (UNDOCKING,)),
+         Course.OF_TASKS: ('doTask wait 9', ('Doing task wait 9',))}
+KINDS = ActivityKind
+TEXTS = {
+    KINDS.STOPPED: 'Stopped', KINDS.STOPPING: 'Stopping', KINDS.GOING_TO_GOAL: 'Going to 77',
+    KINDS.ARRIVED_AT_GOAL: 'Arrived at 77', KINDS.GOING_TO_POINT: 'Going to 100 200',
+    KINDS.ARRIVED_AT_POINT: 'Arrived at 100 200', KINDS.FAILED: 'Failed going to 77',
+    KINDS.INTERRUPTED: 'Interrupted: Going to 77', KINDS.PATROLLING: 'Patrolling route r',
+    KINDS.DOING_TASK: 'Doing task wait 8', KINDS.DOCKING: 'Docking', KINDS.DOCKED: 'Docked',
+    KINDS.UNDOCKING: 'Undocking', KINDS.UNDOCKED: 'Undocked', KINDS.PARKING: 'Parking',
+    KINDS.PARKED: 'Parked', KINDS.TELEOPERATED: 'Teleop driving', KINDS.LOST: 'Robot lost'}
+
+
+@pytest.mark.parametrize(('course', 'kind'), [
+    (course, kind) for course, verdicts in watch.VERDICTS.items() for kind in verdicts])
+def test_an_activity_says_this_about_a_drive_that_has_begun(course, kind, monkeypatch):
+    verdict = watch.VERDICTS[course][kind]
+    begun, doubted, heard = expected = sight(Conversation(), *BEGUN[course], TEXTS[kind])
+    assert begun
+    assert doubted is (verdict if isinstance(verdict, Outcome) else None)
+    monkeypatch.delitem(watch.VERDICTS[course], kind)
+    assert sight(Conversation(), *BEGUN[course], TEXTS[kind]) != expected

@@ -868,6 +868,7 @@ class TestDrivesOnTheirWay:
                     'CommandErrorDescription: Cannot drive, EStop pressed')
         assert outcome(drive) is Outcome.EMERGENCY_STOPPED
         assert not bench.memory.stop_owed
+        assert not bench.memory.drives, 'a refused command is no drive'
 
 
 class TestLastCommands:

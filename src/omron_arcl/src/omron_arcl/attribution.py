@@ -146,8 +146,8 @@ class Attribution:
         dock; once it docks, no other name can be.
         """
         activity = activity_of(reply)
-        if activity.kind in ABOUT_THE_DOCK and (
-                read_activity(execution.shown_when_sent).kind in STANDING):
+        before = execution.shown_when_sent
+        if activity.kind in ABOUT_THE_DOCK and before is not None and before.kind in STANDING:
             execution.set_out = True
         if activity.kind is ActivityKind.GOING_TO_GOAL:
             execution.dock_name = activity.goal.casefold()

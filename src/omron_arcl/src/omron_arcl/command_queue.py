@@ -61,6 +61,7 @@ class CommandQueue:
                 if execution.command.spec.drives:
                     self.drives.append(execution)
                 execution.heard = execution.sent_at = now
+                execution.shown_when_sent = self.records.heard.shown
                 self._count += 1
                 execution.order = self._count
                 self.records.sent(execution)

@@ -115,6 +115,10 @@ class Peer:
             if isinstance(event, Closed):
                 raise event.cause
             yield event._replace(late=True) if self._late and isinstance(event, Received) else event
+        self._check_alive(now)
+
+    def _check_alive(self, now: float) -> None:
+        """Raises ConnectionLost or PeerSilent."""
         if self._lines != self.session.lines_read:
             self._lines, self._heard = self.session.lines_read, now
         elif now - self._heard > self._timeout:

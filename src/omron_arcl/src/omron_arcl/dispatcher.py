@@ -105,10 +105,7 @@ class Dispatcher:
         """The next line that may be sent now, or None; its command counts as sent."""
         self._commands.now = now
         execution = self._commands.next_to_send(now)
-        if execution is None:
-            return None
-        execution.shown_when_sent = self._attribution.watch.shown
-        return execution.command.line
+        return execution.command.line if execution else None
 
     @property
     def in_doubt(self) -> bool:

@@ -11,12 +11,12 @@ question than the command says nothing about the command.
 from __future__ import annotations
 
 from enum import Enum
-from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Course
+from omron_arcl.commands import Course, Predicate
 from omron_arcl.execution import Doubt, Execution, Outcome
 from omron_arcl.replies import coordinates
 
@@ -46,38 +46,6 @@ class Sign(Enum):
 
 Verdict = Union[Sign, Outcome]
 
-_K = ActivityKind
-_STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
-    **dict.fromkeys((
-        _K.STOPPED, _K.STOPPING, _K.ARRIVED_AT_GOAL, _K.ARRIVED_AT_POINT, _K.INTERRUPTED,
-        _K.PARKING, _K.PARKED, _K.TELEOPERATED, _K.PATROLLING, _K.GOING_TO_GOAL,
-        _K.GOING_TO_POINT, _K.DOCKING, _K.DOCKED), Outcome.INTERRUPTED),
-    _K.FAILED: Outcome.FAILED,
-    _K.LOST: Outcome.FAILED,
-}
-# The verdict of an activity on a drive that has begun and whose own predicates do not match.
-_VERDICTS: Mapping[Course, Mapping[ActivityKind, Verdict]] = {
-    Course.TO_A_PLACE: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED},
-    Course.INTO_THE_DOCK: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.DOCKING: Sign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
-        _K.UNDOCKING: Outcome.INTERRUPTED, _K.UNDOCKED: Outcome.INTERRUPTED},
-    Course.OUT_OF_THE_DOCK: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED,
-        _K.UNDOCKED: Outcome.SUCCEEDED},
-    Course.OF_TASKS: {
-        **dict.fromkeys((
-            _K.GOING_TO_GOAL, _K.GOING_TO_POINT, _K.PATROLLING, _K.DOING_TASK, _K.DOCKING,
-            _K.UNDOCKING), Sign.CONFIRMED),
-        **dict.fromkeys((
-            _K.STOPPED, _K.INTERRUPTED, _K.TELEOPERATED, _K.PARKING, _K.PARKED),
-            Outcome.INTERRUPTED),
-        _K.FAILED: Outcome.FAILED, _K.LOST: Outcome.FAILED},
-}
-_POWERLESS: Mapping[ActivityKind, Verdict] = {
-    _K.EMERGENCY_STOP: Outcome.EMERGENCY_STOPPED, _K.MOTORS_DISABLED: Outcome.FAILED}
-
-
 class Observation(NamedTuple):
     """An activity that the robot reports, in a status or in a line sent when it changes.
 
@@ -96,12 +64,89 @@ class Observation(NamedTuple):
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
 
+_K = ActivityKind
+_STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
+    **dict.fromkeys((
+        _K.STOPPED, _K.STOPPING, _K.ARRIVED_AT_GOAL, _K.ARRIVED_AT_POINT, _K.INTERRUPTED,
+        _K.PARKING, _K.PARKED, _K.TELEOPERATED, _K.PATROLLING, _K.GOING_TO_GOAL,
+        _K.GOING_TO_POINT, _K.DOCKING, _K.DOCKED), Outcome.INTERRUPTED),
+    _K.FAILED: Outcome.FAILED,
+    _K.LOST: Outcome.FAILED,
+}
+# The verdict of an activity on a drive that has begun, if no row of JUDGEMENTS holds.
+VERDICTS: Mapping[Course, Dict[ActivityKind, Verdict]] = {
+    Course.TO_A_PLACE: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED},
+    Course.INTO_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.DOCKING: Sign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
+        _K.UNDOCKING: Outcome.INTERRUPTED, _K.UNDOCKED: Outcome.INTERRUPTED},
+    Course.OUT_OF_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED,
+        _K.UNDOCKED: Outcome.SUCCEEDED},
+    Course.OF_TASKS: {
+        **dict.fromkeys((
+            _K.GOING_TO_GOAL, _K.GOING_TO_POINT, _K.PATROLLING, _K.DOING_TASK, _K.DOCKING,
+            _K.UNDOCKING), Sign.CONFIRMED),
+        **dict.fromkeys((
+            _K.STOPPED, _K.INTERRUPTED, _K.TELEOPERATED, _K.PARKING, _K.PARKED),
+            Outcome.INTERRUPTED),
+        _K.FAILED: Outcome.FAILED, _K.LOST: Outcome.FAILED},
+}
+
+
+class Judgement(NamedTuple):
+    """What an observation says about a drive if `holds`."""
+
+    name: str
+    verdict: Verdict
+    holds: Callable[[Execution, Observation], object]
+
+
+def _point(seen: Observation) -> Tuple[float, ...]:
+    return coordinates(getattr(seen.activity.reply, 'goal', ''))
+
+
+def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> bool:
+    """Whether the robot shows coordinates for a drive to a place that has begun.
+
+    Some robots show those of a goal instead of its name (ARCL manual I617-E-02 p. 243). A command
+    that names a point itself is confirmed by no other point.
+    """
+    return (seen.activity.kind is kind and execution.begun
+            and execution.command.spec.course is Course.TO_A_PLACE
+            and bool(execution.command.goals or not _point(seen)))
+
+
+# The first row that holds decides; without one, VERDICTS does.
+JUDGEMENTS: Tuple[Judgement, ...] = (
+    Judgement('emergency stop', Outcome.EMERGENCY_STOPPED,
+              lambda execution, seen: seen.activity.kind is _K.EMERGENCY_STOP),
+    Judgement('no power', Outcome.FAILED,
+              lambda execution, seen: seen.activity.kind is _K.MOTORS_DISABLED),
+    Judgement('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
+        seen.is_status and _fits(execution.command.spec.completed_by, execution, seen.activity))),
+    Judgement('its goal', Sign.CONFIRMED,
+              lambda execution, seen: _acknowledges(execution, seen.activity)),
+    Judgement('its point', Sign.CONFIRMED,
+              lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT)),
+    Judgement('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
+        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT) and _point(seen) in execution.points)),
+    Judgement('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
+        not execution.begun and execution.set_out and seen.activity.kind is _K.INTERRUPTED)),
+    # the robot drives to its dock before it reports that it docks
+    Judgement('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
+        not execution.begun and execution.command.spec.course is Course.INTO_THE_DOCK
+        and seen.activity.kind in MOVING)),
+    Judgement('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
+        not execution.begun and execution.set_out and seen.activity.kind in ABOUT_THE_DOCK)),
+)
+
+
 class DriveWatch:
     """Compares the robot's activity with the motions that a queue has sent."""
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
-        self.shown = ''  # the last status text
 
     @property
     def in_doubt(self) -> bool:
@@ -110,8 +155,6 @@ class DriveWatch:
 
     def observe(self, seen: Observation, now: float) -> None:
         """Processes an activity that the robot reports."""
-        if seen.is_status:
-            self.shown = seen.text
         for execution in self._commands.motion_executions:
             if seen.asked is not None and seen.asked < execution.order:
                 continue
@@ -139,6 +182,8 @@ class DriveWatch:
         verdict = _judge(execution, seen)
         if verdict is Sign.CONFIRMED:
             execution.doubt = None
+            if kind is ActivityKind.GOING_TO_POINT:
+                execution.points.add(_point(seen))
             if seen.is_status:
                 execution.heard = now
                 if _acknowledges(execution, seen.activity):
@@ -153,7 +198,7 @@ class DriveWatch:
             return
         if kind in STANDING:
             _doubt(stop, Outcome.SUCCEEDED, seen, now)
-        elif kind in MOVING and seen.text != stop.shown_when_sent and not any(
+        elif kind in MOVING and seen.activity != stop.shown_when_sent and not any(
                 _acknowledges(drive, seen.activity) for drive in self._commands.drives):
             _doubt(stop, Outcome.INTERRUPTED, seen, now)
         elif kind in MOVING:
@@ -162,44 +207,21 @@ class DriveWatch:
 
 def _judge(execution: Execution, seen: Observation) -> Verdict:
     """The verdict of the robot's activity on a drive."""
-    command, spec, activity = execution.command, execution.command.spec, seen.activity
-    course = spec.course
-    if activity.kind in _POWERLESS:
-        return _POWERLESS[activity.kind]
-    if seen.is_status and spec.completed_by and spec.completed_by(command, activity.reply):
-        return Outcome.SUCCEEDED
-    if _acknowledges(execution, activity):
-        return Sign.CONFIRMED
-    if execution.begun and course:
-        if course is Course.TO_A_PLACE and activity.kind in (
-                ActivityKind.GOING_TO_POINT, ActivityKind.ARRIVED_AT_POINT):
-            return _judge_point(execution, seen)
-        return _VERDICTS[course].get(activity.kind, Sign.NONE)
-    if execution.set_out and activity.kind is ActivityKind.INTERRUPTED:
-        return Outcome.INTERRUPTED
-    # The robot drives to its dock before it reports that it docks.
-    on_its_way = (course is Course.INTO_THE_DOCK and activity.kind in MOVING
-                  or execution.set_out and activity.kind in ABOUT_THE_DOCK)
-    return Sign.CONFIRMED if on_its_way else Sign.NONE
-
-
-def _judge_point(execution: Execution, seen: Observation) -> Verdict:
-    """Judges an activity about a point.
-
-    Some robots show the coordinates of a goal, not its name (ARCL manual I617-E-02 p. 243).
-    """
-    point = coordinates(getattr(seen.activity.reply, 'goal', ''))
-    if point and not execution.command.goals:
-        return Outcome.INTERRUPTED  # the command names a point, and the robot shows another one
-    if seen.activity.kind is ActivityKind.GOING_TO_POINT:
-        execution.points.add(point)
-        return Sign.CONFIRMED
-    return Outcome.SUCCEEDED if point in execution.points else Outcome.INTERRUPTED
+    for row in JUDGEMENTS:
+        if row.holds(execution, seen):
+            return row.verdict
+    course = execution.command.spec.course
+    if not execution.begun or course is None:
+        return Sign.NONE
+    return VERDICTS[course].get(seen.activity.kind, Sign.NONE)
 
 
 def _acknowledges(execution: Execution, activity: Activity) -> bool:
-    spec = execution.command.spec
-    return bool(spec.acknowledged_by and spec.acknowledged_by(execution.command, activity.reply))
+    return _fits(execution.command.spec.acknowledged_by, execution, activity)
+
+
+def _fits(predicate: Optional[Predicate], execution: Execution, activity: Activity) -> bool:
+    return predicate is not None and predicate(execution.command, activity.reply)
 
 
 def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float) -> None:

@@ -339,12 +339,14 @@ class Drives:
             event = Event.CALLED_BACK
         elif event is Event.EMERGENCY_STOP:
             self.note_emergency(words)
+            if execution.rejected_at is not None:
+                event = Event.REFUSED
         self._happens(event, record)
         if event is Event.LOST and record.pending:
             self._rules(record, ruling)  # the robot may carry it out
         if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
             self._owe(execution.giver, Cause.STOP, words)
-        elif event is Event.EMERGENCY_STOP and record.pending and execution.on_its_way:
+        elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
             self._add(Kind.STOP, NO_GIVER, words)  # it may come when the motors are on again
             self._keep()
 
@@ -445,22 +447,32 @@ class Drives:
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
         """No command of ours is under way: another client caused the robot's motion."""
-        memory, moves = self._memory, activity.kind in MOVING
-        ruling = memory.ruling or _NOTHING
-        if (before is not None and before.kind is ActivityKind.ARRIVED_AT_GOAL
-                and memory.drives and before.goal.casefold() in memory.names
-                and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING)):
+        if before is not None and self._leaves_our_goal(before, activity):
             self._foreign(Cause.OTHER_CLIENT, False, text)
-        strange = moves and ruling.kind is not Kind.FOREIGN_DRIVE and not self.may_be_ours(activity)
-        if ruling.kind is Kind.DRIVE and ruling.fate is Fate.OBEYED and not moves:
-            # its command ended as lost with the link before, so that only statuses show its end
-            shown = self._shown_drive(activity)
-            if shown is ruling:
-                self._happens(Event.COMPLETED, ruling)
-            strange = shown is None and activity.kind in STANDING
+        ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
+        if moves:
+            strange = ruling.kind is not Kind.FOREIGN_DRIVE and not self.may_be_ours(activity)
+        else:
+            strange = self._ends_unlike(ruling, activity)
         if strange and self.heard.strange:  # one status may have crossed a line
             self._foreign(Cause.OTHER_CLIENT, moves, text)
         self.heard.strange = strange
+
+    def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
+        """Whether a robot at our goal shows that it was stopped: it would not do so by itself."""
+        return (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
+                and before.goal.casefold() in self._memory.names
+                and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING))
+
+    def _ends_unlike(self, ruling: Record, activity: Activity) -> bool:
+        """Whether a drive ends otherwise than at its goal. Its command ended as lost with the link
+        before, so that only statuses show its end."""
+        if ruling.kind is not Kind.DRIVE or ruling.fate is not Fate.OBEYED:
+            return False
+        shown = self._shown_drive(activity)
+        if shown is ruling:
+            self._happens(Event.COMPLETED, ruling)
+        return shown is None and activity.kind in STANDING
 
     def _was_sent(self, record: Record) -> bool:
         execution = self._executions.get(record.number)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Callable, List, NamedTuple, Optional, Set, Tuple
 
+from omron_arcl.activity import Activity
 from omron_arcl.commands import ACKNOWLEDGE_TIMEOUT, Command
 
 MAXIMUM_LINES = 10_000  # that are kept of one command's lines,
@@ -97,7 +98,7 @@ class Execution:
         self.stopping = False  # a stop was given because of that request
         self.rejected_at: Optional[float] = None  # when CommandError came; its description follows
         self.doubt: Optional[Doubt] = None
-        self.shown_when_sent = ''  # the robot's status text at that time
+        self.shown_when_sent: Optional[Activity] = None  # in the status before it was sent
         self.points: Set[Tuple[float, ...]] = set()  # coordinates that the robot showed as its goal
         self.dock_name = ''  # under which the robot drives to its dock
         self._lines: List[str] = []
@@ -109,11 +110,6 @@ class Execution:
     def sent(self) -> bool:
         """Whether the command was sent to the robot."""
         return self.heard is not None
-
-    @property
-    def on_its_way(self) -> bool:
-        """Whether it was sent, and the robot has not refused it."""
-        return self.sent and self.rejected_at is None
 
     @property
     def is_doubted(self) -> bool:

@@ -263,20 +263,13 @@ class RouteFollower:
         unknown = self._why_order_waits(now)
         if unknown:
             raise NotYet(unknown)
-        here, route = self._here, self.route
-        check_edges(here.graph, due.order.edges)
-        if due.goes_on and not due.given.order:
-            check_change(due.order, self.vehicle.state, route, here)
-        elif due.rest and not (due.goes_on and self.running):
-            check_start(due.rest[0], route, here)
-        if self.running and due.goes_on and route is not None:
-            check_braking(due, self.vehicle.state, route, now)
-        under_way = route.edges_under_way if route is not None and self.running else ()
-        was_running = self.running
+        was_running, route, graph = self.running, self.route, self._here.graph
+        self._check_way(due)
+        under_way = route.edges_under_way if route is not None and was_running else ()
         self.orders.take(due, now)
         self._order_notes.taken(due.given)
         self._restored = None
-        if due.goes_on and route is not None and route.progress.graph is here.graph:
+        if due.goes_on and route is not None and route.progress.graph is graph:
             if not was_running:
                 self.robot.go_on()
             route.replace(now)
@@ -285,6 +278,17 @@ class RouteFollower:
             self.route = route = self._run(due.done - due.order.first, now)
             route.allow(under_way)
             route.drive()
+
+    def _check_way(self, due: DueOrder) -> None:
+        """Raises RouteRefused if the robot cannot drive the order from where it is."""
+        here, route = self._here, self.route
+        check_edges(here.graph, due.order.edges)
+        if due.goes_on and not due.given.order:
+            check_change(due.order, self.vehicle.state, route, here)
+        elif due.rest and not (due.goes_on and self.running):
+            check_start(due.rest[0], route, here)
+        if self.running and due.goes_on and route is not None:
+            check_braking(due, self.vehicle.state, route, self._now)
 
     def _run(self, current: int, now: float) -> RouteRun:
         """Returns the driving of the vehicle's route, from the edge with this index on."""

@@ -48,34 +48,36 @@ def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
 
     `silent_for`: seconds since the last status.
     """
-    broken = [link for link in links if link.state != LinkState.CONNECTED]
-    parts, paint = [robot], WELL
-    if status is not None and silent_for <= silence_limit:
-        if math.isfinite(status.state_of_charge):
-            parts.append(f'battery {100 * status.state_of_charge:.0f} %')
-            if 100 * status.state_of_charge < LOW_CHARGE:
-                paint = CARE
-        doing = _doing(status)
-        if doing:
-            parts.append(doing)
-        if status.emergency_stop:
-            parts.append('EMERGENCY STOP')
-            paint = WRONG
-    elif status is not None:
-        parts.append(f'silent for {silent_for:.0f} s')
-        paint = WRONG
+    if status is None:
+        parts, paint = ['no status yet'], CARE
+    elif silent_for > silence_limit:
+        parts, paint = [f'silent for {silent_for:.0f} s'], WRONG
     else:
-        parts.append('no status yet')
-        paint = CARE
+        parts, paint = _told(status)
+    broken = [link for link in links if link.state != LinkState.CONNECTED]
     if broken:
         paint = WRONG
         parts += [f'{link.link} link {words_of(link.state)}' for link in broken]
-        reasons = [link.reason for link in broken if link.reason]
-        if reasons:
-            return Banner(' | '.join(parts) + '\n' + reasons[0], paint)
     elif links:
         parts.append('link ok')
-    return Banner(' | '.join(parts), paint)
+    reasons = [f'\n{link.reason}' for link in broken if link.reason]
+    return Banner(' | '.join([robot, *parts]) + ''.join(reasons[:1]), paint)
+
+
+def _told(status: RobotStatus) -> Tuple[List[str], ColorRGBA]:
+    """The battery and state of a robot that is heard, and their colour."""
+    parts, paint = [], WELL
+    if math.isfinite(status.state_of_charge):
+        parts.append(f'battery {100 * status.state_of_charge:.0f} %')
+        if 100 * status.state_of_charge < LOW_CHARGE:
+            paint = CARE
+    doing = _doing(status)
+    if doing:
+        parts.append(doing)
+    if status.emergency_stop:
+        parts.append('EMERGENCY STOP')
+        paint = WRONG
+    return parts, paint
 
 
 def _doing(status: RobotStatus) -> str:
