@@ -6,7 +6,9 @@ import math
 from itertools import count
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from omron_arcl import Outcome
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
+from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
@@ -16,18 +18,10 @@ from trajectory_graph import Edge, Graph, Vertex
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000
 
-# maps the outcomes that the nodes report to the endings that the bridge knows
-ENDINGS = {
-    Outcome.SUCCEEDED: p.Ending.SUCCEEDED,
-    Outcome.INTERRUPTED: p.Ending.INTERRUPTED,
-    Outcome.CANCELLED: p.Ending.CANCELLED,
-    Outcome.EMERGENCY_STOPPED: p.Ending.EMERGENCY_STOPPED,
-    Outcome.LOST: p.Ending.LOST,
-    Outcome.NEVER_SENT: p.Ending.NEVER_SENT,
-    Outcome.OVERRULED: p.Ending.OVERRULED,
-    **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.FAILED,
-                     Outcome.TIMED_OUT), p.Ending.FAILED),
-}
+# maps the outcomes to those that the bridge is told of
+ENDINGS = {**{outcome: outcome for outcome in Outcome}, **dict.fromkeys(
+    (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.TIMED_OUT),
+    Outcome.FAILED)}
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:
@@ -75,55 +69,49 @@ class GraphRobot:
         self.speed = 0.0
         self.halts = 0
         self.period = period
-        self.motion = p.Motion.DOCKED if self.docked else p.Motion.STANDING
+        self.motion = ActivityKind.DOCKED if self.docked else ActivityKind.STOPPED
         self.emergency = False
         self.number: Optional[int] = None  # number of the present drive
-        self.last = 0, p.Fate.NOT_OBEYED  # of our commands, as the controller tells
+        self.last = 0, CommandFate.NOT_OBEYED  # of our commands, as the controller tells
         self.foreign = False  # whether another client drove or stopped it
-        self._shown = ''
         self._way: List[Tuple[float, float]] = []
         self._since_status = period
-
-    @property
-    def shown_goal(self) -> str:
-        """The goal that the status text names."""
-        return self._shown if self.motion in (p.Motion.GOING, p.Motion.ARRIVED) else ''
 
     def obey(self, number: Optional[int], command: str) -> List[p.Event]:
         """Takes a command; returns the reports about it and about the previous command."""
         self.commands.append(command)
         self.foreign = number is None
         stops = command == 'stop'
-        self.last = ((self.last[0], p.Fate.NOT_OBEYED) if number is None else
-                     (number, p.Fate.COMPLETED if stops else p.Fate.OBEYED))
+        self.last = ((self.last[0], CommandFate.NOT_OBEYED) if number is None else
+                     (number, CommandFate.COMPLETED if stops else CommandFate.OBEYED))
         events: List[p.Event] = []
         if self.number is not None:
-            events.append(p.CommandEnded(self.number, p.Ending.INTERRUPTED,
+            events.append(p.CommandEnded(self.number, Outcome.INTERRUPTED,
                                          f'replaced by "{command}"'))
             self.number = None
         if stops:
-            self.halt(p.Motion.STANDING)
-            return [*events, p.CommandEnded(number, p.Ending.SUCCEEDED, 'Stopped')]
+            self.halt(ActivityKind.STOPPED)
+            return [*events, p.CommandEnded(number, Outcome.SUCCEEDED, 'Stopped')]
         self.docked = False
         self.number = number
-        self.goal = self._shown = command.split()[-1]
+        self.goal = command.split()[-1]
         vertex = DOCK_VERTEX if command == 'dock' else int(self.goal)
-        self.motion = p.Motion.DOCKING if command == 'dock' else p.Motion.GOING
+        self.motion = ActivityKind.DOCKING if command == 'dock' else ActivityKind.GOING_TO_GOAL
         self._way = self._shortest_way(vertex)
         return events
 
-    def halt(self, motion: p.Motion) -> None:
+    def halt(self, motion: ActivityKind) -> None:
         """The robot stands, and its status says so."""
         self.goal, self._way, self.speed, self.motion = None, [], 0.0, motion
 
     def press_emergency_stop(self) -> List[p.Event]:
         """A person presses the button."""
         self.emergency = True
-        self.halt(p.Motion.STANDING)
+        self.halt(ActivityKind.STOPPED)
         number, self.number = self.number, None
-        self.last = self.last[0], p.Fate.NOT_OBEYED
+        self.last = self.last[0], CommandFate.NOT_OBEYED
         return [] if number is None else [
-            p.CommandEnded(number, p.Ending.EMERGENCY_STOPPED, 'EStop pressed')]
+            p.CommandEnded(number, Outcome.EMERGENCY_STOPPED, 'EStop pressed')]
 
     def step(self, now: float) -> List[p.Event]:
         """Drives for STEP seconds; returns the events of that time."""
@@ -136,11 +124,11 @@ class GraphRobot:
             if not self._way:
                 self.halts += 1
                 self.docked = self.goal == 'dock'
-                if self.last[1] is p.Fate.OBEYED:
-                    self.last = self.last[0], p.Fate.COMPLETED
-                self.halt(p.Motion.DOCKED if self.docked else p.Motion.ARRIVED)
+                if self.last[1] is CommandFate.OBEYED:
+                    self.last = self.last[0], CommandFate.COMPLETED
+                self.halt(ActivityKind.DOCKED if self.docked else ActivityKind.ARRIVED_AT_GOAL)
                 if self.number is not None:
-                    events.append(p.CommandEnded(self.number, p.Ending.SUCCEEDED))
+                    events.append(p.CommandEnded(self.number, Outcome.SUCCEEDED))
                     self.number = None
         self._since_status += self.STEP
         if self._since_status >= self.period - 1e-9:
@@ -150,9 +138,10 @@ class GraphRobot:
 
     def seen(self, now: float) -> p.RobotSeen:
         """The robot's present status."""
-        docking = {p.Motion.DOCKED: p.Docking.DOCKED, p.Motion.DOCKING: p.Docking.DOCKING}
-        return p.RobotSeen(int(now * NANOSECONDS), self.motion, self.shown_goal,
-                           docking.get(self.motion, p.Docking.UNDOCKED), self.emergency,
+        docking = {ActivityKind.DOCKED: DockingState.DOCKED,
+                   ActivityKind.DOCKING: DockingState.DOCKING}
+        return p.RobotSeen(int(now * NANOSECONDS), self.motion,
+                           docking.get(self.motion, DockingState.UNDOCKED), self.emergency,
                            self.position, 0.0)
 
     def _left(self) -> float:
@@ -232,7 +221,7 @@ class Bench:
             self.epoch += 1
             self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason='another client',
                                    by_robot=True, number=self.robot.last[0],
-                                   fate=p.Fate.NOT_OBEYED))
+                                   fate=CommandFate.NOT_OBEYED))
         if self._heard != (self.follower, self.robot.last):
             self.hear_motion('')
 
@@ -329,7 +318,7 @@ class Bench:
     def give(self, give: p.Give) -> None:
         """Sends a command to the robot, which receives it at once."""
         if give.known_epoch not in (0, self.epoch):
-            self.tell(p.CommandEnded(give.number, p.Ending.OVERRULED, 'another giver came first'))
+            self.tell(p.CommandEnded(give.number, Outcome.OVERRULED, 'another giver came first'))
             return
         self.tell(*self.robot.obey(give.number, give.command))
 

@@ -14,12 +14,19 @@ from simulated_robot import SimulatedRobot
 from speaking_robot import SpeakingRobot
 from timeline import Timeline
 
-from omron_arcl import ActivityKind, ArclError, Execution, Giver, NotConnected, read_activity
+from omron_arcl import (
+    ActivityKind,
+    ArclError,
+    Execution,
+    Giver,
+    NotConnected,
+    Outcome,
+    read_activity,
+)
 from omron_arcl.drives import Overruled
-from omron_arcl.records import Cause, Motion
-from omron_arcl.replies import DockingStatus
+from omron_arcl.records import Cause, CommandFate, Motion
+from omron_arcl.replies import DockingState, DockingStatus
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from route_protocol.values import EpochCause, RouteOrder, RouteReport
@@ -218,7 +225,7 @@ class DelayedDrive:
         """Notes if the bridge can know of the person's stop by this event."""
         self.bridge_knows = self.bridge_knows or (self.stopped_at is not None and (
             isinstance(event, p.CommandEnded) and event.number == self._last_number
-            and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED, p.Ending.OVERRULED)))
+            and event.ending in (Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED)))
 
     def _act(self, actions: Sequence[p.Action]) -> None:
         for action in actions:
@@ -233,7 +240,7 @@ class DelayedDrive:
         if drives and self.bridge_knows:
             self.passed.append(f'{self.now:.3f} given: {give.command}')
 
-        def end(ending: p.Ending, words: str) -> None:
+        def end(ending: Outcome, words: str) -> None:
             def tell() -> None:
                 if generation == self._generation:
                     self.trace.append(f'{self.now:.3f} ended {give} {ending.value}: {words}')
@@ -251,16 +258,16 @@ class DelayedDrive:
     # --- the controller ---------------------------------------------------------------------------
 
     def _take_from_bridge(self, give: p.Give, giver: Giver,
-                          end: Callable[[p.Ending, str], None]) -> None:
+                          end: Callable[[Outcome, str], None]) -> None:
         command = give.command
         try:
             execution = self._controller.give(
                 command, giver, give.known_epoch,
                 lambda result: end(ENDINGS[result.outcome], result.words), give.number)
         except Overruled as overruled:
-            end(p.Ending.OVERRULED, str(overruled))
+            end(Outcome.OVERRULED, str(overruled))
         except ArclError as error:
-            end(p.Ending.NEVER_SENT, str(error))
+            end(Outcome.NEVER_SENT, str(error))
         else:
             if execution.command.spec.drives:
                 self._drives.append(execution)
@@ -294,9 +301,9 @@ class DelayedDrive:
 
     def _hear_motion(self, motion: Motion, generation: int) -> None:
         memory = motion.memory
-        number, fate = next(((last.number, p.Fate[last.fate.name])
+        number, fate = next(((last.number, last.fate)
                              for last in memory.last_commands if last.giver == BRIDGE),
-                            (0, p.Fate.NOT_OBEYED))
+                            (0, CommandFate.NOT_OBEYED))
         if generation == self._generation:
             self._tell(p.MotionTold(
                 memory.epoch, memory.previous_epoch,
@@ -313,9 +320,9 @@ class DelayedDrive:
         if not self.up[p.Link.OUTGOING]:
             return
         activity = read_activity(self.robot.status)
-        docking = (p.Docking(activity.reply.docking.value)
-                   if isinstance(activity.reply, DockingStatus) else p.Docking.UNDOCKED)
-        seen = p.RobotSeen(int(self.now * NANOSECONDS), *motion_of(activity.kind, activity.goal),
+        docking = (DockingState(activity.reply.docking.value)
+                   if isinstance(activity.reply, DockingStatus) else DockingState.UNDOCKED)
+        seen = p.RobotSeen(int(self.now * NANOSECONDS), activity.kind,
                            docking, activity.kind is ActivityKind.EMERGENCY_STOP,
                            self.robot.position)
         self.later(self.delays.statuses, lambda: self._tell(seen))

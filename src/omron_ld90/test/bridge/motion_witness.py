@@ -206,13 +206,13 @@ class Witness(DelayedDrive):
         super()._give(give)
 
     def _take_from_bridge(self, give: p.Give, giver: Giver,
-                          end: Callable[[p.Ending, str], None]) -> None:
+                          end: Callable[[Outcome, str], None]) -> None:
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
             self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, end)
         else:
-            end(p.Ending.NEVER_SENT, 'there is no controller')
+            end(Outcome.NEVER_SENT, 'there is no controller')
 
     def cut(self, link: p.Link, seconds: float) -> None:
         """Cuts a link as the base class does; messages on their way are lost."""

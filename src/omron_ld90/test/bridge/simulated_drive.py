@@ -22,9 +22,8 @@ from omron_arcl import (
     read_activity,
 )
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.replies import DockingStatus, OneLineStatus
+from omron_arcl.replies import DockingState, DockingStatus, OneLineStatus
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from omron_ld90_sim.behaviour.robot import Robot
@@ -74,7 +73,7 @@ class SimulatedDrive:
         self.notes: List[str] = []
         self._dispatcher = Dispatcher()
         self._statuses = StatusAssembler()
-        self._docking = p.Docking.DOCKED if vertex is None else p.Docking.UNDOCKED
+        self._docking = DockingState.DOCKED if vertex is None else DockingState.UNDOCKED
         self._client = self.server.connect()
         self._client.receive(b'adept\n')
         self._lines_of(self._client)
@@ -178,11 +177,11 @@ class SimulatedDrive:
     def _see(self, status: OneLineStatus) -> None:
         activity = read_activity(status.status)
         if isinstance(activity.reply, DockingStatus):
-            self._docking = p.Docking(activity.reply.docking.value)
+            self._docking = DockingState(activity.reply.docking.value)
         elif activity.kind is not ActivityKind.UNKNOWN:
-            self._docking = p.Docking.UNDOCKED
+            self._docking = DockingState.UNDOCKED
         self._tell(p.RobotSeen(
-            int(self.now * NANOSECONDS) + 1, *motion_of(activity.kind, activity.goal),
+            int(self.now * NANOSECONDS) + 1, activity.kind,
             self._docking, activity.kind is ActivityKind.EMERGENCY_STOP,
             (status.location.x / 1000.0, status.location.y / 1000.0)))
 

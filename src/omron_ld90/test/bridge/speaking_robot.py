@@ -6,7 +6,7 @@ from typing import Callable, Optional
 
 from bridge_builders import GraphRobot
 
-from omron_ld90.bridge import events as p
+from omron_arcl import ActivityKind
 from trajectory_graph import Graph
 
 UNDOCKING_TIME = 3.0  # s
@@ -90,7 +90,7 @@ class SpeakingRobot(GraphRobot):
 
     def _stand(self, words: int) -> None:
         if words == self._words:  # no giver has sent it elsewhere while it braked
-            self.halt(p.Motion.STANDING)
+            self.halt(ActivityKind.STOPPED)
             self.status = 'Stopped'
             self._say('Stopped')
 

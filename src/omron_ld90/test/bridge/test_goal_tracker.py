@@ -3,7 +3,9 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.bridge.events import CommandEnded, Ending, Fate, Motion
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
+from omron_ld90.bridge.events import CommandEnded
 from omron_ld90.bridge.goal_tracker import DOCK, STATUSES_TO_JUDGE, GoalTracker, TakenOver
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
@@ -17,7 +19,7 @@ def sent(goal: str = '12') -> GoalTracker:
     return tracker
 
 
-def ended(ending: Ending, text: str = '', goal: str = '12') -> GoalTracker:
+def ended(ending: Outcome, text: str = '', goal: str = '12') -> GoalTracker:
     """A tracker whose command has ended so at 5 s."""
     tracker = sent(goal)
     tracker.ended(CommandEnded(1, ending, text), 5.0)
@@ -25,12 +27,12 @@ def ended(ending: Ending, text: str = '', goal: str = '12') -> GoalTracker:
 
 
 def test_the_arrival():
-    tracker = ended(Ending.SUCCEEDED)
+    tracker = ended(Outcome.SUCCEEDED)
     assert (tracker.reached, tracker.goal) == (True, '12')
 
 
 def test_a_failure_in_its_own_words():
-    assert ended(Ending.FAILED, 'Failed going to goal').failure.reason.text == (
+    assert ended(Outcome.FAILED, 'Failed going to goal').failure.reason.text == (
         'Failed going to goal')
 
 
@@ -40,7 +42,7 @@ def shown(tracker: GoalTracker) -> None:
         tracker.shown()
 
 
-@pytest.mark.parametrize('ending', [Ending.INTERRUPTED, Ending.CANCELLED])
+@pytest.mark.parametrize('ending', [Outcome.INTERRUPTED, Outcome.CANCELLED])
 def test_an_interruption_is_somebody_elses_unless_the_next_statuses_show_an_emergency_stop(ending):
     tracker = sent()
     shown(tracker)
@@ -53,7 +55,7 @@ def test_an_interruption_is_somebody_elses_unless_the_next_statuses_show_an_emer
 
 
 def test_a_drive_that_was_overruled_waits_for_the_next_epoch_however_long_it_takes():
-    tracker = ended(Ending.OVERRULED, 'the controller was started')
+    tracker = ended(Outcome.OVERRULED, 'the controller was started')
     shown(tracker)
     assert (tracker.failure, tracker.is_doubtful) == (None, True)
     tracker.goes_on(5.1)
@@ -62,8 +64,8 @@ def test_a_drive_that_was_overruled_waits_for_the_next_epoch_however_long_it_tak
 
 
 def test_it_is_given_again_as_well_if_a_newer_command_of_this_program_came_before_it():
-    tracker = ended(Ending.OVERRULED, 'it is not newer than the last one of /bridge')
-    tracker.told(2, Fate.GIVEN, 5.1)
+    tracker = ended(Outcome.OVERRULED, 'it is not newer than the last one of /bridge')
+    tracker.told(2, CommandFate.GIVEN, 5.1)
     assert tracker.word.due(True, 5.1)
 
 
@@ -72,7 +74,7 @@ def test_it_has_failed_if_the_robot_does_something_else(is_known):
     tracker = sent()
     if is_known:
         tracker.interrupted('another client')
-    tracker.ended(CommandEnded(1, Ending.OVERRULED, 'another client'), 5.0)
+    tracker.ended(CommandEnded(1, Outcome.OVERRULED, 'another client'), 5.0)
     if not is_known:
         tracker.interrupted('another client')
     shown(tracker)
@@ -80,7 +82,7 @@ def test_it_has_failed_if_the_robot_does_something_else(is_known):
 
 
 def test_one_that_was_interrupted_is_not_given_again():
-    tracker = ended(Ending.INTERRUPTED)
+    tracker = ended(Outcome.INTERRUPTED)
     tracker.goes_on(5.1)
     shown(tracker)
     assert isinstance(tracker.failure, TakenOver)
@@ -90,7 +92,7 @@ def test_only_the_last_command_counts():
     tracker = sent()
     tracker.send('14', 'goto 14')
     tracker.word.give(2, 0)
-    for ending in Ending:
+    for ending in Outcome:
         tracker.ended(CommandEnded(1, ending), 5.0)
     assert (tracker.reached, tracker.failure, tracker.is_doubtful) == (False, None, False)
 
@@ -99,25 +101,25 @@ def test_only_the_last_command_counts():
 def test_the_arrival_of_a_lost_drive_is_told_by_the_controller(told_before):
     tracker = sent()
     if told_before:
-        tracker.told(1, Fate.COMPLETED, 4.0)
-    tracker.ended(CommandEnded(1, Ending.LOST), 5.0)
+        tracker.told(1, CommandFate.COMPLETED, 4.0)
+    tracker.ended(CommandEnded(1, Outcome.LOST), 5.0)
     if not told_before:
         assert tracker.is_doubtful
-        tracker.told(1, Fate.OBEYED, 6.0)
+        tracker.told(1, CommandFate.OBEYED, 6.0)
         assert not tracker.reached
-        tracker.told(1, Fate.COMPLETED, 7.0)
+        tracker.told(1, CommandFate.COMPLETED, 7.0)
     assert (tracker.reached, tracker.is_doubtful) == (True, False)
 
 
 def test_so_is_its_failure():
-    tracker = ended(Ending.LOST)
-    tracker.told(1, Fate.FAILED, 6.0)
+    tracker = ended(Outcome.LOST)
+    tracker.told(1, CommandFate.FAILED, 6.0)
     assert tracker.failure.reason.text == 'the robot failed to reach its goal'
 
 
 @pytest.mark.parametrize('told, reached, given_again', [
-    ((7, Fate.COMPLETED), True, False), ((7, Fate.OBEYED), False, False),
-    ((7, Fate.NOT_OBEYED), False, True), ((6, Fate.COMPLETED), False, True)])
+    ((7, CommandFate.COMPLETED), True, False), ((7, CommandFate.OBEYED), False, False),
+    ((7, CommandFate.NOT_OBEYED), False, True), ((6, CommandFate.COMPLETED), False, True)])
 def test_after_a_restart_the_controller_tells_what_became_of_the_drive(
         told, reached, given_again):
     tracker = GoalTracker()
@@ -128,21 +130,21 @@ def test_after_a_restart_the_controller_tells_what_became_of_the_drive(
 
 def test_after_a_restart_a_drive_that_was_not_given_yet_is_given():
     tracker = GoalTracker()
-    tracker.told(6, Fate.COMPLETED, 0.0)
+    tracker.told(6, CommandFate.COMPLETED, 0.0)
     tracker.resume('12', 'goto 12', 0, 1.0)
     assert (tracker.word.due(True, 1.0), tracker.is_doubtful) == (True, False)
 
 
 def test_after_a_restart_a_newer_drive_than_the_known_one_makes_the_goal_unknown():
     tracker = GoalTracker()
-    tracker.told(8, Fate.OBEYED, 0.0)
+    tracker.told(8, CommandFate.OBEYED, 0.0)
     tracker.resume('12', 'goto 12', 7, 1.0)
     assert (tracker.goal, tracker.is_doubtful, tracker.word.due(True, 1.0)) == (None, False, False)
 
 
 def test_a_robot_that_has_docked():
-    assert ended(Ending.SUCCEEDED, goal=DOCK).has_docked
-    assert not ended(Ending.SUCCEEDED).has_docked
+    assert ended(Outcome.SUCCEEDED, goal=DOCK).has_docked
+    assert not ended(Outcome.SUCCEEDED).has_docked
 
 
 def test_a_stop_takes_the_drive_back_and_a_new_route_takes_the_stop_back():
@@ -158,8 +160,9 @@ def test_a_stop_takes_the_drive_back_and_a_new_route_takes_the_stop_back():
 def test_locations_at_rest_count_from_the_arrival_on():
     tracker = sent()
     tracker.located(HERE)
-    tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 5.0)
-    for place, motion, rested in ((HERE, Motion.GOING, 0), (HERE, Motion.ARRIVED, 1),
-                                  (HERE, Motion.ARRIVED, 2), (THERE, Motion.ARRIVED, 0)):
-        tracker.located(place, motion)
+    tracker.ended(CommandEnded(1, Outcome.SUCCEEDED), 5.0)
+    going, arrived = ActivityKind.GOING_TO_GOAL, ActivityKind.ARRIVED_AT_GOAL
+    for place, activity, rested in ((HERE, going, 0), (HERE, arrived, 1), (HERE, arrived, 2),
+                                    (THERE, arrived, 0)):
+        tracker.located(place, activity)
         assert tracker.rested_at_goal == rested

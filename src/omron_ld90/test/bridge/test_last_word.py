@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_ld90.bridge.events import CommandEnded, Ending, Fate
+from omron_arcl import Outcome
+from omron_arcl.records import CommandFate
+from omron_ld90.bridge.events import CommandEnded
 from omron_ld90.bridge.last_word import RETRY, STOP, LastWord
 
 
@@ -23,21 +25,22 @@ def given_once(command: str = 'goto 12', epoch: Optional[int] = None) -> LastWor
 
 def lost(command: str = 'goto 12') -> LastWord:
     word = given_once(command)
-    word.ended(CommandEnded(5, Ending.LOST, 'the link broke'), 1.0)
+    word.ended(CommandEnded(5, Outcome.LOST, 'the link broke'), 1.0)
     return word
 
 
 @pytest.mark.parametrize('command', ['goto 12', STOP])
 def test_what_was_never_sent_is_given_again_once_the_link_stands(command):
     word = given_once(command)
-    word.ended(CommandEnded(5, Ending.NEVER_SENT, 'no link'), 1.0)
+    word.ended(CommandEnded(5, Outcome.NEVER_SENT, 'no link'), 1.0)
     assert not word.due(True, 1.0 + RETRY / 2)
     assert not word.due(False, 60.0)
     assert word.due(True, 1.0 + RETRY)
     assert (word.problem, word.is_taken) == ('no link', False)
 
 
-@pytest.mark.parametrize('told', [(0, Fate.NOT_OBEYED), (4, Fate.OBEYED), (5, Fate.NOT_OBEYED)])
+@pytest.mark.parametrize('told', [
+    (0, CommandFate.NOT_OBEYED), (4, CommandFate.OBEYED), (5, CommandFate.NOT_OBEYED)])
 def test_a_lost_drive_is_given_again_if_the_robot_does_not_obey_it(told):
     word = lost()
     assert word.told(told, 2.0) is None
@@ -45,41 +48,41 @@ def test_a_lost_drive_is_given_again_if_the_robot_does_not_obey_it(told):
     assert word.give(6, 77).number == 6
 
 
-@pytest.mark.parametrize('fate', [Fate.NONE, Fate.GIVEN, Fate.OBEYED, Fate.UNKNOWN])
+@pytest.mark.parametrize('fate', [None, CommandFate.GIVEN, CommandFate.OBEYED, CommandFate.UNKNOWN])
 def test_it_waits_as_long_as_the_robot_may_obey_it(fate):
     word = lost()
-    assert word.told((5 if fate is not Fate.NONE else 0, fate), 2.0) is None
+    assert word.told((5 if fate is not None else 0, fate), 2.0) is None
     assert (word.due(True, 60.0), word.is_lost) == (False, True)
 
 
-@pytest.mark.parametrize('fate', [Fate.COMPLETED, Fate.FAILED])
+@pytest.mark.parametrize('fate', [CommandFate.COMPLETED, CommandFate.FAILED])
 def test_it_ends_as_the_controller_tells(fate):
     word = lost()
     assert word.told((5, fate), 2.0) is fate
     assert (word.due(True, 60.0), word.is_lost) == (False, False)
 
 
-@pytest.mark.parametrize('fate', Fate)
+@pytest.mark.parametrize('fate', CommandFate)
 def test_a_drive_whose_result_came_is_not_judged_by_motion(fate):
     word = given_once()
     assert word.told((5, fate), 2.0) is None
     assert not word.due(True, 60.0)
 
 
-@pytest.mark.parametrize('ending', [Ending.LOST, Ending.NEVER_SENT])
+@pytest.mark.parametrize('ending', [Outcome.LOST, Outcome.NEVER_SENT])
 def test_a_stop_is_given_until_the_controller_has_it(ending):
     word = given_once(STOP, 3)
     word.ended(CommandEnded(5, ending, 'gone'), 1.0)
     assert word.due(True, 1.0 + RETRY)
     assert word.give(6, 77).known_epoch == 3, 'it ends no newer drive of another giver'
     word.ended(CommandEnded(6, ending, 'gone'), 3.0)
-    word.told((6, Fate.GIVEN), 3.1)
+    word.told((6, CommandFate.GIVEN), 3.1)
     assert (word.due(True, 60.0), word.is_taken, word.problem) == (False, True, 'gone')
 
 
 def test_a_stop_that_the_robot_does_not_obey_is_with_the_controller():
     word = given_once(STOP, 3)
-    word.ended(CommandEnded(5, Ending.FAILED, 'the robot said nothing about it'), 1.0)
+    word.ended(CommandEnded(5, Outcome.FAILED, 'the robot said nothing about it'), 1.0)
     assert (word.due(True, 60.0), word.is_taken) == (False, True)
     assert word.problem == 'the robot said nothing about it'
 
@@ -101,12 +104,13 @@ def test_it_reaches_the_controller_once_and_never_twice(seed, command):
             number += 1
             word.give(number, 77)
             if faulty:
-                word.ended(CommandEnded(number, random.choice((Ending.LOST, Ending.NEVER_SENT))),
+                word.ended(CommandEnded(number, random.choice((Outcome.LOST, Outcome.NEVER_SENT))),
                            now)
             else:
                 taken.append(number)
                 if random.random() < 0.7:
-                    word.ended(CommandEnded(number, Ending.LOST), now)
+                    word.ended(CommandEnded(number, Outcome.LOST), now)
         elif not faulty:
-            word.told((taken[-1], Fate.OBEYED) if taken else (0, Fate.NOT_OBEYED), now)
+            last = (taken[-1], CommandFate.OBEYED) if taken else (0, CommandFate.NOT_OBEYED)
+            word.told(last, now)
     assert len(taken) == 1 or command == STOP and taken

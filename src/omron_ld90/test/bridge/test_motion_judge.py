@@ -6,6 +6,7 @@ from typing import Optional, Tuple
 import pytest
 from bridge_builders import Bench, yard
 
+from omron_arcl import ActivityKind
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motion_judge import RESTING, STILL, MotionJudge
 from omron_ld90.bridge.robot_state import Located
@@ -22,7 +23,7 @@ class Watched:
         self.judge, self.now = MotionJudge(), 100.0
 
     def see(self, seconds: float = 0.5, place: Tuple[float, float] = PLACE,
-            motion: p.Motion = p.Motion.STANDING, runs: bool = False) -> None:
+            motion: ActivityKind = ActivityKind.STOPPED, runs: bool = False) -> None:
         end = self.now + seconds
         while self.now < end - 1e-9:
             self.now += 0.5
@@ -72,7 +73,8 @@ def test_only_locations_after_the_end_of_a_route_show_that_it_stands(watched, ph
 
 
 @pytest.mark.parametrize('motion', [
-    p.Motion.GOING, p.Motion.STOPPING, p.Motion.DOCKING, p.Motion.UNDOCKING])
+    ActivityKind.GOING_TO_GOAL, ActivityKind.STOPPING, ActivityKind.DOCKING,
+    ActivityKind.UNDOCKING])
 def test_a_robot_whose_status_shows_motion_does_not_stand(watched, motion):
     watched.judge.route_ended(Phase.FAILED)
     watched.see(5.0, motion=motion)
@@ -97,7 +99,7 @@ def test_a_robot_that_is_pushed_is_moved_until_it_stays(watched):
 
 
 def test_a_robot_that_is_driven_by_hand_is_moved_though_it_stays(watched):
-    watched.see(5.0, motion=p.Motion.BY_HAND)
+    watched.see(5.0, motion=ActivityKind.TELEOPERATED)
     assert watched.motion() is Motion.MOVED
 
 

@@ -9,6 +9,7 @@ from bridge_builders import DOCK_VERTEX, Bench, yard
 from hypothesis import given
 from hypothesis import strategies as st
 
+from omron_arcl import Outcome
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from route_protocol.values import (
@@ -206,7 +207,7 @@ def test_after_a_failure_the_route_goes_on_from_the_same_number():
     fleet.send(1, 5)
     fleet.until_on(5)
     number, fleet.robot.number = fleet.robot.number, None
-    fleet.tell(p.CommandEnded(number, p.Ending.FAILED, 'Cannot find path'))
+    fleet.tell(p.CommandEnded(number, Outcome.FAILED, 'Cannot find path'))
     assert (fleet.report.is_failed, fleet.report.done) == (True, 1)
     fleet.send(5, 6, first=1)
     fleet.run()
@@ -456,7 +457,7 @@ def test_the_robot_is_never_sent_outside_of_the_last_order_that_was_taken(happen
             fleet.robot.emergency = False
         elif what == 'fail' and fleet.robot.number is not None:
             number, fleet.robot.number = fleet.robot.number, None
-            fleet.tell(p.CommandEnded(number, p.Ending.FAILED, 'Failed going to goal'))
+            fleet.tell(p.CommandEnded(number, Outcome.FAILED, 'Failed going to goal'))
         fleet.check()
 
 

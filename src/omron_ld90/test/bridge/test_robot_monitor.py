@@ -3,17 +3,10 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.bridge.events import (
-    CommandEnded,
-    Docking,
-    Ending,
-    Fate,
-    Link,
-    LinkReported,
-    Motion,
-    MotionTold,
-    RobotSeen,
-)
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
+from omron_arcl.replies import DockingState
+from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
 from omron_ld90.bridge.goal_tracker import RouteFailed
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
@@ -25,7 +18,7 @@ def monitor() -> RobotMonitor:
     robot = RobotMonitor(Settings(), Link)
     for link in Link:
         robot.update(LinkReported(link, True), 0.0)
-    robot.update(RobotSeen(1, Motion.STANDING, place=(0.0, 0.0)), 0.0)
+    robot.update(RobotSeen(1, ActivityKind.STOPPED, place=(0.0, 0.0)), 0.0)
     return robot
 
 
@@ -131,17 +124,17 @@ def test_docked_is_known_as_soon_as_the_command_has_ended():
     robot = monitor()
     robot.tracker.send('dock', 'dock')
     give, = robot.due_commands(0.0)
-    robot.update(CommandEnded(give.number, Ending.SUCCEEDED), 9.0)
-    assert robot.docking is Docking.DOCKED
+    robot.update(CommandEnded(give.number, Outcome.SUCCEEDED), 9.0)
+    assert robot.docking is DockingState.DOCKED
     assert robot.docking_changed == 9.0
 
 
 def test_a_docking_state_that_is_not_told_is_the_last_one():
     robot = monitor()
-    robot.update(RobotSeen(2, Motion.DOCKED, docking=Docking.DOCKED), 1.0)
-    robot.update(RobotSeen(3, Motion.DOCKED), 2.0)
-    robot.update(RobotSeen(4, Motion.DOCKED, docking=Docking.DOCKED), 3.0)
-    assert (robot.docking, robot.docking_changed) == (Docking.DOCKED, 1.0)
+    robot.update(RobotSeen(2, ActivityKind.DOCKED, docking=DockingState.DOCKED), 1.0)
+    robot.update(RobotSeen(3, ActivityKind.DOCKED), 2.0)
+    robot.update(RobotSeen(4, ActivityKind.DOCKED, docking=DockingState.DOCKED), 3.0)
+    assert (robot.docking, robot.docking_changed) == (DockingState.DOCKED, 1.0)
 
 
 def test_a_robot_that_somebody_drives_is_left_to_him():
@@ -166,7 +159,7 @@ def test_of_several_reasons_the_emergency_stop_is_told_and_then_a_take_over():
     assert why_failed(robot, 0.1) == 'Failed going to goal'
     overrule(robot)
     assert why_failed(robot, 0.1) == 'taken over'
-    robot.update(RobotSeen(2, Motion.STANDING, emergency_stop=True), 0.1)
+    robot.update(RobotSeen(2, ActivityKind.STOPPED, emergency_stop=True), 0.1)
     assert why_failed(robot, 0.1) == 'emergency stop'
 
 
@@ -175,12 +168,12 @@ def test_a_lost_command_is_given_again_only_when_the_link_stands():
     robot.tracker.send('12', 'goto 12')
     give, = robot.due_commands(0.0)
     robot.update(LinkReported(Link.COMMANDS, False), 1.0)
-    robot.update(CommandEnded(give.number, Ending.LOST), 1.0)
-    robot.update(MotionTold(7, number=give.number, fate=Fate.UNKNOWN), 2.0)
+    robot.update(CommandEnded(give.number, Outcome.LOST), 1.0)
+    robot.update(MotionTold(7, number=give.number, fate=CommandFate.UNKNOWN), 2.0)
     robot.update(LinkReported(Link.COMMANDS, True), 3.0)
     assert robot.due_commands(3.5) == [], 'the robot may obey it'
     robot.update(LinkReported(Link.COMMANDS, False), 4.0)
-    robot.update(MotionTold(7, number=give.number, fate=Fate.NOT_OBEYED), 4.0)
+    robot.update(MotionTold(7, number=give.number, fate=CommandFate.NOT_OBEYED), 4.0)
     assert robot.due_commands(4.5) == []
     robot.update(LinkReported(Link.COMMANDS, True), 5.0)
     again, = robot.due_commands(5.5)
@@ -189,7 +182,7 @@ def test_a_lost_command_is_given_again_only_when_the_link_stands():
 
 def test_numbers_of_commands_grow_also_above_one_that_only_the_controller_knows():
     robot = monitor()
-    robot.update(MotionTold(7, number=50, fate=Fate.OBEYED), 0.0)
+    robot.update(MotionTold(7, number=50, fate=CommandFate.OBEYED), 0.0)
     robot.tracker.send('12', 'goto 12')
     assert robot.due_commands(0.0)[0].number > 50
 
@@ -206,11 +199,11 @@ def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(
     goes_on = cause is EpochCause.RESTART
     robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on, cause=cause,
                             by_robot=by_robot and not goes_on), 1.0)
-    robot.update(CommandEnded(give.number, Ending.OVERRULED, 'the controller was started'), 1.1)
+    robot.update(CommandEnded(give.number, Outcome.OVERRULED, 'the controller was started'), 1.1)
     commands = [(one.command, one.known_epoch) for one in robot.due_commands(1.2)]
     assert commands == ([('goto 12', give.known_epoch + 1)] if again else [])
     for stamp in (2, 3):
-        robot.update(RobotSeen(stamp, Motion.STANDING, place=(0.0, 0.0)), 2.0)
+        robot.update(RobotSeen(stamp, ActivityKind.STOPPED, place=(0.0, 0.0)), 2.0)
     if again:
         robot.check(3.0)
     else:

@@ -7,6 +7,8 @@ from bridge_builders import DOCK_VERTEX, Bench, graph_of, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_strategies import STRATEGIES
 from route_protocol.values import EdgeState, RouteReport
@@ -14,14 +16,13 @@ from trajectory_graph import Graph
 
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
                             {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})
-GOALS = st.sampled_from(['1', '2', '5', 'dock', 'Charger', ''])
 # index of the edge to take, vertex by vertex
 TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)
 
 DISTURBANCES = st.one_of(
-    st.builds(p.RobotSeen, st.integers(0, 10**12), st.sampled_from(list(p.Motion)), GOALS,
-              st.one_of(st.none(), st.sampled_from(list(p.Docking))), st.booleans()),
-    st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(p.Ending)),
+    st.builds(p.RobotSeen, st.integers(0, 10**12), st.sampled_from(list(ActivityKind)),
+              st.one_of(st.none(), st.sampled_from(list(DockingState))), st.booleans()),
+    st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(Outcome)),
               st.just('words')),
     st.builds(p.MotionTold, st.integers(1, 4), st.integers(1, 4), st.booleans(), st.booleans(),
               st.booleans()),
@@ -51,7 +52,7 @@ class WildBench(Bench):
 
     def give(self, give: p.Give) -> None:
         if self.deaf:
-            self.tell(p.CommandEnded(give.number, p.Ending.NEVER_SENT, 'never sent'))
+            self.tell(p.CommandEnded(give.number, Outcome.NEVER_SENT, 'never sent'))
         else:
             super().give(give)
 

@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 from bridge_builders import Bench, dissertation_graph, yard
 
+from omron_arcl import ActivityKind, Outcome
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.events import Ending, Link, Motion
+from omron_ld90.bridge.events import Link
 from route_protocol.values import EdgeState, ReasonCode
 
 LINKS = (Link.COMMANDS, Link.OUTGOING)
@@ -27,7 +28,7 @@ def assert_failed(bench: Bench, reason: str, stopped: bool = True) -> None:
     assert (bench.commands[-1] == 'stop') is stopped
     assert bench.reports[-1].reason.text == reason  # reported at once
 
-def end_of_drive(bench: Bench, ending: Ending, text: str = '') -> None:
+def end_of_drive(bench: Bench, ending: Outcome, text: str = '') -> None:
     """The controller reports the end of the present drive."""
     number, bench.robot.number = bench.robot.number, None
     bench.tell(p.CommandEnded(number, ending, text))
@@ -37,7 +38,7 @@ def end_of_drive(bench: Bench, ending: Ending, text: str = '') -> None:
     'Not sent, 200 commands are waiting already.'])
 def test_a_drive_that_fails_fails_the_route_in_the_same_words(text):
     bench = under_way()
-    end_of_drive(bench, Ending.FAILED, text)
+    end_of_drive(bench, Outcome.FAILED, text)
     assert_failed(bench, text)
 
 def test_the_emergency_stop_fails_the_route():
@@ -79,7 +80,7 @@ class TestWhatSomebodyElseDoes:
 
     def test_a_drive_that_the_controller_refuses_because_of_it_ends_the_route(self):
         bench = under_way()
-        end_of_drive(bench, Ending.OVERRULED, 'Not sent, another command came first.')
+        end_of_drive(bench, Outcome.OVERRULED, 'Not sent, another command came first.')
         bench.wait(1.0)
         assert bench.follower.running, 'the next epoch tells whether the drive may be given again'
         bench.overrule()
@@ -88,7 +89,7 @@ class TestWhatSomebodyElseDoes:
     def test_a_stop_that_the_controller_has_taken_is_told_until_the_robot_has_obeyed(self):
         bench = under_way()
         bench.give = lambda give: bench.tell(p.CommandEnded(
-            give.number, Ending.FAILED, 'the robot said nothing about it for 5 s'))
+            give.number, Outcome.FAILED, 'the robot said nothing about it for 5 s'))
         bench.order(9)
         bench.tell(p.MotionTold(bench.epoch, stop_owed=True))
         assert bench.follower.report().reason.code is ReasonCode.STOP_OWED
@@ -98,7 +99,7 @@ class TestWhatSomebodyElseDoes:
 
 def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench = under_way()
-    end_of_drive(bench, Ending.INTERRUPTED, 'replaced by "goto 3"')
+    end_of_drive(bench, Outcome.INTERRUPTED, 'replaced by "goto 3"')
     bench.wait(1.0)
     bench.look()
     assert bench.follower.running, 'this status may have been sent before'
@@ -115,7 +116,7 @@ def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     twin.run(lambda bench: bench.commands[-1] == 'goto 6')
     bench = rolling()
     bench.drive(twin.now - bench.now - 0.3)  # shortly before the next goal is due
-    end_of_drive(bench, Ending.INTERRUPTED, 'replaced by something')
+    end_of_drive(bench, Outcome.INTERRUPTED, 'replaced by something')
     bench.drive(1.0)
     assert bench.follower.report().reason.text == 'taken over'
     assert 'goto 6' not in bench.commands
@@ -123,7 +124,7 @@ def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
 
 def test_an_interruption_by_the_emergency_stop_is_called_so():
     bench = under_way()
-    end_of_drive(bench, Ending.INTERRUPTED, 'Interrupted: Going to 7')
+    end_of_drive(bench, Outcome.INTERRUPTED, 'Interrupted: Going to 7')
     bench.robot.emergency = True
     bench.look()
     assert_failed(bench, 'emergency stop')
@@ -185,7 +186,7 @@ def test_one_that_obeys_us_after_the_route_was_taken_over_is_stopped():
 def test_the_end_of_a_drive_that_we_replaced_means_nothing():
     bench = under_way('rolling')
     first = bench.robot.number - 1
-    for ending in Ending:
+    for ending in Outcome:
         bench.tell(p.CommandEnded(first, ending, 'of an earlier command'))
     bench.run()
     assert bench.states() == [2, 2, 2]
@@ -235,8 +236,8 @@ def test_on_another_route_the_robot_may_brake_on_the_edges_of_the_one_before():
 
 def test_an_arrival_elsewhere_is_not_believed():
     bench = under_way()
-    end_of_drive(bench, Ending.SUCCEEDED, 'Arrived at 7')
-    bench.robot.motion = Motion.ARRIVED
+    end_of_drive(bench, Outcome.SUCCEEDED, 'Arrived at 7')
+    bench.robot.motion = ActivityKind.ARRIVED_AT_GOAL
     assert bench.states() == [2, 1, 1]
     for _ in range(2):
         bench.now += 0.5
@@ -246,7 +247,7 @@ def test_an_arrival_elsewhere_is_not_believed():
 
 def test_an_arrival_is_not_judged_while_late_locations_still_change():
     bench = under_way()
-    end_of_drive(bench, Ending.SUCCEEDED, 'Arrived at 7')
+    end_of_drive(bench, Outcome.SUCCEEDED, 'Arrived at 7')
     x, y = bench.robot.position
     for step in range(1, 8):
         bench.robot.position = (x + 0.2 * step, y)
@@ -257,16 +258,17 @@ def test_an_arrival_is_not_judged_while_late_locations_still_change():
 def test_an_arrival_is_not_judged_by_late_locations_of_a_robot_that_turns_on_the_way():
     bench = under_way()
     number = bench.robot.number
-    bench.tell(p.CommandEnded(number, Ending.SUCCEEDED, 'Arrived at 7'))
+    bench.tell(p.CommandEnded(number, Outcome.SUCCEEDED, 'Arrived at 7'))
     for _ in range(5):  # earlier reports of the robot: on its way, and for a while at one place
         bench.now += 0.2
-        assert bench.robot.motion is Motion.GOING
+        assert bench.robot.motion is ActivityKind.GOING_TO_GOAL
         bench.look()
         assert bench.follower.running
 
 def test_an_arrival_is_judged_by_the_locations_after_it_however_late_they_come():
     bench = under_way(location_timeout=60.0)
-    while bench.robot.motion is not Motion.ARRIVED:  # the controller reports, the robot does not
+    # the controller reports, the robot does not
+    while bench.robot.motion is not ActivityKind.ARRIVED_AT_GOAL:
         bench.now += 0.1
         bench.tell(*[event for event in bench.robot.step(bench.now)
                      if isinstance(event, p.CommandEnded)])
@@ -313,7 +315,7 @@ def test_a_robot_sent_back_to_a_vertex_still_goes_there_when_the_route_gets_long
 
 def test_a_failed_route_says_nothing_more_to_the_robot():
     bench = under_way()
-    end_of_drive(bench, Ending.FAILED, 'Cannot find path')
+    end_of_drive(bench, Outcome.FAILED, 'Cannot find path')
     commands = len(bench.commands)
     bench.drive(1.0)
     bench.wait(60.0)
@@ -369,14 +371,14 @@ class TestLinks:
 
     def test_a_drive_whose_end_was_lost_is_followed_by_the_robots_status(self):
         bench = under_way(links=LINKS)
-        end_of_drive(bench, Ending.LOST, 'the connection broke')
+        end_of_drive(bench, Outcome.LOST, 'the connection broke')
         bench.run()
         assert bench.states() == [2, 2, 2]
         assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
 
     def test_a_drive_whose_end_was_lost_and_that_somebody_replaced_is_a_take_over(self):
         bench = under_way(links=LINKS)
-        end_of_drive(bench, Ending.LOST, 'the connection broke')
+        end_of_drive(bench, Outcome.LOST, 'the connection broke')
         bench.robot.obey(None, 'goto 3')
         bench.run()
         assert bench.follower.report().reason.text == 'taken over'
@@ -387,7 +389,7 @@ class TestLinks:
             bench = under_way(links=LINKS)
             bench.link_is_up[link] = None
             if link is Link.COMMANDS:
-                end_of_drive(bench, Ending.LOST, 'the controller is gone')
+                end_of_drive(bench, Outcome.LOST, 'the controller is gone')
             bench.drive(4.0)
             bench.link_is_up[link] = False
             bench.drive(3.0)
@@ -420,5 +422,5 @@ class Unreachable:
 
     def __call__(self, give: p.Give) -> None:
         self.lost.append(give.command)
-        self.bench.tell(p.CommandEnded(give.number, Ending.NEVER_SENT, 'never sent: no link'))
+        self.bench.tell(p.CommandEnded(give.number, Outcome.NEVER_SENT, 'never sent: no link'))
 

@@ -7,8 +7,8 @@ import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 from test_route_faults import end_of_drive
 
+from omron_arcl import ActivityKind, Outcome
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.events import Ending, Motion
 from omron_ld90.bridge.route_follower import RouteFollower
 from route_protocol.values import OVERRULED, EdgeState, RouteOrder, SymbolicPose
 
@@ -49,8 +49,8 @@ def test_a_goal_that_was_decided_but_never_given_is_given():
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1, 4)
     heard, bench.give = bench.give, lambda give: None
-    bench.run(lambda bench: bench.robot.motion is Motion.ARRIVED)
-    end_of_drive(bench, Ending.SUCCEEDED)
+    bench.run(lambda bench: bench.robot.motion is ActivityKind.ARRIVED_AT_GOAL)
+    end_of_drive(bench, Outcome.SUCCEEDED)
     bench.give = heard
     bench.restart()
     bench.run()
@@ -136,9 +136,9 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
     if end == 'complete':
         bench.run()
     elif end == 'failed':
-        end_of_drive(bench, Ending.FAILED, 'Cannot find path')
+        end_of_drive(bench, Outcome.FAILED, 'Cannot find path')
     elif end == 'taken over':
-        end_of_drive(bench, Ending.INTERRUPTED, 'replaced')
+        end_of_drive(bench, Outcome.INTERRUPTED, 'replaced')
         bench.look()
         bench.look()
         bench.robot.obey(None, 'goto 3')
@@ -198,18 +198,19 @@ def test_a_route_whose_edges_the_graph_has_no_more_fails_and_stops_the_robot():
 
 
 @pytest.mark.parametrize('motion, reason', [
-    (Motion.BY_HAND, 'taken over'),
-    (Motion.STANDING, 'the robot was not on the route any more after a restart of the bridge')])
+    (ActivityKind.TELEOPERATED, 'taken over'),
+    (ActivityKind.STOPPED,
+     'the robot was not on the route any more after a restart of the bridge')])
 def test_a_robot_off_the_route_is_left_to_who_drives_it_and_else_stopped(motion, reason):
     bench = under_way()
     bench.robot.position = (4.0, 4.0)
     bench.robot.halt(motion)
-    bench.robot.foreign = motion is Motion.BY_HAND
+    bench.robot.foreign = motion is ActivityKind.TELEOPERATED
     bench = returned(bench)
     bench.hear_news()
     bench.drive(1.0)
     assert bench.follower.report().reason.text == reason
-    assert ('stop' in bench.commands) is (motion is Motion.STANDING)
+    assert ('stop' in bench.commands) is (motion is ActivityKind.STOPPED)
 
 
 def test_a_robot_that_docked_meanwhile_is_not_sent_to_its_dock_again():
@@ -227,7 +228,7 @@ def test_a_robot_that_still_goes_to_the_vertex_that_it_passes_is_not_sent_on_bef
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1, 4)
     bench.run(lambda bench: bench.follower.vehicle.state.completed == 1)
-    assert bench.robot.motion is Motion.GOING
+    assert bench.robot.motion is ActivityKind.GOING_TO_GOAL
     bench.restart()
     assert bench.commands == ['goto 2']
     bench.run()
@@ -242,7 +243,7 @@ def test_a_robot_goes_on_from_where_the_last_bridge_could_not_note_that_it_sent_
     record = replace(bench.follower.record, target=0,
                      number=bench.follower.record.number - 1)
     bench.robot.number = None
-    while bench.robot.motion is not Motion.ARRIVED:
+    while bench.robot.motion is not ActivityKind.ARRIVED_AT_GOAL:
         bench.now += 0.1
         bench.robot.step(bench.now)
     bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)

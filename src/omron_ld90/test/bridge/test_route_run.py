@@ -6,7 +6,9 @@ from typing import Tuple
 import pytest
 from bridge_builders import DOCK_VERTEX, graph_of, yard
 
-from omron_ld90.bridge.events import CommandEnded, Docking, Ending
+from omron_arcl import Outcome
+from omron_arcl.replies import DockingState
+from omron_ld90.bridge.events import CommandEnded
 from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.robot_state import Located, RobotLocation
@@ -73,7 +75,7 @@ class Drive:
 
     def arrive(self) -> None:
         self.tracker.word.give(1, 0)
-        self.tracker.ended(CommandEnded(1, Ending.SUCCEEDED), self.now)
+        self.tracker.ended(CommandEnded(1, Outcome.SUCCEEDED), self.now)
         self.run.go_on(self.now, NEVER)
 
 
@@ -215,7 +217,7 @@ def test_a_robot_is_on_the_edge_that_it_drives_or_has_just_driven_or_failed_on()
 @pytest.mark.parametrize('edges, decides', [((1,), False), ((9,), True)])
 def test_a_docked_robot_is_where_the_route_ended_only_if_that_is_the_dock(edges, decides):
     drive = completed(*edges)
-    here = GraphLocation(drive.run.progress.graph, (4.0, 0.0), Docking.DOCKED, DOCK_VERTEX,
+    here = GraphLocation(drive.run.progress.graph, (4.0, 0.0), DockingState.DOCKED, DOCK_VERTEX,
                          SETTINGS.vertex_tolerance, SETTINGS.corridor_width)
     assert drive.run.decides_pose(here) is decides
 
@@ -240,7 +242,7 @@ def test_a_robot_that_only_trembles_makes_no_progress():
 
 
 @pytest.mark.parametrize('docking, told', [
-    (Docking.DOCKED, ''), (None, 'The robot missed vertex 1 and is sent back to it.')])
+    (DockingState.DOCKED, ''), (None, 'The robot missed vertex 1 and is sent back to it.')])
 def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
     graph = graph_of({DOCK_VERTEX: (0, 0), 1: (1, 0), 2: (0, -1)}, {9: (DOCK_VERTEX, 1), 1: (1, 2)})
     tracker, location, place = GoalTracker(), RobotLocation(), (0.0, -0.5)

@@ -6,25 +6,23 @@ import math
 import genpy
 import pytest
 
-from omron_ld90.bridge.events import (
-    CommandEnded,
-    Docking,
-    Ending,
-    Fate,
-    Link,
-    LinkReported,
-    Motion,
-    MotionTold,
-    RobotSeen,
-)
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
+from omron_arcl.replies import DockingState
+from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
 from omron_ld90.nodes.bridge_messages import (
     command_ended,
     link_reported,
     motion_told,
     robot_seen,
 )
-from omron_ld90_msgs.msg import ExecuteCommandResult, LastCommand, LinkState, RobotStatus
-from omron_ld90_msgs.msg import Motion as MotionMessage
+from omron_ld90_msgs.msg import (
+    ExecuteCommandResult,
+    LastCommand,
+    LinkState,
+    Motion,
+    RobotStatus,
+)
 from route_protocol.values import EpochCause
 
 
@@ -34,42 +32,34 @@ def test_a_status_tells_where_the_robot_is_and_what_it_does():
     status.header.stamp = genpy.Time(12, 5)
     status.pose.position.x, status.pose.position.y = 1.5, -2.0
     status.pose.orientation.z = status.pose.orientation.w = math.sqrt(0.5)
-    assert robot_seen(status) == RobotSeen(12_000_000_005, Motion.GOING, '12', Docking.UNDOCKED,
-                                           False, (1.5, -2.0), pytest.approx(math.pi / 2.0))
+    assert robot_seen(status) == RobotSeen(
+        12_000_000_005, ActivityKind.GOING_TO_GOAL, DockingState.UNDOCKED, False, (1.5, -2.0),
+        pytest.approx(math.pi / 2.0))
 
 
 def test_a_status_without_a_pose_has_no_place():
     assert robot_seen(RobotStatus(emergency_stop=True)) == RobotSeen(
-        0, Motion.UNKNOWN, '', None, True, None)
+        0, ActivityKind.UNKNOWN, None, True, None)
 
 
-@pytest.mark.parametrize('activity, motion', [
-    (RobotStatus.GOING_TO_POINT, Motion.GOING), (RobotStatus.PATROLLING, Motion.GOING),
-    (RobotStatus.DOING_TASK, Motion.GOING), (RobotStatus.TELEOPERATED, Motion.BY_HAND)])
-def test_a_drive_of_somebody_else_goes_to_no_goal_of_ours(activity, motion):
-    seen = robot_seen(RobotStatus(activity=activity, goal='12'))
-    assert (seen.motion, seen.goal) == (motion, '')
-
-
-def test_every_activity_is_some_motion():
-    names = [name for name in vars(RobotStatus) if name.isupper()]
-    assert len(names) == 21
-    for name in names:
-        robot_seen(RobotStatus(activity=getattr(RobotStatus, name)))
+@pytest.mark.parametrize('kind', ActivityKind)
+def test_an_activity_is_told_as_it_is(kind):
+    status = RobotStatus(activity=getattr(RobotStatus, kind.name))
+    assert robot_seen(status).activity is kind
 
 
 @pytest.mark.parametrize('outcome, message, ending', [
-    ('SUCCEEDED', 'Arrived at 12', Ending.SUCCEEDED),
-    ('FAILED', 'Failed going to goal', Ending.FAILED),
-    ('INTERRUPTED', 'replaced', Ending.INTERRUPTED),
-    ('CANCELLED', 'cancelled', Ending.CANCELLED),
-    ('TIMED_OUT', 'silent', Ending.FAILED),
-    ('REFUSED', 'not allowed', Ending.FAILED),
-    ('EMERGENCY_STOPPED', 'EStop pressed', Ending.EMERGENCY_STOPPED),
-    ('LOST', 'the connection broke', Ending.LOST),
-    ('LOST', 'never sent: so it says', Ending.LOST),
-    ('NEVER_SENT', 'no link', Ending.NEVER_SENT),
-    ('OVERRULED', 'Not sent, "stop" of /rviz came first.', Ending.OVERRULED),
+    ('SUCCEEDED', 'Arrived at 12', Outcome.SUCCEEDED),
+    ('FAILED', 'Failed going to goal', Outcome.FAILED),
+    ('INTERRUPTED', 'replaced', Outcome.INTERRUPTED),
+    ('CANCELLED', 'cancelled', Outcome.CANCELLED),
+    ('TIMED_OUT', 'silent', Outcome.FAILED),
+    ('REFUSED', 'not allowed', Outcome.FAILED),
+    ('EMERGENCY_STOPPED', 'EStop pressed', Outcome.EMERGENCY_STOPPED),
+    ('LOST', 'the connection broke', Outcome.LOST),
+    ('LOST', 'never sent: so it says', Outcome.LOST),
+    ('NEVER_SENT', 'no link', Outcome.NEVER_SENT),
+    ('OVERRULED', 'Not sent, "stop" of /rviz came first.', Outcome.OVERRULED),
 ])
 def test_an_outcome_is_an_ending(outcome, message, ending):
     result = ExecuteCommandResult(outcome=getattr(ExecuteCommandResult, outcome), message=message)
@@ -81,17 +71,17 @@ def test_an_outcome_is_an_ending(outcome, message, ending):
     ('/rviz', EpochCause.STOP, False, False), ('', EpochCause.OTHER_CLIENT, False, False),
     ('', EpochCause.EMERGENCY_STOP, True, False), ('', EpochCause.RESTART, False, True)])
 def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on):
-    told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=int(cause), stop_owed=True,
+    told = Motion(epoch=9, previous_epoch=8, giver=giver, cause=int(cause), stop_owed=True,
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
         9, 8, is_ours, goes_on, True, 'why', cause is EpochCause.OTHER_CLIENT,
         EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause,
-        obeys_us=giver == '/r/bridge', fate=Fate.NOT_OBEYED)
+        obeys_us=giver == '/r/bridge', fate=CommandFate.NOT_OBEYED)
 
 
-@pytest.mark.parametrize('fate', [fate for fate in Fate if fate is not Fate.NONE])
+@pytest.mark.parametrize('fate', CommandFate)
 def test_a_motion_tells_what_became_of_the_last_command_of_the_bridge(fate):
-    told = motion_told(MotionMessage(last_commands=[
+    told = motion_told(Motion(last_commands=[
         LastCommand('/rviz', 3, LastCommand.FAILED),
         LastCommand('/r/bridge', 2 ** 40, getattr(LastCommand, fate.name))]), '/r/bridge')
     assert (told.number, told.fate) == (2 ** 40, fate)
@@ -101,15 +91,15 @@ def test_a_motion_tells_what_became_of_the_last_command_of_the_bridge(fate):
     ('UNKNOWN', False), ('STANDING', False), ('DRIVING', True), ('STOPPING', False),
     ('DOCKING', True), ('DOCKED', False), ('UNDOCKING', True), ('MANUAL', True)])
 def test_a_motion_tells_whether_the_robot_drives(state, drives):
-    assert motion_told(MotionMessage(state=getattr(MotionMessage, state)), '/r').drives is drives
+    assert motion_told(Motion(state=getattr(Motion, state)), '/r').drives is drives
 
 
 def test_each_cause_of_the_controller_is_one_of_the_protocol():
-    names = [cause.name for cause in EpochCause if hasattr(MotionMessage, cause.name)]
+    names = [cause.name for cause in EpochCause if hasattr(Motion, cause.name)]
     assert names == ['OTHER_GIVER', 'STOP', 'CANCEL', 'OTHER_CLIENT', 'ROBOT', 'EMERGENCY_STOP',
                      'RESTART']
     for name in names:
-        told = motion_told(MotionMessage(cause=getattr(MotionMessage, name)), '').cause.name
+        told = motion_told(Motion(cause=getattr(Motion, name)), '').cause.name
         assert told == ('OTHER_GIVER' if name == 'STOP' else name)
 
 

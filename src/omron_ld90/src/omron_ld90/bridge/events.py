@@ -9,6 +9,9 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Optional, Tuple, Union
 
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
+from omron_arcl.replies import DockingState
 from route_protocol.values import EpochCause, RouteOrder, RouteRefusal, RouteReport
 from route_protocol.vehicle import VehicleState
 
@@ -27,38 +30,13 @@ class RouteRecord:
 
 # --- the robot ------------------------------------------------------------------------------------
 
-class Motion(Enum):
-    """The motion that the robot's status shows."""
-
-    UNKNOWN = 'unknown'
-    GOING = 'going to a goal'
-    ARRIVED = 'arrived at a goal'
-    FAILED = 'failed going to a goal'
-    STOPPING = 'stopping'
-    STANDING = 'standing'
-    DOCKING = 'docking'
-    DOCKED = 'docked'
-    UNDOCKING = 'undocking'
-    BY_HAND = 'driven by hand'
-
-
-class Docking(Enum):
-    """The state of the robot between its path and its charging station."""
-
-    UNDOCKED = 'Undocked'
-    DOCKING = 'Docking'
-    DOCKED = 'Docked'
-    UNDOCKING = 'Undocking'
-
-
 @dataclass(frozen=True)
 class RobotSeen:
-    """One status of the robot. `goal` is empty if it names none, e.g. on the way to a point."""
+    """One status of the robot."""
 
     stamp: int
-    motion: Motion = Motion.UNKNOWN
-    goal: str = ''
-    docking: Optional[Docking] = None
+    activity: ActivityKind = ActivityKind.UNKNOWN
+    docking: Optional[DockingState] = None
     emergency_stop: bool = False
     place: Optional[Tuple[float, float]] = None  # m, map frame
     heading: Optional[float] = None  # rad, at that place
@@ -66,37 +44,12 @@ class RobotSeen:
 
 # --- our commands ---------------------------------------------------------------------------------
 
-class Ending(Enum):
-    """How a command of the bridge ended."""
-
-    SUCCEEDED = 'succeeded'
-    FAILED = 'failed'
-    INTERRUPTED = 'interrupted'              # another giver drives or stopped the robot
-    CANCELLED = 'cancelled'                  # by another giver
-    EMERGENCY_STOPPED = 'emergency stop'
-    OVERRULED = 'overruled'                  # never sent: another giver's command came first
-    LOST = 'lost'                            # it is unknown whether the robot obeys it
-    NEVER_SENT = 'never sent'                # it did not reach the robot, for certain
-
-
-class Fate(Enum):
-    """What became of our last command, as the controller tells (omron_ld90_msgs/LastCommand)."""
-
-    NONE = 0
-    GIVEN = 1
-    OBEYED = 2
-    UNKNOWN = 3
-    COMPLETED = 4
-    FAILED = 5
-    NOT_OBEYED = 6
-
-
 @dataclass(frozen=True)
 class CommandEnded:
     """A command given as `Give` has ended; `text` are the robot's words or the controller's."""
 
     number: int
-    ending: Ending
+    ending: Outcome
     text: str = ''
 
 
@@ -113,7 +66,8 @@ class MotionTold:
     reason -- why the epoch is a new one, for a person
     cause -- the same for programs
     drives -- the robot drives now
-    number, fate -- the last command of the bridge that the controller has, and what became of it
+    number, fate -- the last command of the bridge that the controller has, and what became of it;
+        0, None: nothing was told yet
     """
 
     epoch: int
@@ -127,7 +81,7 @@ class MotionTold:
     drives: bool = False
     obeys_us: bool = False
     number: int = 0
-    fate: Fate = Fate.NONE
+    fate: Optional[CommandFate] = None
 
 
 class Link(Enum):

@@ -4,7 +4,10 @@ from __future__ import annotations
 import math
 from typing import Optional, Tuple
 
-from omron_ld90.bridge.events import CommandEnded, Ending, Fate, Motion
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.activity import MOVING
+from omron_arcl.records import CommandFate
+from omron_ld90.bridge.events import CommandEnded
 from omron_ld90.bridge.last_word import STOP, LastWord
 from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
 
@@ -53,7 +56,8 @@ class GoalTracker:
         """Why the robot does not obey the command, if it does something else."""
         self.rested_at_goal = 0
         """How many locations in a row since its arrival show the robot at the same place."""
-        self._told: Tuple[int, Fate] = (0, Fate.NONE)  # number and fate of our last command
+        # number and fate of our last command
+        self._told: Tuple[int, Optional[CommandFate]] = (0, None)
         self._place: Optional[Tuple[float, float]] = None
         self._interruption: Optional[str] = None  # the words about it
         self._statuses = 0  # that the robot sent since then
@@ -115,20 +119,20 @@ class GoalTracker:
         self.word.ended(event, now)
         if self.word.is_stop:
             return
-        if event.ending is Ending.SUCCEEDED:
+        if event.ending is Outcome.SUCCEEDED:
             self._arrive()
-        elif event.ending is Ending.OVERRULED and self._interruption is None:
+        elif event.ending is Outcome.OVERRULED and self._interruption is None:
             self._interruption, self._was_overruled = event.text, True
-        elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED, Ending.OVERRULED):
+        elif event.ending in (Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED):
             self.interrupted(event.text)
-        elif event.ending is Ending.EMERGENCY_STOPPED:
+        elif event.ending is Outcome.EMERGENCY_STOPPED:
             self.failure = RouteFailed(EMERGENCY_STOP)
-        elif event.ending is Ending.FAILED:
+        elif event.ending is Outcome.FAILED:
             self.failure = RouteFailed(Reason(ReasonCode.DRIVE_FAILED, event.text))
         else:
             self._judge(now)
 
-    def told(self, number: int, fate: Fate, now: float) -> None:
+    def told(self, number: int, fate: Optional[CommandFate], now: float) -> None:
         """The controller tells what became of our last command."""
         self._told = number, fate
         self._judge(now)
@@ -139,14 +143,15 @@ class GoalTracker:
             if self.word.is_lost:
                 self.end()
         fate = self.word.told(self._told, now)
-        if fate is Fate.COMPLETED:
+        if fate is CommandFate.COMPLETED:
             self._arrive()
-        elif fate is Fate.FAILED:
+        elif fate is CommandFate.FAILED:
             self.failure = RouteFailed(_FAILED)
 
-    def located(self, place: Tuple[float, float], motion: Motion = Motion.UNKNOWN) -> None:
+    def located(self, place: Tuple[float, float], activity: ActivityKind = ActivityKind.UNKNOWN
+                ) -> None:
         """Takes a location (m); while the robot still drives, it dates from before the arrival."""
-        stands = (motion is not Motion.GOING and self._place is not None
+        stands = (activity not in MOVING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place
         if self.reached:

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple
 
-from omron_ld90.bridge.events import Docking
+from omron_arcl.replies import DockingState
 from route_protocol.values import SymbolicPose
 from trajectory_graph import Graph
 
@@ -18,7 +18,7 @@ class GraphLocation:
 
     graph: Graph
     position: Tuple[float, float]
-    docking: Optional[Docking]
+    docking: Optional[DockingState]
     dock_vertex: Optional[int]
     vertex_tolerance: float
     corridor_width: float
@@ -31,7 +31,7 @@ class GraphLocation:
     @property
     def is_docked(self) -> bool:
         """Whether the robot is docked; it then counts as standing on the dock vertex."""
-        return self._dock is not None and self.docking is Docking.DOCKED
+        return self._dock is not None and self.docking is DockingState.DOCKED
 
     @property
     def is_about_the_dock(self) -> bool:
@@ -51,7 +51,7 @@ class GraphLocation:
             return '' if start == self.dock_vertex else (
                 f'edge {edge} starts at vertex {start}, but the robot is docked at vertex '
                 f'{self.dock_vertex}')
-        leaving = self.docking in (Docking.DOCKING, Docking.UNDOCKING)
+        leaving = self.docking in (DockingState.DOCKING, DockingState.UNDOCKING)
         if leaving and start == self.dock_vertex and self.is_about_the_dock:
             return ''
         if self._distance_to(start) <= self.vertex_tolerance:

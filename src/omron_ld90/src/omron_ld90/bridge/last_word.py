@@ -23,7 +23,9 @@ from __future__ import annotations
 import math
 from typing import Optional, Tuple
 
-from omron_ld90.bridge.events import CommandEnded, Ending, Fate, Give
+from omron_arcl import Outcome
+from omron_arcl.records import CommandFate
+from omron_ld90.bridge.events import CommandEnded, Give
 
 STOP = 'stop'
 RETRY = 1.0  # s between two attempts
@@ -67,14 +69,14 @@ class LastWord:
 
     def ended(self, event: CommandEnded, now: float) -> None:
         """The controller's answer came, or was lost."""
-        if event.ending is Ending.NEVER_SENT or self.is_stop and event.ending is Ending.LOST:
+        if event.ending is Outcome.NEVER_SENT or self.is_stop and event.ending is Outcome.LOST:
             self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
-        elif event.ending is Ending.LOST:
+        elif event.ending is Outcome.LOST:
             self.is_lost = True
         else:
             self.is_taken = True
-            failed = event.ending is Ending.FAILED
+            failed = event.ending is Outcome.FAILED
             self.problem = (event.text or event.ending.value) if failed else ''
 
     def give_again(self, not_before: float) -> None:
@@ -82,19 +84,19 @@ class LastWord:
         self.must_be_given, self.is_lost, self._was_tried = True, False, True
         self._not_before = not_before
 
-    def told(self, last: Tuple[int, Fate], now: float) -> Optional[Fate]:
+    def told(self, last: Tuple[int, Optional[CommandFate]], now: float) -> Optional[CommandFate]:
         """Returns how a lost drive has ended, as `motion` tells; None: it has not, or is not lost.
 
-        last -- number and fate of our last command; Fate.NONE: nothing was told yet
+        last -- number and fate of our last command; None: nothing was told yet
         """
         number, fate = last
         if self.is_stop:
             self.is_taken = self.is_taken or 0 < self.number <= number
             self.must_be_given = self.must_be_given and not self.is_taken
-        elif self.is_lost and fate is not Fate.NONE:
-            if number < self.number or fate is Fate.NOT_OBEYED:
+        elif self.is_lost and fate is not None:
+            if number < self.number or fate is CommandFate.NOT_OBEYED:
                 self.give_again(now)
-            elif fate in (Fate.COMPLETED, Fate.FAILED):
+            elif fate in (CommandFate.COMPLETED, CommandFate.FAILED):
                 self.is_lost = False
                 return fate
         return None

@@ -21,6 +21,8 @@ from __future__ import annotations
 import math
 from typing import Optional
 
+from omron_arcl import ActivityKind
+from omron_arcl.activity import MOVING
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.robot_state import NANOSECONDS, Located
 from route_protocol.values import Motion, Phase
@@ -28,8 +30,7 @@ from route_protocol.values import Motion, Phase
 STILL = 0.05   # m
 RESTING = 1.0  # s
 
-_MOVING = (p.Motion.GOING, p.Motion.STOPPING, p.Motion.DOCKING, p.Motion.UNDOCKING,
-           p.Motion.BY_HAND)
+_MOVING = MOVING | {ActivityKind.STOPPING}
 
 
 class MotionJudge:
@@ -61,7 +62,7 @@ class MotionJudge:
 
         runs -- a route of ours runs
         """
-        self._by_hand = status.motion is p.Motion.BY_HAND
+        self._by_hand = status.activity is ActivityKind.TELEOPERATED
         if location is None or runs:
             return
         centre = self._centre
@@ -69,7 +70,7 @@ class MotionJudge:
             self._centre = location
             return
         has_moved = math.dist(centre.position, location.position) > STILL
-        if has_moved or status.motion in _MOVING:
+        if has_moved or status.activity in _MOVING:
             if has_moved and self._rests:
                 self._move(Motion.MOVED)
             self._rests, self._centre = False, location

@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from typing import Callable, Dict, Iterable, List, Optional, Type
 
+from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed, TakenOver
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
@@ -22,7 +23,7 @@ class RobotMonitor:
         self.tracker = GoalTracker()
         self.stop_owed_by_controller = False
         """Whether the controller reports that the robot has not obeyed a stop yet."""
-        self.docking: Optional[p.Docking] = None
+        self.docking: Optional[DockingState] = None
         self.docking_changed = -math.inf
         self.emergency = False
         self.seen: Optional[p.RobotSeen] = None
@@ -143,7 +144,7 @@ class RobotMonitor:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
                 Located(status.stamp, *status.place, status.heading), now):
-            self.tracker.located(status.place, status.motion)
+            self.tracker.located(status.place, status.activity)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
         # each other giver's epoch would have been noticed
@@ -155,8 +156,8 @@ class RobotMonitor:
         self._note_docked(now)
 
     def _note_docked(self, now: float) -> None:
-        if self.tracker.has_docked and self.docking is not p.Docking.DOCKED:
-            self.docking, self.docking_changed = p.Docking.DOCKED, now
+        if self.tracker.has_docked and self.docking is not DockingState.DOCKED:
+            self.docking, self.docking_changed = DockingState.DOCKED, now
 
     def _on_motion(self, event: p.MotionTold, now: float) -> None:
         self.stop_owed_by_controller = event.stop_owed

@@ -4,18 +4,10 @@ from __future__ import annotations
 from typing import Dict, Optional
 
 from node_lifecycle.headings import yaw_from_quaternion
-from omron_arcl import ActivityKind
-from omron_ld90.bridge.events import (
-    CommandEnded,
-    Docking,
-    Ending,
-    Fate,
-    Link,
-    LinkReported,
-    MotionTold,
-    RobotSeen,
-)
-from omron_ld90.bridge.motions import motion_of
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
+from omron_arcl.replies import DockingState
+from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
@@ -27,22 +19,21 @@ from omron_ld90_msgs.msg import (
 from route_protocol.values import EpochCause
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
-_ENDINGS: Dict[int, Ending] = {
-    ExecuteCommandResult.NONE: Ending.NEVER_SENT,
-    ExecuteCommandResult.SUCCEEDED: Ending.SUCCEEDED,
-    ExecuteCommandResult.FAILED: Ending.FAILED,
-    ExecuteCommandResult.INTERRUPTED: Ending.INTERRUPTED,
-    ExecuteCommandResult.LOST: Ending.LOST,
-    ExecuteCommandResult.TIMED_OUT: Ending.FAILED,
-    ExecuteCommandResult.REFUSED: Ending.FAILED,
-    ExecuteCommandResult.CANCELLED: Ending.CANCELLED,
-    ExecuteCommandResult.EMERGENCY_STOPPED: Ending.EMERGENCY_STOPPED,
-    ExecuteCommandResult.NEVER_SENT: Ending.NEVER_SENT,
-    ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
+_ENDINGS: Dict[int, Outcome] = {
+    ExecuteCommandResult.NONE: Outcome.NEVER_SENT,
+    ExecuteCommandResult.SUCCEEDED: Outcome.SUCCEEDED,
+    ExecuteCommandResult.FAILED: Outcome.FAILED,
+    ExecuteCommandResult.INTERRUPTED: Outcome.INTERRUPTED,
+    ExecuteCommandResult.LOST: Outcome.LOST,
+    ExecuteCommandResult.TIMED_OUT: Outcome.FAILED,
+    ExecuteCommandResult.REFUSED: Outcome.FAILED,
+    ExecuteCommandResult.CANCELLED: Outcome.CANCELLED,
+    ExecuteCommandResult.EMERGENCY_STOPPED: Outcome.EMERGENCY_STOPPED,
+    ExecuteCommandResult.NEVER_SENT: Outcome.NEVER_SENT,
+    ExecuteCommandResult.OVERRULED: Outcome.OVERRULED,
 }
-_FATES: Dict[int, Fate] = {getattr(LastCommand, fate.name): fate for fate in Fate
-                           if hasattr(LastCommand, fate.name)}
-_DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
+_FATES: Dict[int, CommandFate] = {int(fate): fate for fate in CommandFate}
+_DOCKING: Dict[str, DockingState] = {state.value: state for state in DockingState}
 _CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
                                   if hasattr(Motion, cause.name)}
 # In a report, STOP is a stop on the fleet manager's own way that came past it: it stops the fleet.
@@ -53,9 +44,8 @@ _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 def robot_seen(status: RobotStatus) -> RobotSeen:
     """The event for a status."""
     position = status.pose.position
-    kind = _KINDS.get(status.activity, ActivityKind.UNKNOWN)
     return RobotSeen(
-        status.header.stamp.to_nsec(), *motion_of(kind, status.goal),
+        status.header.stamp.to_nsec(), _KINDS.get(status.activity, ActivityKind.UNKNOWN),
         _DOCKING.get(status.docking_state), status.emergency_stop,
         (position.x, position.y) if status.has_pose else None,
         yaw_from_quaternion(status.pose.orientation) if status.has_pose else None)
@@ -63,7 +53,7 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
 
 def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
     """The event for the result of a command."""
-    return CommandEnded(number, _ENDINGS.get(result.outcome, Ending.FAILED), result.message)
+    return CommandEnded(number, _ENDINGS.get(result.outcome, Outcome.FAILED), result.message)
 
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
@@ -77,7 +67,7 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
                       message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
                       _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives,
                       message.giver == own_name and message.cause == Motion.OTHER_GIVER,
-                      number, _FATES.get(fate, Fate.UNKNOWN))
+                      number, _FATES.get(fate, CommandFate.UNKNOWN))
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
