@@ -55,7 +55,7 @@ class Part(Enum):
 
     HALT = 'whose stop makes the robot halt'
     COMMAND = 'the drive, or the refused command, that the line is about'
-    START = 'who makes the robot set out, if no command under way does'
+    START = 'the giver that makes the robot set out, if no command under way does'
     ANSWER = 'the query or stop that the line answers'
 
 

@@ -401,7 +401,7 @@ class Drives:
             self._obeyed(record)
 
     def driven_by_others(self, cause: Cause, text: str) -> None:
-        """The robot begins a motion that nobody of us asked for."""
+        """The robot begins a motion that no program here asked for."""
         self._foreign(cause, True, text)
 
     def showed(self, activity: Activity, text: str) -> None:
