@@ -24,9 +24,15 @@ def _without_owed_stop(module: Any) -> None:
     module.Drives.stop_due = lambda self, now: False
 
 
-def _without_stop_duty(module: Any) -> None:
+def _without_second_try(module: Any) -> None:
     """Lets the bridge regard each stop as obeyed after it has given the stop once."""
-    module._NOT_TAKEN = ()
+    ended = module.LastWord.ended
+
+    def taken(self: Any, event: Any, now: float) -> None:
+        ended(self, event, now)
+        if self.is_stop:
+            self.is_taken, self.must_be_given = True, False
+    module.LastWord.ended = taken
 
 
 def _forgetful(module: Any) -> None:
@@ -44,7 +50,7 @@ _JOURNAL = 'fleet_core.supervision.journal'
 PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
     'interlocking': {'fleet_core.interlocking.interlocking': _without_places},
     'owed-stop': {'omron_arcl.drives': _without_owed_stop,
-                  'omron_ld90.bridge.stop_duty': _without_stop_duty},
+                  'omron_ld90.bridge.last_word': _without_second_try},
     'restart': {_JOURNAL: _forgetful},
     'restart-missions': {_JOURNAL: _lossy}}
 """By name of the defect: the changed modules, and the function that changes each."""

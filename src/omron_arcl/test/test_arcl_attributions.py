@@ -113,7 +113,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'stands': Occasion('Stopped', ['stop', 'stop'], ['Stopping', 'Stopped'],
                        ['succeeded', 'succeeded'], Cause.STOP),
     'answer': Occasion('Stopped', ['odometer'], ['Odometer: 1 mm 2 deg 3 sec'], ['succeeded']),
-    'answer has begun': Occasion('Stopped', ['stop'], ['Stopping'], ['under way'], Cause.STOP),
+    'answer begins': Occasion('Stopped', ['stop'], ['Stopping'], ['under way'], Cause.STOP),
     'part of an answer': Occasion('Stopped', ['getGoals'], ['Goal: 1', 'End of goals'],
                                   ['succeeded']),
     'answer that is not documented': Occasion('Stopped', ['arclStat'], ['ARCL is well'],

@@ -15,18 +15,18 @@ import math
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Course
+from omron_arcl.commands import Course, Predicate
 from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.parser import parse_line
 from omron_arcl.records import Cause
-from omron_arcl.replies import Reply, UnknownLine, coordinates
+from omron_arcl.replies import Reply, coordinates
 from omron_arcl.secret import redact_passwords
 
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
@@ -77,6 +77,7 @@ class Begins(Enum):
 
 
 Found = Union[bool, Sequence[Execution]]  # whether the row holds, or the commands it is about
+Find = Callable[[CommandQueue, Any], Found]
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class Row:
 
     name: str
     lines: Tuple[Type[Reply], ...]  # empty: all
-    find: Callable[[CommandQueue, Any], Found]
+    find: Find
     meaning: Union[Outcome, Means, StopOf, Begins]
     source: str
 
@@ -207,6 +208,45 @@ def _reason(reply: Reply) -> str:
 
 # --- the commands that a line may be about --------------------------------------------------------
 
+Scope = Callable[[CommandQueue], Sequence[Execution]]
+
+
+def _first(scope: Scope, fits: Callable[[Execution, Any], object]) -> Find:
+    """Finds the first command of a scope that fits the line."""
+    return lambda commands, reply: [e for e in scope(commands) if fits(e, reply)][:1]
+
+
+def _sent(commands: CommandQueue) -> Sequence[Execution]:
+    return commands.sent
+
+
+def _drives(commands: CommandQueue) -> Sequence[Execution]:
+    return commands.drives
+
+
+def _begun(commands: CommandQueue) -> Sequence[Execution]:
+    return commands.begun_drives
+
+
+def _others(commands: CommandQueue) -> Sequence[Execution]:
+    """Queries and stops."""
+    return [e for e in commands.sent if not e.command.spec.drives]
+
+
+def _queries(commands: CommandQueue) -> Sequence[Execution]:
+    return [e for e in _others(commands) if not e.command.spec.stops]
+
+
+def _not_begun(commands: CommandQueue) -> Sequence[Execution]:
+    """Stops without a `Stopping`, and queries."""
+    return [e for e in _others(commands) if not e.begun]
+
+
+def _fresh(commands: CommandQueue) -> List[Execution]:
+    """The drives that the robot has not acknowledged, the oldest first."""
+    return [e for e in commands.drives if not e.begun]
+
+
 def _began(commands: CommandQueue) -> List[Execution]:
     """The drives that the robot has acknowledged, the newest first.
 
@@ -220,198 +260,170 @@ def _began(commands: CommandQueue) -> List[Execution]:
     return [e for e in begun if e.order > max(stops, default=0)]
 
 
-def _fresh(commands: CommandQueue) -> List[Execution]:
-    """The drives that the robot has not acknowledged, the oldest first."""
-    return [e for e in commands.drives if not e.begun]
+def _began_first(commands: CommandQueue) -> List[Execution]:
+    return _began(commands) + _fresh(commands)
 
 
-def _completed(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in _began(commands) + _fresh(commands)
-            if e.command.spec.completed_by and e.command.spec.completed_by(e.command, reply)][:1]
+def _fresh_first(commands: CommandQueue) -> List[Execution]:
+    return _fresh(commands) + _began(commands)
 
 
-def _acknowledged(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in _fresh(commands) + _began(commands)
-            if e.command.spec.acknowledged_by
-            and e.command.spec.acknowledged_by(e.command, reply)][:1]
+def _present(commands: CommandQueue) -> Sequence[Execution]:
+    """The drive that the robot carries out, or else the first one to come."""
+    return commands.begun_drives[-1:] or commands.drives[:1]
 
 
-def _aborted(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in _began(commands)
-            if e.command.spec.aborted_by and e.command.spec.aborted_by(e.command, reply)][:1]
+def _refused(commands: CommandQueue) -> Sequence[Execution]:
+    """The oldest command whose refusal was told without a reason."""
+    return [e for e in commands.sent if e.rejected_at is not None][:1]
 
 
-def _continued(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in _began(commands) + _fresh(commands)
-            if e.command.spec.related and e.command.spec.related(e.command, reply)
-            and not _leads_elsewhere(e, reply)][:1]
+def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
+    """The newest command without any answer, for a line that names none. A drive is the last
+    choice: if the robot carries it out nevertheless, it must have a giver."""
+    unanswered = [e for e in commands.sent if not (e.begun or e.set_out)]
+    others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
+    return (others or unanswered)[-1:]
 
 
-def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
-    """Whether the robot drives to a goal that is not its dock, see `Attribution._goes_on`."""
-    activity = activity_of(reply)
-    return (execution.command.spec.course is Course.INTO_THE_DOCK and execution.begun
-            and activity.kind is ActivityKind.GOING_TO_GOAL
-            and activity.goal.casefold() != execution.dock_name)
-
-
-def _answered(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in commands.sent if not e.command.spec.drives
-            and e.command.spec.completed_by and not e.command.spec.stops
-            and e.command.spec.completed_by(e.command, reply)][:1]
-
-
-def _answer_begun(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in commands.sent if not e.command.spec.drives and not e.begun
-            and e.command.spec.acknowledged_by
-            and e.command.spec.acknowledged_by(e.command, reply)][:1]
-
-
-def _answer_goes_on(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [e for e in commands.sent if not e.command.spec.drives and e.command.spec.related
-            and e.command.spec.related(e.command, reply)][:1]
-
-
-def _without_known_answer(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return [] if type(reply) in _NO_ANSWER else [
-        e for e in commands.sent if e.command.spec.completed_by is None][:1]
+def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
+    """The robot does not resume a goal by itself after its motors were off."""
+    return [e for e in commands.sent
+            if e.command.spec.drives or e.command.name == 'enableMotors']
 
 
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """The stops that a `Stopped` ends: those whose `Stopping` has come, and those before which no
     unanswered drive was sent, because the robot answers in the order of sending."""
-    heard, found = commands.records.heard, []
+    heard = commands.records.heard
     stops = [e for e in commands.sent if e.command.spec.stops and heard.stopped_by_us]
     first = next((e.order for e in _fresh(commands)), math.inf)
-    for number, stop in enumerate(stops):
-        if stop.order < first or number < len(stops) - heard.unheard_stops:
-            found.append(stop)
-    return found
+    return [stop for number, stop in enumerate(stops)
+            if stop.order < first or number < len(stops) - heard.unheard_stops]
 
 
-def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[CommandQueue, Any], List[Execution]]:
-    """Finds the command whose line is repeated.
+# --- does a line fit a command? -------------------------------------------------------------------
 
-    Passwords in the robot's lines are redacted, so they are also redacted in the sent lines for the
-    comparison.
+def _any(execution: Execution, reply: Reply) -> bool:
+    return True
+
+
+def _completes(execution: Execution, reply: Reply) -> bool:
+    return _fits(execution.command.spec.completed_by, execution, reply)
+
+
+def _aborts(execution: Execution, reply: Reply) -> bool:
+    return _fits(execution.command.spec.aborted_by, execution, reply)
+
+
+def _acknowledges(execution: Execution, reply: Reply) -> bool:
+    return _fits(execution.command.spec.acknowledged_by, execution, reply)
+
+
+def _continues(execution: Execution, reply: Reply) -> bool:
+    """Whether it is a further line. A robot that docks drives to no goal but its dock, see
+    `Attribution._goes_on`."""
+    activity = activity_of(reply)
+    leads_elsewhere = (execution.command.spec.course is Course.INTO_THE_DOCK and execution.begun
+                       and activity.kind is ActivityKind.GOING_TO_GOAL
+                       and activity.goal.casefold() != execution.dock_name)
+    return not leads_elsewhere and _fits(execution.command.spec.related, execution, reply)
+
+
+def _fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
+    return predicate is not None and predicate(execution.command, reply)
+
+
+def _may_be_answered(execution: Execution, reply: Reply) -> bool:
+    return execution.command.spec.completed_by is None and type(reply) not in _NO_ANSWER
+
+
+def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], bool]:
+    """Compares a repeated line with that of a command.
+
+    Passwords in the robot's lines are redacted, so they are also redacted in the sent lines.
     """
-    def find(commands: CommandQueue, reply: replies.CommandError) -> List[Execution]:
-        said = _plain(reply.command)
-        return [e for e in commands.sent if not e.begun and e.rejected_at is None and is_same(
-            said, _plain(redact_passwords(e.command.line).decode('utf-8', 'replace')))][:1]
-    return find
+    return lambda execution, reply: (
+        not execution.begun and execution.rejected_at is None and is_same(
+            _plain(reply.command),
+            _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace'))))
 
 
 def _plain(command: str) -> str:
     return ' '.join(command.replace('"', ' ').split()).casefold()
 
 
-def _refused(commands: CommandQueue, reply: Any) -> List[Execution]:
-    """The oldest command whose refusal was told without a reason."""
-    return [e for e in commands.sent if e.rejected_at is not None][:1]
+def _lacks_goal(execution: Execution, reply: replies.CommandErrorDescription) -> bool:
+    return bool(_NO_GOAL.search(reply.text))
 
 
-def _refused_goal(commands: CommandQueue, reply: replies.CommandErrorDescription
-                  ) -> List[Execution]:
-    return _refused(commands, reply) if _NO_GOAL.search(reply.text) else []
-
-
-def _refused_by_emergency(commands: CommandQueue, reply: replies.CommandErrorDescription
-                          ) -> List[Execution]:
-    return [e for e in _refused(commands, reply)
-            if e.command.spec.drives and _EMERGENCY_STOP.search(reply.text)]
-
-
-def _goal_named(commands: CommandQueue, reply: replies.CommandErrorDescription
-                ) -> List[Execution]:
-    if _refused(commands, reply) or not _NO_GOAL.search(reply.text):
-        return []
-    return [e for e in commands.sent if not e.begun and any(
+def _names_lacking_goal(execution: Execution, reply: replies.CommandErrorDescription) -> bool:
+    return not execution.begun and _lacks_goal(execution, reply) and any(
         re.search(rf'(?<!\w){re.escape(name)}(?!\w)', reply.text, re.IGNORECASE)
-        for name in e.command.goals)][:1]
+        for name in execution.command.goals)
 
 
-def _unknown(commands: CommandQueue, reply: replies.UnknownCommand) -> List[Execution]:
-    said = _plain_name(reply)
-    return [e for e in commands.sent if said and (
-        _first_word(e) == said or len(said) >= _CUT_NAME and _first_word(e).startswith(said))][:1]
+def _goal_named(commands: CommandQueue, reply: replies.CommandErrorDescription) -> Found:
+    return not _refused(commands) and _first(_sent, _names_lacking_goal)(commands, reply)
 
 
-def _newest_unanswered(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    """The line names no command. A drive is the last choice: if the robot carries it out
-    nevertheless, it must have a giver."""
-    if isinstance(reply, replies.UnknownCommand) and _plain_name(reply):
-        return []
-    unanswered = [e for e in commands.sent if not (e.begun or e.set_out)]
-    others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
-    return (others or unanswered)[-1:]
+def _lacks_power(execution: Execution, reply: Any) -> bool:
+    return execution.command.spec.drives and bool(_EMERGENCY_STOP.search(reply.text))
 
 
-def _misused(commands: CommandQueue, reply: replies.Usage) -> List[Execution]:
-    name = reply.syntax.split(' ', 1)[0].lower()
-    return [e for e in commands.sent if e.command.name.lower() == name and not e.begun][:1]
+def _is_unknown(execution: Execution, reply: replies.UnknownCommand) -> bool:
+    said, given = _name(reply), execution.command.text.split(' ', 1)[0].lower()
+    return bool(said) and (given == said or len(said) >= _CUT_NAME and given.startswith(said))
 
 
-def _plain_name(reply: replies.UnknownCommand) -> str:
+def _name(reply: replies.UnknownCommand) -> str:
     return reply.name.strip(' "\':.').lower()
 
 
-def _first_word(execution: Execution) -> str:
-    return execution.command.text.split(' ', 1)[0].lower()
+def _is_misused(execution: Execution, reply: replies.Usage) -> bool:
+    name = reply.syntax.split(' ', 1)[0].lower()
+    return execution.command.name.lower() == name and not execution.begun
 
 
-def _interrupted_by_name(commands: CommandQueue, reply: replies.Interrupted) -> List[Execution]:
-    ran = parse_line(reply.text)
-    return [e for e in commands.begun_drives if any(
-        fits and fits(e.command, ran)
-        for fits in (e.command.spec.acknowledged_by, e.command.spec.related))][:1]
+def _was_interrupted(execution: Execution, reply: replies.Interrupted) -> bool:
+    spec, ran = execution.command.spec, parse_line(reply.text)
+    return (_fits(spec.acknowledged_by, execution, ran) or _fits(spec.related, execution, ran))
 
 
-def _interrupted_at_its_point(commands: CommandQueue, reply: replies.Interrupted
-                              ) -> List[Execution]:
+def _was_at_its_point(execution: Execution, reply: replies.Interrupted) -> bool:
     point = coordinates(getattr(parse_line(reply.text), 'goal', ''))
-    return [e for e in commands.begun_drives if point and point in e.points][:1]
+    return bool(point) and point in execution.points
 
 
-def _interrupted_in_words(commands: CommandQueue, reply: replies.Interrupted) -> List[Execution]:
+def _was_interrupted_in_words(execution: Execution, reply: replies.Interrupted) -> bool:
     ran = parse_line(reply.text)
     course = _IN_WORDS.get(activity_of(ran).kind)
-    return [e for e in commands.begun_drives[-1:] if isinstance(ran, UnknownLine)
-            or course and e.command.spec.course is course]
+    return isinstance(ran, replies.UnknownLine) or (
+        course is not None and execution.command.spec.course is course)
 
 
-def _present_drive(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    return commands.begun_drives[-1:] or commands.drives[:1]
+def _is_for_it(execution: Execution, reply: replies.FailedGoingTo) -> bool:
+    return execution.command.is_for(reply.goal)
 
 
-def _failed_by_name(commands: CommandQueue, reply: replies.FailedGoingTo) -> List[Execution]:
-    return [e for e in commands.drives if e.command.is_for(reply.goal)][:1]
+def _names_no_goal(execution: Execution, reply: replies.FailedGoingTo) -> bool:
+    return reply.goal.lower() in ('goal', 'point') or bool(coordinates(reply.goal))
 
 
-def _failed_without_a_name(commands: CommandQueue, reply: replies.FailedGoingTo
-                           ) -> List[Execution]:
-    nameless = reply.goal.lower() in ('goal', 'point') or coordinates(reply.goal)
-    return _present_drive(commands, reply) if nameless else []
+def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
+    return execution.command.name.startswith('localize') and bool(
+        _ABOUT_LOCALIZING.search(reply.text))
 
 
-def _fails_to_localize(commands: CommandQueue, reply: replies.Failure) -> List[Execution]:
-    return [e for e in commands.sent if e.command.name.startswith('localize')
-            and _ABOUT_LOCALIZING.search(reply.text)][:1]
-
-
-def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> List[Execution]:
+def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
     """A drive that has begun goes on: `drive_watch` decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return commands.drives[:1] if about else []
 
 
-def _need_motors(commands: CommandQueue) -> List[Execution]:
-    """The robot does not resume a goal by itself after its motors were off."""
-    return [e for e in commands.sent
-            if e.command.spec.drives or e.command.name == 'enableMotors']
+# --- what the robot does --------------------------------------------------------------------------
 
-
-def _stops_by_itself(why: SelfStop) -> Callable[[CommandQueue, Reply], bool]:
+def _stops_by_itself(why: SelfStop) -> Find:
     return lambda commands, reply: commands.records.heard.stops_itself is why
 
 
@@ -426,6 +438,7 @@ def _docks_by_itself(commands: CommandQueue, reply: Reply) -> bool:
 
 _HALTS = (replies.Stopping,)
 _ANY: Tuple[Type[Reply], ...] = ()
+_TABLE = 'the lines of each command stand in `command_table`'
 
 ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
     Part.HALT: (
@@ -451,49 +464,52 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
             'p. 46: all clients receive it')),
     Part.COMMAND: (
         # refusals
-        Row('refused: whole line', (replies.CommandError,), _repeats(str.__eq__),
+        Row('refused: whole line', (replies.CommandError,), _first(_sent, _repeats(str.__eq__)),
             Means.REFUSED_SOON, 'p. 46: the line is repeated, and a description follows'),
         Row('refused: beginning', (replies.CommandError,),
-            _repeats(lambda said, given: len(said) >= _CUT_NAME and given.startswith(said)),
+            _first(_sent, _repeats(
+                lambda said, given: len(said) >= _CUT_NAME and given.startswith(said))),
             Means.REFUSED_SOON, 'observed: long names are cut'),
         Row('refused: name', (replies.CommandError,),
-            _repeats(lambda said, given: said.split()[:1] == given.split()[:1]),
+            _first(_sent, _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
             Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
-        Row('no goal', (replies.CommandErrorDescription,), _refused_goal, Outcome.NO_GOAL,
-            'p. 46: `No goal`'),
+        Row('no goal', (replies.CommandErrorDescription,), _first(_refused, _lacks_goal),
+            Outcome.NO_GOAL, 'p. 46: `No goal`'),
         Row('no goal of this name', (replies.CommandErrorDescription,), _goal_named,
             Outcome.NO_GOAL, 'observed: the description comes alone'),
-        Row('no power', (replies.CommandErrorDescription,), _refused_by_emergency,
+        Row('no power', (replies.CommandErrorDescription,), _first(_refused, _lacks_power),
             Outcome.EMERGENCY_STOPPED, 'p. 87: `Estop pressed cannot enable motors`'),
-        Row('refused', (replies.CommandErrorDescription,), _refused, Outcome.REJECTED,
-            'p. 46: the description follows the error'),
-        Row('unknown command', (replies.UnknownCommand,), _unknown, Outcome.UNKNOWN_COMMAND,
-            'observed: the name follows, cut after 16 characters'),
-        Row('unknown command without a name', (replies.UnknownCommand,), _newest_unanswered,
+        Row('refused', (replies.CommandErrorDescription,), _first(_refused, _any),
+            Outcome.REJECTED, 'p. 46: the description follows the error'),
+        Row('unknown command', (replies.UnknownCommand,), _first(_sent, _is_unknown),
+            Outcome.UNKNOWN_COMMAND, 'observed: the name follows, cut after 16 characters'),
+        Row('unknown command without a name', (replies.UnknownCommand,),
+            _first(_unanswered, lambda execution, reply: not _name(reply)),
             Outcome.UNKNOWN_COMMAND, 'p. 44: `Unknown command`'),
-        Row('not set up', (replies.SetUpError,), _newest_unanswered, Outcome.REJECTED,
+        Row('not set up', (replies.SetUpError,), _first(_unanswered, _any), Outcome.REJECTED,
             'p. 46: names no command'),
-        Row('usage', (replies.Usage,), _misused, Outcome.REJECTED,
+        Row('usage', (replies.Usage,), _first(_sent, _is_misused), Outcome.REJECTED,
             'p. 44: a command that lacks arguments is answered by its syntax'),
         # failures and interruptions of drives
-        Row('interrupted', (replies.Interrupted,), _interrupted_by_name, Outcome.INTERRUPTED,
-            'p. 242: the line repeats the status of the motion'),
-        Row('interrupted at its point', (replies.Interrupted,), _interrupted_at_its_point,
+        Row('interrupted', (replies.Interrupted,), _first(_begun, _was_interrupted),
+            Outcome.INTERRUPTED, 'p. 242: the line repeats the status of the motion'),
+        Row('interrupted at its point', (replies.Interrupted,), _first(_begun, _was_at_its_point),
             Outcome.INTERRUPTED, 'I617-E-02 p. 243: the point of a goal instead of its name'),
-        Row('interrupted in other words', (replies.Interrupted,), _interrupted_in_words,
+        Row('interrupted in other words', (replies.Interrupted,),
+            _first(lambda commands: commands.begun_drives[-1:], _was_interrupted_in_words),
             Outcome.INTERRUPTED, 'assumed: only what the robot does can be interrupted'),
         Row('error: emergency stop', (replies.RobotError,),
             lambda commands, reply: (
                 _need_motors(commands) if _EMERGENCY_STOP.search(reply.text) else []),
             Outcome.EMERGENCY_STOPPED, 'p. 251: `Error: Emergency stop pressed`'),
-        Row('error', (replies.RobotError,), _present_drive, Outcome.FAILED,
+        Row('error', (replies.RobotError,), _first(_present, _any), Outcome.FAILED,
             'p. 251: an error while the robot drives names no command'),
-        Row('failed going to a goal', (replies.FailedGoingTo,), _failed_by_name, Outcome.FAILED,
-            'observed'),
-        Row('failed going', (replies.FailedGoingTo,), _failed_without_a_name, Outcome.FAILED,
-            'observed: `Failed going to goal`'),
-        Row('failed to localize', (replies.Failure,), _fails_to_localize, Outcome.FAILED,
-            'observed'),
+        Row('failed going to a goal', (replies.FailedGoingTo,), _first(_drives, _is_for_it),
+            Outcome.FAILED, 'observed'),
+        Row('failed going', (replies.FailedGoingTo,), _first(_present, _names_no_goal),
+            Outcome.FAILED, 'observed: `Failed going to goal`'),
+        Row('failed to localize', (replies.Failure,), _first(_sent, _fails_to_localize),
+            Outcome.FAILED, 'observed'),
         Row('failed to begin', (replies.Failure,), _fails_to_begin, Outcome.FAILED,
             'p. 251: `Cannot find path`'),
         Row('emergency stop', (replies.EStop,),
@@ -502,11 +518,11 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('motors disabled', (replies.Motors,),
             lambda commands, reply: [] if reply.enabled else _need_motors(commands),
             Outcome.FAILED, 'p. 191'),
-        # drives: the lines of each command stand in `command_table`
-        Row('completed', _ANY, _completed, Outcome.SUCCEEDED, 'see `command_table`'),
-        Row('acknowledged', _ANY, _acknowledged, Means.ACKNOWLEDGED, 'see `command_table`'),
-        Row('broken off', _ANY, _aborted, Outcome.INTERRUPTED, 'see `command_table`'),
-        Row('under way', _ANY, _continued, Means.GOES_ON, 'see `command_table`')),
+        # drives
+        Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
+        Row('acknowledged', _ANY, _first(_fresh_first, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
+        Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
+        Row('under way', _ANY, _first(_began_first, _continues), Means.GOES_ON, _TABLE)),
     Part.START: (
         Row('late start', _ANY, _begins_late, Begins.LATE,
             'p. 46: the line names a goal of ours'),
@@ -517,9 +533,9 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
     Part.ANSWER: (
         Row('stands', (replies.Stopped,), _obeyed_stops, Outcome.SUCCEEDED,
             'p. 242: one `Stopped` may follow several `stop`'),
-        Row('answer', _ANY, _answered, Outcome.SUCCEEDED, 'see `command_table`'),
-        Row('answer has begun', _ANY, _answer_begun, Means.ACKNOWLEDGED, 'see `command_table`'),
-        Row('part of an answer', _ANY, _answer_goes_on, Means.GOES_ON, 'see `command_table`'),
-        Row('answer that is not documented', _ANY, _without_known_answer, Means.ANSWERED,
-            'assumed: the answer follows its command')),
+        Row('answer', _ANY, _first(_queries, _completes), Outcome.SUCCEEDED, _TABLE),
+        Row('answer begins', _ANY, _first(_not_begun, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
+        Row('part of an answer', _ANY, _first(_others, _continues), Means.GOES_ON, _TABLE),
+        Row('answer that is not documented', _ANY, _first(_others, _may_be_answered),
+            Means.ANSWERED, 'assumed: the answer follows its command')),
 }

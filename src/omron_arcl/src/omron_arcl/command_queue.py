@@ -21,9 +21,13 @@ class CommandQueue:
         self.now = 0.0
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
-        self.drives: List[Execution] = []  # of `sent`: drives under way or to come, oldest first
         self._callbacks: List[Callable[[], None]] = []
         self._count = 0  # of commands sent
+
+    @property
+    def drives(self) -> List[Execution]:
+        """The drives in `sent`, the oldest first."""
+        return [execution for execution in self.sent if execution.command.spec.drives]
 
     @property
     def motion_executions(self) -> List[Execution]:
@@ -58,8 +62,6 @@ class CommandQueue:
             elif not self._must_wait(execution):
                 self.waiting.remove(execution)
                 self.sent.append(execution)
-                if execution.command.spec.drives:
-                    self.drives.append(execution)
                 execution.heard = execution.sent_at = now
                 execution.shown_when_sent = self.records.heard.shown
                 self._count += 1
@@ -104,7 +106,7 @@ class CommandQueue:
         if execution.end(outcome, words):
             self._callbacks.append(execution.announce)
         if not keep:
-            for executions in (self.waiting, self.sent, self.drives):
+            for executions in (self.waiting, self.sent):
                 if execution in executions:
                     executions.remove(execution)
             self.records.ended(execution, outcome, words, self.now)
@@ -121,7 +123,7 @@ class CommandQueue:
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
         """A stop failed: ends the cancelled drives that waited for its effect."""
-        for drive in list(self.drives):
+        for drive in self.drives:
             if drive.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')
 
