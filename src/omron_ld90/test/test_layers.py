@@ -41,9 +41,7 @@ LAYERS: Dict[str, Layer] = {
     'trajectory_graph': layer('file_replacement'),
     'route_protocol': layer(),
     'omron_map': layer('file_replacement'),
-    'omron_arcl': layer('browser_guard omron_arcl.replies',
-                        sockets='connection transport client listener'),
-    'omron_arcl.replies': layer(),
+    'omron_arcl': layer('browser_guard', sockets='connection transport client listener'),
     'node_program': layer(),
     'xmlrpc_guard': layer('browser_guard', ros=True),
     'node_lifecycle': layer('node_program xmlrpc_guard', ros=True, sockets='*'),
@@ -113,10 +111,10 @@ LAYERS: Dict[str, Layer] = {
     'omron_ld90.bridge': layer('omron_arcl omron_ld90 route_protocol trajectory_graph'),
     'omron_ld90.converter': layer('omron_ld90 omron_map trajectory_graph'),
     'omron_ld90.operator': layer(
-        'omron_arcl omron_arcl.replies omron_ld90 omron_map route_protocol'),
+        'omron_arcl omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
         'file_replacement fleet_requests graph_topic json_records node_lifecycle omron_arcl '
-        'omron_arcl.replies omron_ld90 omron_ld90.bridge omron_ld90.converter '
+        'omron_ld90 omron_ld90.bridge omron_ld90.converter '
         'omron_ld90.operator omron_map route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
     'omron_ld90_sim.motion': layer('omron_map'),
@@ -145,7 +143,7 @@ LAYERS: Dict[str, Layer] = {
 
 
 def layer_of(module: str) -> str:
-    """`omron_ld90.bridge` for `omron_ld90.bridge.motions.Motion`, `omron_map` for its modules."""
+    """`omron_ld90.bridge` for `omron_ld90.bridge.events.Link`, `omron_map` for its modules."""
     package, _, rest = module.partition('.')
     folder = rest.split('.')[0]
     is_folder = bool(folder) and (PACKAGES[package] / folder / '__init__.py').exists()
