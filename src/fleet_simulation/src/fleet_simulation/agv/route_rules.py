@@ -79,7 +79,7 @@ def find_start(edges: Tuple[int, ...], state: VehicleState, drive: AgvMotion) ->
                      f'{_place(drive)}')
 
 
-def _place(drive: Drive) -> str:
+def _place(drive: AgvMotion) -> str:
     return 'no edge' if drive.edge is None else edge_name(drive.graph, drive.edge)
 
 
