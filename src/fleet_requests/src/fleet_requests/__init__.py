@@ -24,11 +24,11 @@ class NotSent(Exception):
     """No program takes a message. The text says which one is missing."""
 
 
-class NoAnswer(Exception):
+class ServiceSilent(Exception):
     """A service does not answer. The text is a clause."""
 
 
-class NotDone(Exception):
+class ServiceRefused(Exception):
     """A service has answered that it did not do what was asked. The text is its message."""
 
 
@@ -80,13 +80,13 @@ def call(service: str, kind: Type[Any] = Trigger, *arguments: Any, wait: float =
 
     wait -- s to wait for the service
 
-    Raises NoAnswer and NotDone.
+    Raises ServiceSilent and ServiceRefused.
     """
     try:
         rospy.wait_for_service(service, wait)
         answer = rospy.ServiceProxy(service, kind)(*arguments)
     except (rospy.ROSException, rospy.ServiceException) as error:
-        raise NoAnswer(f'{service} does not answer ({error})') from None
+        raise ServiceSilent(f'{service} does not answer ({error})') from None
     if not answer.success:
-        raise NotDone(str(answer.message))
+        raise ServiceRefused(str(answer.message))
     return str(answer.message)

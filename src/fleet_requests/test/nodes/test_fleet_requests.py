@@ -8,10 +8,10 @@ import rospy
 from std_srvs.srv import TriggerResponse
 
 from fleet_requests import (
-    NoAnswer,
-    NotDone,
     NotSent,
     Sender,
+    ServiceRefused,
+    ServiceSilent,
     call,
     mission_request,
     stored_status,
@@ -107,9 +107,9 @@ def test_a_service_that_did_it_gives_its_message(monkeypatch):
 
 
 @pytest.mark.parametrize('answer, error, words', [
-    (TriggerResponse(False, 'it stands in the way'), NotDone, '^it stands in the way$'),
-    (rospy.ServiceException('gone'), NoAnswer, r'^/a/leave_fleet does not answer \(gone\)$'),
-    (rospy.ROSException('late'), NoAnswer, r'does not answer \(late\)$')])
+    (TriggerResponse(False, 'it stands in the way'), ServiceRefused, '^it stands in the way$'),
+    (rospy.ServiceException('gone'), ServiceSilent, r'^/a/leave_fleet does not answer \(gone\)$'),
+    (rospy.ROSException('late'), ServiceSilent, r'does not answer \(late\)$')])
 def test_a_service_that_did_not_do_it_says_why(monkeypatch, answer, error, words):
     service(monkeypatch, answer)
     with pytest.raises(error, match=words):

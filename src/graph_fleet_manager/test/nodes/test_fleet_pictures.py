@@ -8,7 +8,7 @@ from fleet_builders import corridor
 from visualization_msgs.msg import Marker
 
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
-from graph_fleet_manager.nodes.rviz.picture import Changes
+from graph_fleet_manager.nodes.rviz.picture import PictureChanges
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
     GREY,
@@ -147,7 +147,7 @@ def deleted(markers):
 
 
 def test_what_stays_is_changed_in_place():
-    changes = Changes()
+    changes = PictureChanges()
     first = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
     assert [one.action for one in first].count(Marker.DELETEALL) == 1
     assert first[0].action == Marker.DELETEALL  # deletes the markers of an earlier node
@@ -157,7 +157,7 @@ def test_what_stays_is_changed_in_place():
 
 
 def test_nothing_is_left_behind_when_an_edge_opens():
-    changes = Changes()
+    changes = PictureChanges()
     changes.to(graph_markers(GRAPH, {2}, [], []))
     opened = changes.to(graph_markers(GRAPH, (), [], []))
     assert deleted(opened) == {('closed', 0), ('closed_names', 2)}
@@ -167,7 +167,7 @@ def test_nothing_is_left_behind_when_an_edge_opens():
 
 
 def test_nothing_is_left_behind_when_a_robot_leaves():
-    changes = Changes()
+    changes = PictureChanges()
     there = changes.to(drawn(robot(state=FleetRobot.FAILED)))
     names = {(one.ns, one.id) for one in there if one.action == Marker.ADD}
     assert names == {(part, 3) for part in ('bodies', 'noses', 'names', 'outlines')}
@@ -175,7 +175,7 @@ def test_nothing_is_left_behind_when_a_robot_leaves():
 
 
 def test_a_plan_that_is_driven_goes_and_those_of_others_stay():
-    changes = Changes()
+    changes = PictureChanges()
     state = FleetState(robots=[robot(state=FleetRobot.BUSY)])
     changes.to(plan_markers(GRAPH, plan((1, True), (2, False)), state, {'agv_1': 5}))
     after = changes.to(plan_markers(GRAPH, plan((1, True)), state, {'agv_1': 5}))
@@ -184,6 +184,6 @@ def test_a_plan_that_is_driven_goes_and_those_of_others_stay():
 
 
 def test_who_looks_first_sees_nothing_of_before():
-    changes = Changes()
+    changes = PictureChanges()
     changes.to(drawn(robot()))
     assert changes.to(drawn(robot()), afresh=True)[0].action == Marker.DELETEALL

@@ -7,7 +7,7 @@ from std_srvs.srv import Trigger
 
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.roles import Person
-from fleet_requests import NoAnswer, NotDone, NotSent, Sender, call, mission_request
+from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
 from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
@@ -45,9 +45,9 @@ class FleetCommands:
             if act.kind in EDGES:
                 return self._edge(act, by)
             return self._call(act, by)
-        except (NotSent, NotDone) as reason:
+        except (NotSent, ServiceRefused) as reason:
             return Outcome(False, str(reason))
-        except NoAnswer as error:
+        except ServiceSilent as error:
             return Outcome(False, f'{error}.')
 
     def _send(self, act: Act, by: str) -> Outcome:

@@ -12,7 +12,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 import fleet_requests
-from fleet_requests import NoAnswer, NotDone, Sender
+from fleet_requests import Sender, ServiceRefused, ServiceSilent
 from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
 from node_lifecycle.log_file import init_node
 
@@ -111,9 +111,9 @@ def call(service: str, kind: Type[Any] = Trigger) -> str:
     """
     try:
         return fleet_requests.call(service, kind, wait=PATIENCE)
-    except NoAnswer as error:
+    except ServiceSilent as error:
         raise CommandError(f'The service {error}: is the fleet manager running?') from None
-    except NotDone as reason:
+    except ServiceRefused as reason:
         raise CommandError(str(reason), NOT_DONE) from None
 
 

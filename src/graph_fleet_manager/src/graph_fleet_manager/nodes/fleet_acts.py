@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, FrozenSet, Type
 import rospy
 from std_srvs.srv import Trigger
 
-from fleet_requests import NoAnswer, NotDone, NotSent, Sender, call, mission_request
+from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
 from graph_fleet_manager.commands.command_line import CommandError
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import Act, Subject
@@ -100,7 +100,7 @@ class FleetActs:
     def _call(self, service: str, kind: Type[Any], act: Act) -> None:
         try:
             self._say(call(service, kind) or f'{act.value}: done')
-        except NoAnswer as error:
+        except ServiceSilent as error:
             self._say(f'{act.value}: NOT DONE, {error}')
-        except NotDone as reason:
+        except ServiceRefused as reason:
             self._say(f'{act.value}: NOT DONE: {reason}')

@@ -16,7 +16,7 @@ class Picture:
 
     def __init__(self, topic: str, latch: bool = False) -> None:
         self._publisher = rospy.Publisher(topic, MarkerArray, queue_size=2, latch=latch)
-        self._changes = Changes()
+        self._changes = PictureChanges()
 
     def show(self, markers: Iterable[Marker]) -> None:
         """Shows these markers and no others."""
@@ -25,7 +25,7 @@ class Picture:
             self._publisher.publish(MarkerArray(message))
 
 
-class Changes:
+class PictureChanges:
     """Works out the messages that change one picture into the next."""
 
     def __init__(self) -> None:
