@@ -767,6 +767,17 @@ class TestWhoseStopping:
         bench.robot('Stopping', 'Stopped')
         assert last.result.outcome is Outcome.SUCCEEDED
 
+    def test_the_pair_of_the_motors_is_none_of_a_stop_behind_an_unanswered_drive(self, bench):
+        bench.status('Stopped')
+        for text in ('goto 3', 'stop', 'stop'):
+            last = bench.give(text, giver=PERSON)
+        known = bench.epoch
+        bench.robot('Motors enabled', 'Stopping', 'Stopped')
+        assert last.result is None
+        bench.robot('Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped', 'Stopping',
+                    'Stopped')
+        assert (bench.epoch, bench.memory.giver, bench.memory.stop_owed) == (known, PERSON, False)
+
     def test_so_is_one_between_two_stops_before_and_two_after(self, bench):
         bench.status('Stopped')
         commands = [bench.give(text, giver=PERSON)

@@ -423,6 +423,15 @@ def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
 
 # --- what the robot does --------------------------------------------------------------------------
 
+def _stops_for_us(commands: CommandQueue, reply: Reply) -> bool:
+    """Whether a stop of ours is unheard. A robot with a reason of its own halts for that first, if
+    it has to answer a drive before the stop."""
+    heard = commands.records.heard
+    stops = [e.order for e in commands.sent if e.command.spec.stops][-heard.unheard_stops:]
+    waits = any(drive.order < min(stops, default=0) for drive in _fresh(commands))
+    return heard.unheard_stops > 0 and not (waits and heard.stops_itself is not None)
+
+
 def _stops_by_itself(why: SelfStop) -> Find:
     return lambda commands, reply: commands.records.heard.stops_itself is why
 
@@ -442,8 +451,7 @@ _TABLE = 'the lines of each command stand in `command_table`'
 
 ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
     Part.HALT: (
-        Row('our stop', _HALTS,
-            lambda commands, reply: commands.records.heard.unheard_stops > 0, StopOf.US,
+        Row('our stop', _HALTS, _stops_for_us, StopOf.US,
             'p. 242: `stop` is answered by `Stopping`, `Stopped`, once for each `stop`'),
         Row('undocked', _HALTS, _stops_by_itself(SelfStop.UNDOCKED), StopOf.ROBOT,
             'p. 245: the pair ends undocking, possibly after the result'),
