@@ -90,8 +90,8 @@ prepare() {
     _source /opt/ros/noetic/setup.bash
   else
     case "$(operating_system)" in
-      'debian 12' | 'debian 13') ;;
-      *) die "this is $(operating_system), without /opt/ros/noetic; use Debian 12 or 13, or install ROS Noetic (Ubuntu 20.04) first." ;;
+      'debian 12' | 'debian 13' | 'ubuntu 22.04') ;;
+      *) die "this is $(operating_system), without /opt/ros/noetic; use Debian 12 or 13, or Ubuntu 22.04, or install ROS Noetic (Ubuntu 20.04) first." ;;
     esac
     install_missing 1 "$@"
   fi

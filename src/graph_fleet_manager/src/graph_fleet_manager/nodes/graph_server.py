@@ -215,7 +215,7 @@ class GraphServer:
         elif warnings:
             status.summary(DiagnosticStatus.WARN, warnings[0])
         else:
-            status.summary(DiagnosticStatus.OK, f'In force: {size_of(graph)}')
+            status.summary(DiagnosticStatus.OK, f'in force: {size_of(graph)}')
         status.add('file', rospy.get_param('~graph_file', ''))
         if graph is not None and not said:
             status.add('survey', 'is running')
