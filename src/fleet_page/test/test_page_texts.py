@@ -78,7 +78,7 @@ def said_by_the_fleet_manager():
     return '\n'.join(texts)
 
 
-PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by',
+PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by', 'words_closed',
                 'words_fleet_goes_on', 'words_too_near')
 
 

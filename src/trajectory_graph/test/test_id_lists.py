@@ -12,7 +12,7 @@ SOURCES = Path(__file__).resolve().parents[2]
 JOINED = re.compile(r'''join\(map\(str|\{(list|tuple|sorted)\([^(]*\)\}''')
 #: Output for the person who asks for it, own files, and tests.
 COMPLETE = ('/commands/', 'fleet_simulation/', 'omron_map/', 'omron_ld90_sim/', 'graph_editor/',
-            'vda5050_bench/', '/journal.py', 'fleet_page/', 'fleet_bringup/')
+            'vda5050_bench/', '/journal.py', '/history.py', 'fleet_page/', 'fleet_bringup/')
 
 
 @pytest.mark.every_python

@@ -94,7 +94,7 @@ VERDICTS: Mapping[Course, Dict[ActivityKind, Verdict]] = {
 }
 
 
-class Judgement(NamedTuple):
+class ObservationRule(NamedTuple):
     """What an observation says about a drive if `holds`."""
 
     name: str
@@ -118,26 +118,26 @@ def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> 
 
 
 # The first row that holds decides; without one, VERDICTS does.
-JUDGEMENTS: Tuple[Judgement, ...] = (
-    Judgement('emergency stop', Outcome.EMERGENCY_STOPPED,
+JUDGEMENTS: Tuple[ObservationRule, ...] = (
+    ObservationRule('emergency stop', Outcome.EMERGENCY_STOPPED,
               lambda execution, seen: seen.activity.kind is _K.EMERGENCY_STOP),
-    Judgement('no power', Outcome.FAILED,
+    ObservationRule('no power', Outcome.FAILED,
               lambda execution, seen: seen.activity.kind is _K.MOTORS_DISABLED),
-    Judgement('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
+    ObservationRule('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
         seen.is_status and _fits(execution.command.spec.completed_by, execution, seen.activity))),
-    Judgement('its goal', Sign.CONFIRMED,
+    ObservationRule('its goal', Sign.CONFIRMED,
               lambda execution, seen: _acknowledges(execution, seen.activity)),
-    Judgement('its point', Sign.CONFIRMED,
+    ObservationRule('its point', Sign.CONFIRMED,
               lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT)),
-    Judgement('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
+    ObservationRule('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
         _to_a_point(execution, seen, _K.ARRIVED_AT_POINT) and _point(seen) in execution.points)),
-    Judgement('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
+    ObservationRule('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
         not execution.begun and execution.set_out and seen.activity.kind is _K.INTERRUPTED)),
     # the robot drives to its dock before it reports that it docks
-    Judgement('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
+    ObservationRule('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
         not execution.begun and execution.command.spec.course is Course.INTO_THE_DOCK
         and seen.activity.kind in MOVING)),
-    Judgement('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
+    ObservationRule('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
         not execution.begun and execution.set_out and seen.activity.kind in ABOUT_THE_DOCK)),
 )
 

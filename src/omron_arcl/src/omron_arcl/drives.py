@@ -56,7 +56,7 @@ from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.commands import Command, Course
 from omron_arcl.errors import ArclError
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
-from omron_arcl.heard import Heard, StopOf
+from omron_arcl.heard import RobotWords, StopOf
 from omron_arcl.records import (
     Cause,
     CommandFate,
@@ -168,7 +168,7 @@ class Drives:
                  store: Callable[[Memory], None] = lambda memory: None,
                  draw: Callable[[], int] = draw_epoch) -> None:
         self._store, self._draw = store, draw
-        self.heard = Heard()
+        self.heard = RobotWords()
         self._changes: Deque[_Change] = deque(maxlen=_KEPT_EPOCHS)
         self._memory = stored or Memory(0)
         self._number = max((r.number for r in self._records), default=0)
@@ -355,7 +355,7 @@ class Drives:
     def linked(self, connected: bool, now: float) -> None:
         """The link to the robot came up, broke, or could not be made."""
         self._unseen = self._unseen or self._connected and not connected
-        self._connected, self.heard = connected, Heard()
+        self._connected, self.heard = connected, RobotWords()
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:

@@ -41,7 +41,7 @@ class StopOf(Enum):
     OTHERS = 'another client'
 
 
-class Heard:
+class RobotWords:
     """The robot's words about its motion, since the connection was made."""
 
     def __init__(self) -> None:
