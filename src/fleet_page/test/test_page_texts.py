@@ -78,8 +78,8 @@ def said_by_the_fleet_manager():
     return '\n'.join(texts)
 
 
-PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by', 'words_closed',
-                'words_fleet_goes_on', 'words_too_near')
+PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by',
+                'words_closed', 'words_fleet_goes_on', 'words_too_near')
 
 
 def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
