@@ -13,11 +13,11 @@ from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation import chaos
-from fleet_simulation.chaos import DOCKS, PARKING, PEOPLE, ROBOTS, SAME, TROUBLE, YARD, Chaos, Event
-from fleet_simulation.supervised_fleet import SupervisedFleet
-from fleet_simulation.wrong_plans import WRONG
 from trajectory_graph import Graph, split_edges
+from world import chaos
+from world.chaos import DOCKS, PARKING, PEOPLE, ROBOTS, SAME, TROUBLE, YARD, Chaos, Event
+from world.supervised_fleet import SupervisedFleet
+from world.wrong_plans import WRONG
 
 NAMED = re.compile(r'\b(edge|vert)(?:s|ex|ices)? ((?:-?\d+(?:, | and )?)+)', re.IGNORECASE)
 
