@@ -20,14 +20,14 @@ def master() -> RouteMaster:
 
 
 def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), order=0, age=0.0,
-         epoch=1):
+         epoch=1, refused=0):
     """A report of a robot."""
     curve = GRAPH.curve(edge)
     x, y = curve.point_at(percentage / 100.0 * curve.length)
     return Report(RouteReport(
         0, 0, edges, states, SymbolicPose(edge, percentage), location=Location(x, y, 0.0),
         epoch=epoch, master='path_supervisor', order=order, first=1 if order else 0,
-        motion=motion, number=number), age)
+        refused=refused, motion=motion, number=number), age)
 
 
 @pytest.mark.parametrize('age', [0.0, 3.0])
@@ -93,3 +93,24 @@ def test_a_robot_that_stands_elsewhere_is_given_no_route_until_a_second_location
     assert not robot.is_ready
     robot.hear(told(3, 3, 0.0, epoch=2))
     assert robot.is_ready and robot.record.last_vertex == 3
+
+
+def test_a_refused_shorter_route_is_forgotten_with_the_record_that_it_was_part_of():
+    """A late copy of a stop takes the numbers of edges back: the same number is another edge."""
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1,))
+    robot.halt()
+    robot.hear(told(2, 1, 0.0, order=2))
+    robot.extend((1, 2, 3))
+    robot.due(0.0)
+    robot.hear(told(3, 1, 50.0, Motion.ON_ROUTE, (P, P, P), (1, 2, 3), 3))
+    robot.shorten()
+    robot.hear(told(4, 1, 60.0, Motion.ON_ROUTE, (P, P, P), (1, 2, 3), 3, refused=4))
+    robot.hear(told(5, 1, 0.0, epoch=2))
+    robot.hear(told(6, 1, 0.0, order=2, epoch=2))
+    robot.extend((1, 2, 3))
+    robot.due(0.0)
+    robot.hear(told(7, 1, 10.0, Motion.ON_ROUTE, (P, P, P), (1, 2, 3), 5, epoch=2))
+    robot.shorten()
+    assert robot.order is not None and robot.order.edges == (1,)

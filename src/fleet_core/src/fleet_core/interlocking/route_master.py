@@ -332,7 +332,7 @@ class RouteMaster:
         self._tell()
 
     def _set(self, protocol: MasterState) -> None:
-        self.record.follow(protocol)
+        self.record.set_protocol(protocol)
         self._changed()
 
     # -- orders -----------------------------------------------------------------------------------
@@ -451,6 +451,7 @@ class RouteMaster:
                                     default=0)
         if news.cause is not None or news.failed or news.took and not said.edges:
             self.record.begin_anew()
+            self._cut_refused = 0  # the numbers of edges may go back
 
     def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
         """Does the robot count as where it may be, although it is not exactly there?
@@ -550,10 +551,9 @@ class RouteMaster:
     def restore(self, memory: Memory, now: float = 0.0) -> None:
         """Sets the state from before a restart."""
         number = memory.protocol.number
-        self.record.protocol = memory.protocol
+        self.record.cleared, self.record.protocol = memory.cleared, memory.protocol
         # No journal that this start has read knows the numbers between these two.
-        self.record.protocol = replace(memory.protocol, gap=(number, self._next_number()))
-        self.record.cleared = memory.cleared
+        self.record.set_protocol(replace(memory.protocol, gap=(number, self._next_number())))
         self._sent = number, -math.inf
         self.record.position = memory.position
         self.locations, self._lost = memory.locations, memory.lost

@@ -129,7 +129,7 @@ class RouteRecord:
 
     # -- changes ----------------------------------------------------------------------------------
 
-    def follow(self, protocol: MasterState) -> None:
+    def set_protocol(self, protocol: MasterState) -> None:
         """What the robot may still do by its orders has changed.
 
         A late copy of a stop from before the epoch takes the count of its edges back to where that

@@ -16,7 +16,6 @@ The epoch of the reports is the vehicle's own. Commands carry the controller's e
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import partial
 from typing import Callable, Iterable, List, Optional, Tuple
 
@@ -206,8 +205,7 @@ class RouteFollower:
     @property
     def _reported(self) -> Tuple[object, ...]:
         """What is reported at once if it changes."""
-        return (replace(self.vehicle.state, report=0), self._stop_problem, self.motion,
-                self.robot.emergency)
+        return self.vehicle.state, self._stop_problem, self.motion, self.robot.emergency
 
     @property
     def _stop_problem(self) -> Reason:
