@@ -90,7 +90,7 @@ class WithRealMaster(Model):
 
     def hear(self, master: RealMaster, said: Report, drawn: int) -> RealMaster:
         report = self._reading(as_sent(said, master.state), master.state)
-        after, news = real.hear(master.state, report, ME, self._next_number(master, drawn))
+        after, news = real.hear(master.state, report, ME, drawn + 1)
         if not news.is_new:
             return master
         return RealMaster(self._change(master.state, after), said.place, said.edge)

@@ -19,6 +19,7 @@ from dataclasses import replace
 import pytest
 from route_world import RouteWorld
 
+from route_protocol.messages import WrongReport
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
@@ -101,8 +102,10 @@ class IgnoresUnknownOrders(RouteDriver):
 class DoesNotLookForLostJournals(RouteDriver):
     """It takes each order that its journal lacks for a wrong report."""
 
-    def _look_for_lost_journal(self, said):
-        pass
+    def on_report(self, said, now):
+        if max(said.order, said.refused) > self.drive_state.protocol.number:
+            raise WrongReport('it shows an unknown order')
+        super().on_report(said, now)
 
 
 class DoesNotHalt(RouteDriver):

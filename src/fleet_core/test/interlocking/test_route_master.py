@@ -54,6 +54,31 @@ def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_ob
     assert robot.allocation.knowledge is Knowledge.KNOWN
 
 
+def test_where_a_robot_was_while_it_could_be_anywhere_does_not_count_once_it_stands():
+    """Else a late report would stop its neighbours (walk 2168 in the yard, other bounds)."""
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.doubt()
+    robot.hear(told(2, 3, 50.0, Motion.ON_ROUTE, age=5.0))
+    robot.halt()
+    assert robot.order is not None
+    robot.hear(told(3, 1, 0.0, order=robot.order.number))
+    assert robot.allocation.vertex == 1 and not robot.allocation.areas
+
+
+def test_a_master_with_a_lost_journal_and_a_clock_set_back_finds_the_numbers_of_its_robot():
+    """Its orders would be ignored, and all reports refused. An order may still be on its way."""
+    robot = master()
+    robot.hear(told(1, 1, 0.0, order=1000))
+    assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
+    robot.halt()
+    assert robot.order is not None and robot.order.number > 1000 + 365 * 24 * 3600 * 1000
+    robot.hear(told(2, 1, 0.0, order=1001))  # that order has arrived
+    assert robot.allocation.knowledge is Knowledge.UNKNOWN
+    robot.hear(told(3, 1, 0.0, order=robot.order.number))
+    assert robot.allocation.vertex == 1 and robot.is_ready
+
+
 @pytest.mark.parametrize('take_back', [RouteMaster.halt, RouteMaster.shorten])
 def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_sent_is_taken_back(
         take_back):

@@ -504,11 +504,21 @@ def test_a_place_that_cannot_be_is_ignored_in_one_sentence(fleet, wrong):
 
 @pytest.mark.parametrize('wrong', [
     {'edges': (1,), 'states': ()}, {'number': 0}, {'order': 2 ** 63}, {'refused': 2 ** 64 - 1},
-    {'order': 2 ** 62}, {'edges': (2, 3), 'states': (EdgeState.PROCESSING,) * 2},
+    {'edges': (2, 3), 'states': (EdgeState.PROCESSING,) * 2},
     {'edges': (2,) * 2000, 'states': (EdgeState.COMPLETE,) * 2000}])
 def test_a_report_that_makes_no_sense_is_ignored_in_one_sentence(fleet, wrong):
     assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), **wrong)) == []
     assert fleet.notes[-1].startswith('A report of a is ignored: ')
+    assert ends_well(fleet)
+
+
+@pytest.mark.parametrize('numbers', [{'order': 2 ** 62}, {'refused': 2 ** 62}])
+def test_a_robot_that_shows_an_order_that_nobody_has_given_is_stopped_and_then_used_again(
+        fleet, numbers):
+    agv = fleet.agvs['a']
+    sent = hear(fleet, replace(agv.report(fleet.now), **numbers))
+    assert sent and all(not one.order.edges for one in sent)
+    assert any('the journal does not know' in note for note in fleet.notes)
     assert ends_well(fleet)
 
 

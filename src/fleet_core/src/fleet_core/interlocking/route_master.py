@@ -417,7 +417,7 @@ class RouteMaster:
         is_stray = point is not None and not self._covers(
             point, record.holds(), None if record.ahead else record.position)
         is_covered = not is_stray or self._is_beside(report, point)
-        protocol, news = hear(before, said, ME, self._next_number(), point is not None)
+        protocol, news = hear(before, said, ME, self._clock(), point is not None)
         if not news.is_new:
             return Heard()
         self._set(protocol)
@@ -429,7 +429,9 @@ class RouteMaster:
                       had_route)
         self._follow_news(news, said, before)
         heard.is_off_graph = self._off_graph >= 2
-        heard.is_located = self._locate(report, point, is_covered, is_stray)
+        # A robot that may be anywhere was nowhere astray.
+        heard.is_located = self._locate(report, point, is_covered,
+                                        is_stray and not before.unknown)
         self.clock_is_off = report.is_ahead
         if protocol.ahead:
             self._beside = None

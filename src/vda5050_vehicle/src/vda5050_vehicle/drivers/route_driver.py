@@ -218,9 +218,8 @@ class RouteDriver(Driver[RouteDrive]):
 
     def on_report(self, said: RouteReport, now: float) -> None:
         """Evaluates a report. Raises WrongReport."""
-        self._look_for_lost_journal(said)
         before = self.drive_state
-        protocol, news = hear(before.protocol, said, ME, self._next_number(),
+        protocol, news = hear(before.protocol, said, ME, self._clock(),
                               said.location is not None or said.pose.edge != 0)
         if not news.is_new:
             return
@@ -234,12 +233,6 @@ class RouteDriver(Driver[RouteDrive]):
         if self.drive_state.at_rest and not before.at_rest:
             self._set(rest_since=now)
         self._look_at_orders(before, said, news, now)
-
-    def _look_for_lost_journal(self, said: RouteReport) -> None:
-        """Marks numbers that are above all in the journal: it is an older one, or was lost."""
-        known, newest = self.drive_state.protocol, max(said.order, said.refused)
-        if said.master == ME and newest > known.number:
-            self._set(protocol=replace(known, gap=(known.number, newest + 1)))
 
     def _look_at_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float,
                         ) -> None:
