@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import count
 from random import Random
-from typing import Dict, Iterator, List, Optional, Tuple
+from typing import Dict, Iterator, List, Optional, Tuple, Type
 
 import numbered_orders_model as model
 import pytest
@@ -15,6 +15,7 @@ from route_protocol.old_masters import LATE_ORDER, OldMasters
 from route_protocol.values import (
     LARGEST_NUMBER,
     LARGEST_RECORD_NUMBER,
+    NO_REASON,
     OVERRULED,
     TAKEN_OVER,
     EdgeState,
@@ -306,10 +307,10 @@ class Pair:
     So the model answers these two questions here.
     """
 
-    def __init__(self, random: Random) -> None:
+    def __init__(self, random: Random, kind: Type[Vehicle] = Vehicle) -> None:
         self.random = random
         self.model, self.rules = model.Vehicle(master=model.NOBODY), model.Model()
-        self.real = Vehicle(count(1).__next__, lambda: 0)
+        self.real = kind(count(1).__next__, lambda: 0)
         self.edges: Dict[int, model.Edge] = {}
         self.sent: List[model.Order] = []
         self.numbers = {model.ME: 0, model.OTHER: 0}
@@ -432,6 +433,85 @@ def test_the_vehicle_does_what_the_model_says(seed):
             pair.check()
         except AssertionError as error:
             raise AssertionError(f'{error}\n' + '\n'.join(map(str, told))) from None
+
+
+class ObeysANumberAgain(Vehicle):
+    def judge(self, order):
+        kept = self.state
+        self.state = replace(kept, order=min(kept.order, max(order.order - 1, 0)), refused=0)
+        judgement = super().judge(order)
+        self.state = kept
+        return judgement
+
+
+class ObeysWhatItRefused(Vehicle):
+    def judge(self, order):
+        kept, self.state = self.state, replace(self.state, refused=0)
+        judgement = super().judge(order)
+        self.state = kept
+        return judgement
+
+
+class ObeysOrdersOfAnOlderEpoch(Vehicle):
+    def judge(self, order):
+        return super().judge(replace(order, known_epoch=self.state.epoch))
+
+
+class BeginsWhereTheOrderBegins(Vehicle):
+    def judge(self, order):
+        answer = super().judge(order)
+        wrong = answer.reason.code is ReasonCode.WRONG_CHANGE
+        return replace(answer, answer=Answer.ROUTE, done=order.first,
+                       rest=order.edges) if wrong else answer
+
+
+class KeepsItsNumbersInANewEpoch(Vehicle):
+    def begin_epoch(self, cause, reason=NO_REASON):
+        order = self.state.order
+        super().begin_epoch(cause, reason)
+        self.state = replace(self.state, order=order)
+
+
+class KeepsTheEpochForAnotherMaster(Vehicle):
+    def begin_epoch(self, cause, reason=NO_REASON):
+        if cause is not EpochCause.OTHER_MASTER:
+            super().begin_epoch(cause, reason)
+
+
+class RestartsInTheSameEpoch(Vehicle):
+    def begin_epoch(self, cause, reason=NO_REASON):
+        if cause is not EpochCause.RESTART:
+            super().begin_epoch(cause, reason)
+
+
+class ForgetsItsRefusals(Vehicle):
+    def refuse(self, order, reason):
+        kept = self.state
+        told = super().refuse(order, reason)
+        self.state = kept
+        return told
+
+
+class DrivesOnWhenItsRouteIsLost(Vehicle):
+    def fail(self, reason):
+        pass
+
+
+@pytest.mark.parametrize('kind', [
+    ObeysANumberAgain, ObeysWhatItRefused, ObeysOrdersOfAnOlderEpoch, BeginsWhereTheOrderBegins,
+    KeepsItsNumbersInANewEpoch, KeepsTheEpochForAnotherMaster, RestartsInTheSameEpoch,
+    ForgetsItsRefusals, DrivesOnWhenItsRouteIsLost])
+def test_a_vehicle_that_leaves_a_rule_out_is_found(kind):
+    assert any(not agrees(Pair(Random(seed), kind)) for seed in range(500))
+
+
+def agrees(pair: Pair) -> bool:
+    for _ in steps(pair):
+        try:
+            pair.check()
+        except AssertionError:
+            return False
+    return True
 
 
 def test_a_default_state_knows_no_master_and_stands():
