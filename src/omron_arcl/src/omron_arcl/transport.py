@@ -104,7 +104,8 @@ class Transport:
         """Waits for an event; returns the waiting time in s. The ready sockets are in `_ready`."""
         begun = time.monotonic()
         self._ready = {key.fileobj for key, _ in selector.select(TICK)}
-        self._waker.drain()
+        if self._waker.reader in self._ready:
+            self._waker.drain()
         return time.monotonic() - begun
 
     def _set_link(self, phase: LinkPhase, peer: str, reason: str = '') -> None:
