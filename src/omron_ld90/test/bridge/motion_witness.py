@@ -95,7 +95,8 @@ class Witness(DelayedDrive):
         self._unheard_until = -100.0  # until then, no command reaches the controller
         self._forgotten: Set[int] = set()  # epochs of earlier controllers
         self._bridge_knows = 0  # number of commands that the bridge knows of
-        self._is_ordered = False  # True if the fleet manager itself wants the robot to stop
+        # True from a stop of the fleet manager until the bridge has stopped the robot, or drives it
+        self._is_ordered = False
         # number of known commands, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], int] = {}
         self._known_to_stop: Optional[int] = None  # the same number for the stop that arrives now
@@ -187,7 +188,7 @@ class Witness(DelayedDrive):
     def order(self, route_id: int, *edges: int) -> None:
         """Sends a route as the base class does; a stop of the fleet manager ends each motion."""
         if self.bridge:
-            self._is_ordered, self._demanded = not edges, None
+            self._is_ordered, self._demanded = self._is_ordered or not edges, None
         super().order(route_id, *edges)
 
     def _hear_motion(self, motion: Motion, generation: int) -> None:
@@ -197,7 +198,7 @@ class Witness(DelayedDrive):
 
     def _give(self, give: p.Give) -> None:
         if give.command != 'stop':
-            self._demanded = None
+            self._demanded, self._is_ordered = None, False
         else:
             if not self._is_ordered:
                 self._known_to_stops[str(self._generation), give.number] = self._bridge_knows
@@ -207,10 +208,15 @@ class Witness(DelayedDrive):
 
     def _take_from_bridge(self, give: p.Give, giver: Giver,
                           end: Callable[[Outcome, str], None]) -> None:
+        def ended(outcome: Outcome, words: str) -> None:
+            if give.command == 'stop' and outcome is Outcome.SUCCEEDED:
+                self._is_ordered = False
+            end(outcome, words)
+
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
             self._sent_to[give.number] = give.command.split()[-1], self.now
-            super()._take_from_bridge(give, giver, end)
+            super()._take_from_bridge(give, giver, ended)
         else:
             end(Outcome.NEVER_SENT, 'there is no controller')
 
@@ -303,9 +309,10 @@ class Witness(DelayedDrive):
                 line == self.persons and self._arrived[line] >= self._is_number)
         else:
             self._stop_came_at = self.now
-            # a stop of another client that crosses a drive is given again, after the drive
+            # a stop that crosses a drive is given again, after the drive: one of another client, or
+            # the one that the robot seems to make by itself when its motors are enabled
             crosses = self._another_gave[0] == 'stop' and self.now <= (
-                self._another_gave[1] + AT_ONCE)
+                self._another_gave[1] + AT_ONCE) or self.now <= self._powered_at + LATE
             if (not crosses and self._controller.motion.memory.drives
                     and self.words[-1:] == [Word(PERSON, True)]
                     and self.came and self.persons == f'goto {self.robot.goal}'):
