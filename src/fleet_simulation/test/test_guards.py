@@ -114,7 +114,7 @@ def test_with_all_guards_every_promise_is_kept() -> None:
         live(seed)
 
 
-@pytest.mark.parametrize('seed', [2336, 50429, 51297, 51327, 60171, 61151])
+@pytest.mark.parametrize('seed', [2336, 50429, 51297, 51327, 60171, 61151, 62182])
 def test_lives_that_found_a_fault_once_find_none(seed: int) -> None:
     live(seed)
 

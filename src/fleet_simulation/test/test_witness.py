@@ -68,6 +68,19 @@ def test_a_mission_may_fail_by_a_robot_that_a_person_moves_near_to_its_own(
     assert witness.broken == []
 
 
+@pytest.mark.parametrize('middle, broken', [(1.2, 0), (1.6, 1)])
+def test_a_mission_may_fail_by_a_robot_that_stopped_because_of_a_carried_one(
+        middle: float, broken: int) -> None:
+    witness = Witness(dict.fromkeys('abc', 0.4), 0.1, VERTICES, GRACE)
+    witness.ask(7, [1], 0.0)
+    is_told(witness, State.ACTIVE)
+    witness.carry('c', 0.5)
+    places = {'a': (0.0, 0.0), 'b': (middle, 0.0), 'c': (2.4, 0.0)}
+    witness.see(1.0, places, places)
+    is_told(witness, State.FAILED)
+    assert len(witness.broken) == broken
+
+
 def test_a_mission_may_not_fail_by_a_carried_robot_that_is_far(witness: Witness) -> None:
     witness.ask(7, [1], 0.0)
     is_told(witness, State.ACTIVE)

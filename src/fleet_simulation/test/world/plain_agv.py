@@ -159,8 +159,6 @@ class Agv:
         if not order.edges:
             self.stand(order.route_id)
             self.count_stop(order)
-            number = order.first if is_first else knows['done']
-            knows.update(first=number, done=number)
             return None
         reason = self._why_not(order, is_first)
         if reason is _ROLLS:
@@ -206,7 +204,8 @@ class Agv:
             return
         if knows['master'] not in (None, order.master):
             self.begin_epoch(EpochCause.OTHER_MASTER)
-        knows.update(master=order.master, taken=order.order)
+        number = knows['done'] if knows['taken'] else order.first
+        knows.update(master=order.master, taken=order.order, first=number, done=number)
 
     def obey_another(self, edges: Tuple[int, ...]) -> None:
         """Takes a route of another master, from where it is."""
@@ -640,7 +639,8 @@ class LostLink:
             self._stop = order
             self._agv.count_stop(order)
             self._said = replace(
-                self._counted(), route_id=order.route_id, first=said.done, edges=(), states=(),
+                self._counted(), route_id=order.route_id, first=self._agv.knows['done'],
+                edges=(), states=(),
                 reason=Reason(ReasonCode.STOP_OWED,
                               'the robot has not obeyed the stop yet: the link is down'))
             return None

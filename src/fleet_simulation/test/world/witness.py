@@ -22,7 +22,8 @@ Place = Tuple[float, float]
 
 SKEW = 0.06  # m that robots move between the answers of two simulators
 NEAR = 0.6  # m from a vertex within which a robot counts as having visited it
-CLOSE = 0.5  # m; if a moved robot has less free space to another, missions of both may fail
+CLOSE = 0.5  # m; if a moved robot has less free space to another, missions of both may fail. So
+#              may those of a third one that has less to the second: this one stops where it is.
 STANDS = 0.15  # m by which a stopped robot may still move
 
 
@@ -192,21 +193,29 @@ class Witness:
     def _check_distances(self, first: Mapping[str, Place], second: Mapping[str, Place],
                          now: float) -> None:
         near: Set[str] = set()
+        close: List[Tuple[str, str]] = []
         for one, other in itertools.combinations(sorted(second), 2):
             apart = self._radii[one] + self._radii[other] + self._clearance
             room = max(math.dist(look[one], look[other]) for look in (first, second)) - apart
             if room < 0.0:
                 near.update((one, other))
-            if not self._carried.isdisjoint((one, other)):
-                if room < CLOSE:
-                    self.trouble(one, now)
-                    self.trouble(other, now)
-            else:
+            if room < CLOSE:
+                close.append((one, other))
+            if self._carried.isdisjoint((one, other)):
                 self.nearest = min(self.nearest, room)
                 if room < -SKEW:
                     self._break(f'{one} and {other} are too near by {-room:.2f} m, at '
                                 f'{second[one]} and {second[other]}', 'near', one, other)
+        self._trouble_around_carried(close, now)
         self._carried -= self._returned - near
+
+    def _trouble_around_carried(self, close: Sequence[Tuple[str, str]], now: float) -> None:
+        reached, before = set(self._carried), 0
+        while len(reached) > before:
+            before = len(reached)
+            reached.update(name for pair in close if not reached.isdisjoint(pair) for name in pair)
+        for name in reached & {name for pair in close for name in pair}:
+            self.trouble(name, now)
 
     def _follow(self, name: str, place: Place, now: float) -> None:
         trail = self._trails[name]

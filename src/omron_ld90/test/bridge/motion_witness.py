@@ -83,7 +83,8 @@ class Witness(DelayedDrive):
         self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
-        self._another_gave = '', -100.0  # the last command of another client, and its time
+        # time of the last command of another client, by its text
+        self._another_gave: Dict[str, float] = {}
         self._dialect = dialect
         self.is_alone = True  # no other client, outage or person at the robot has acted
         # time since when a stop is owed and the robot can be reached
@@ -238,7 +239,7 @@ class Witness(DelayedDrive):
         """A client of the robot's own server gives a command."""
         self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
-        self._another_gave = command, self.now
+        self._another_gave[command] = self.now
         self.robot.hear_another(command)
         self.foreign = False
 
@@ -301,9 +302,8 @@ class Witness(DelayedDrive):
             return
         if line != 'stop':
             self.lines.append(line)
-            command, given_at = self._another_gave
             # The same command from two clients at the same moment cannot be told apart.
-            self._anothers = line == command and self.now <= given_at + AT_ONCE
+            self._anothers = self._crosses_anothers(line)
             self._arrived[line] += 1
             self.came = self.came or (
                 line == self.persons and self._arrived[line] >= self._is_number)
@@ -311,13 +311,15 @@ class Witness(DelayedDrive):
             self._stop_came_at = self.now
             # a stop that crosses a drive is given again, after the drive: one of another client, or
             # the one that the robot seems to make by itself when its motors are enabled
-            crosses = self._another_gave[0] == 'stop' and self.now <= (
-                self._another_gave[1] + AT_ONCE) or self.now <= self._powered_at + LATE
+            crosses = self._crosses_anothers('stop') or self.now <= self._powered_at + LATE
             if (not crosses and self._controller.motion.memory.drives
                     and self.words[-1:] == [Word(PERSON, True)]
                     and self.came and self.persons == f'goto {self.robot.goal}'):
                 self.broken.append(f'an older stop ended {self.persons} of a person')
         super()._reach_robot(line)
+
+    def _crosses_anothers(self, command: str) -> bool:
+        return self.now <= self._another_gave.get(command, -100.0) + AT_ONCE
 
     def _watch_robot(self) -> None:
         """Checks, from the controller's view: after a stop the robot must not drive for us."""
