@@ -1,4 +1,4 @@
-"""Settings for all unit tests: the number of examples of hypothesis, and a small disk.
+"""Settings for all unit tests: the number of examples of hypothesis, proofs, and a small disk.
 
 No example has a deadline, because a loaded machine is no defect. By default each run tries the same
 examples, so that a result depends only on the change. With LD90_LONG_TESTS=1 (scripts/test.sh
@@ -23,6 +23,8 @@ from typing import Any, Callable, Iterator, TypeVar
 import pytest
 from hypothesis import HealthCheck, settings
 
+sys.path.append(str(Path(__file__).parent / 'test'))
+pytest_plugins = ['proofs']
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 settings.register_profile('project', deadline=None, max_examples=500 if LONG else 60,
