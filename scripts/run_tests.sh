@@ -18,6 +18,9 @@ export PATH="$root/devel/bin:/usr/bin:$PATH"  # the workspace's ROS master, and 
 mkdir -p "$results" build/artefacts
 export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
 unset ROS_HOSTNAME DISPLAY
+# Without a place for compiled modules each process, and there are hundreds, would compile them again.
+unset PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX="$root/build/pycache"
 if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
 
 jobs="${TEST_JOBS:-1}"

@@ -19,7 +19,7 @@ import hashlib
 import json
 import os
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Set
@@ -48,7 +48,7 @@ class Proof(NamedTuple):
 
 def is_whole(file: str) -> bool:
     """Whether the proofs in this file of tests run whole now."""
-    name, key = _name(Path(file)), key_of(Path(file))
+    name, key = _name(file), key_of(Path(file))
     whole = PROVES and (LONG or recorded().get(name, key) != key)
     _asked[name] = Proof(name, key, whole, 0)
     return whole
@@ -58,7 +58,8 @@ def key_of(file: Path) -> str:
     """The hash of all contents on which the result of the proofs in this file depends."""
     digest = hashlib.sha256(repr(sys.version_info[:2]).encode())
     for one in sorted(read_by(file)):
-        digest.update(f'\n{_name(one)} {hashlib.sha256(one.read_bytes()).hexdigest()}'.encode())
+        content = hashlib.sha256(one.read_bytes()).hexdigest()
+        digest.update(f'\n{_name(str(one))} {content}'.encode())
     return digest.hexdigest()
 
 
@@ -91,8 +92,9 @@ _proofs: Dict[str, Proof] = {}  # those that ran
 _passed: Dict[str, Dict[str, bool]] = defaultdict(dict)  # by file and test
 
 
-def _name(file: Path) -> str:
-    return file.resolve().relative_to(ROOT).as_posix()
+@lru_cache(maxsize=None)
+def _name(file: str) -> str:
+    return Path(file).resolve().relative_to(ROOT).as_posix()
 
 
 @lru_cache(maxsize=None)
@@ -136,13 +138,14 @@ def _modules() -> Dict[str, List[Path]]:
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
     """Adds to each test of a proof what its report must tell. Proofs take longest and begin first.
     """
-    names = [_name(Path(item.fspath)) for item in items]
+    names = [_name(str(item.fspath)) for item in items]
+    counts = Counter(names)
     is_selection = any('::' in word for word in config.args)
     for item, name in zip(items, names):
         if name in _asked:
-            proof = _asked[name]._replace(tests=0 if is_selection else names.count(name))
+            proof = _asked[name]._replace(tests=0 if is_selection else counts[name])
             item.user_properties.append(('proof', json.dumps(proof)))
-    items.sort(key=lambda item: _name(Path(item.fspath)) not in _asked)
+    items.sort(key=lambda item: _name(str(item.fspath)) not in _asked)
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
