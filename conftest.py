@@ -16,6 +16,7 @@ import gc
 import os
 import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Callable, Iterator, TypeVar
@@ -58,6 +59,23 @@ def pytest_configure() -> None:
                 gc.enable()
 
     pytest.MonkeyPatch().setattr(ast, 'parse', parse_alone)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown() -> None:
+    """Fails a test that leaves work behind that a node does repeatedly.
+
+    Such work goes on beside all later tests of this process: it takes their time, and its warnings
+    fill their memory.
+    """
+    owners = [getattr(getattr(thread, '_target', None), '__self__', None)
+              for thread in threading.enumerate()]
+    left = [owner for owner in owners if type(owner).__module__ == 'node_lifecycle.periodic'
+            and not owner._ended.is_set()]
+    for owner in left:
+        owner.shutdown()
+    if left:
+        pytest.fail(f'left behind: {[owner._name for owner in left]}', pytrace=False)
 
 
 # -- a disk that becomes full, read-only or missing ------------------------------------------------
