@@ -1,4 +1,4 @@
-"""Settings for all unit tests: the number of examples of hypothesis, and a small disk.
+"""Settings for all unit tests: the number of examples of hypothesis, proofs, and a small disk.
 
 No example has a deadline, because a loaded machine is no defect. By default each run tries the same
 examples, so that a result depends only on the change. With LD90_LONG_TESTS=1 (scripts/test.sh
@@ -16,6 +16,7 @@ import gc
 import os
 import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Callable, Iterator, TypeVar
@@ -23,6 +24,8 @@ from typing import Any, Callable, Iterator, TypeVar
 import pytest
 from hypothesis import HealthCheck, settings
 
+sys.path.append(str(Path(__file__).parent / 'test'))
+pytest_plugins = ['proofs']
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 settings.register_profile('project', deadline=None, max_examples=500 if LONG else 60,
@@ -56,6 +59,23 @@ def pytest_configure() -> None:
                 gc.enable()
 
     pytest.MonkeyPatch().setattr(ast, 'parse', parse_alone)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown() -> None:
+    """Fails a test that leaves work behind that a node does repeatedly.
+
+    Such work goes on beside all later tests of this process: it takes their time, and its warnings
+    fill their memory.
+    """
+    owners = [getattr(getattr(thread, '_target', None), '__self__', None)
+              for thread in threading.enumerate()]
+    left = [owner for owner in owners if type(owner).__module__ == 'node_lifecycle.periodic'
+            and not owner._ended.is_set()]
+    for owner in left:
+        owner.shutdown()
+    if left:
+        pytest.fail(f'left behind: {[owner._name for owner in left]}', pytrace=False)
 
 
 # -- a disk that becomes full, read-only or missing ------------------------------------------------

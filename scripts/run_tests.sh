@@ -1,23 +1,26 @@
 #!/usr/bin/env bash
 # Runs tests of a built workspace, one after the other, and writes JUnit files into a folder. scripts/test.sh and
-# `catkin_make run_tests` call it; people call scripts/test.sh. TEST_JOBS=2 runs two tests at a time. If at most three tests
-# fail beside others, they run once more, alone, and the second result counts; the summary names them.
+# `catkin_make run_tests` call it; people call scripts/test.sh. TEST_JOBS=2 runs two tests at a time.
 #
 #   run_tests.sh RESULTS unit             the unit tests
 #   run_tests.sh RESULTS python3.8        tests of imports and properties without ROS under Python 3.8, if it is
 #                                         installed; with LD90_LONG_TESTS=1 every unit test without ROS
-#   run_tests.sh RESULTS once-more        the failed tests of both
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
+#   run_tests.sh RESULTS once-more        tests that failed beside others, alone: at most three of each kind. The second
+#                                         result counts; the summary names them
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# -ge 2 ] || { sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
+[ $# -ge 2 ] || { sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
 results="$1" kind="$2"; shift 2
 cd "$root"
 export PATH="$root/devel/bin:/usr/bin:$PATH"  # the workspace's ROS master, and ROS's python3
 mkdir -p "$results" build/artefacts
 export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
 unset ROS_HOSTNAME DISPLAY
+# Without a place for compiled modules each process, and there are hundreds, would compile them again.
+unset PYTHONDONTWRITEBYTECODE
+export PYTHONPYCACHEPREFIX="$root/build/pycache"
 if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
 
 jobs="${TEST_JOBS:-1}"
@@ -63,7 +66,7 @@ unit_tests_of_python38() {
   fi
 }
 
-failed_once_more() {  # runs failed unit tests again: other tests may have taken the CPU time that they needed
+failed_units_once_more() {  # runs failed unit tests again: other tests may have taken the CPU time that they needed
   local suite failed
   for suite in unit python38; do
     failed="$(/usr/bin/python3 scripts/test_results.py failed "$results/$suite.xml" 2>/dev/null)" || continue
@@ -74,6 +77,12 @@ failed_once_more() {  # runs failed unit tests again: other tests may have taken
         /usr/bin/python3 scripts/test_results.py once-more "$results/$suite.xml" "$results/$suite.again.xml"
     fi
   done
+}
+
+prepare_system_tests() {  # prepare_system_tests NAME...: gets what they need, and lets them import each other's helpers
+  case " $*" in *' multimaster'*) join_masters_for_tests ;; esac
+  case " $* " in *' vda5050 '*) provide_vda5050_schemas ;; esac
+  export PYTHONPATH="$root/test${PYTHONPATH:+:$PYTHONPATH}"
 }
 
 join_masters_for_tests() {  # with fkie multimaster if it is available; the summary says by which program
@@ -116,12 +125,14 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
 mounts_alone=()
 ! unshare --mount true 2>/dev/null || mounts_alone=(unshare --mount env LD90_MOUNTS_ALONE=1)
 
+known="$root/build/system_tests.seconds"
+
 system_tests() {  # TEST_JOBS tests at a time, the longest first: by the last run, or by their time limits
-  local name running=0 known="$root/build/system_tests.seconds"
+  local name running=0
   rm -f "$results/failed"
+  prepare_system_tests "$@"
   touch "$known"
   set -- $(/usr/bin/python3 scripts/test_results.py longest-first "$known" "$@")
-  export PYTHONPATH="$root/test${PYTHONPATH:+:$PYTHONPATH}"
   trap 'kill -TERM $(jobs -p); wait; exit 130' INT TERM  # the tests end when the script is ended
   for name in "$@"; do
     if [ "$running" -ge "$jobs" ]; then wait -n || true; running=$((running - 1)); fi
@@ -129,18 +140,25 @@ system_tests() {  # TEST_JOBS tests at a time, the longest first: by the last ru
     running=$((running + 1))
   done
   wait
-  if [ "$jobs" -gt 1 ] && [ $# -gt 1 ] && [ -f "$results/failed" ]; then once_more_alone; fi
-  cp "$results/system_tests.seconds" "$known.new"
-  awk '{print $2}' "$known.new" | grep -vwFf - "$known" >>"$known.new" || true  # keeps the lines of tests that did not run now
-  mv "$known.new" "$known"
-  rm -rf "$results/ros" "$results/failed"
+  [ "$jobs" -gt 1 ] && [ $# -gt 1 ] || rm -f "$results/failed"  # they did not fail beside others
+  keep_seconds
 }
 
-once_more_alone() {  # runs failed tests again: other tests may have taken the CPU time that they needed
-  local name failed; mapfile -t failed <"$results/failed"
+keep_seconds() {  # keeps the durations of this run, and those of tests that did not run now
+  rm -rf "$results/ros"
+  cp "$results/system_tests.seconds" "$known.new"
+  awk '{print $2}' "$known.new" | grep -vwFf - "$known" >>"$known.new" || true
+  mv "$known.new" "$known"
+}
+
+failed_system_tests_once_more() {
+  local name failed; [ -f "$results/failed" ] || return 0
+  mapfile -t failed <"$results/failed"
+  rm "$results/failed"
   [ ${#failed[@]} -le 3 ] || return 0
+  prepare_system_tests "${failed[@]}"
   for name in "${failed[@]}"; do
-    say "  $name failed beside another test. It runs once more, alone, and the second result counts"
+    say "$name failed beside other tests. It runs once more, alone, and the second result counts"
     mv "$results/$name.log" "$results/$name.first_try.log"
     rm -rf "$root/build/ros_home/$name.first_try"
     mv "$root/build/ros_home/$name" "$root/build/ros_home/$name.first_try"
@@ -148,15 +166,13 @@ once_more_alone() {  # runs failed tests again: other tests may have taken the C
     echo "system test $name failed beside another one, and ran once more, alone" >>"$results/once_more.note"
     system_test "$name" "$(free_port)" "$(free_port)"
   done
+  keep_seconds
 }
 
 case "$kind" in
   unit) provide_vda5050_schemas; provide_z3; unit_tests ;;
   python3.8) unit_tests_of_python38 ;;
-  once-more) failed_once_more ;;
-  system)
-    case " $*" in *' multimaster'*) join_masters_for_tests ;; esac
-    case " $* " in *' vda5050 '*) provide_vda5050_schemas ;; esac
-    system_tests "$@" ;;
-  *) die "there are no tests '$kind'; choose from: unit, python3.8, once-more, system" ;;
+  system) system_tests "$@" ;;
+  once-more) failed_units_once_more; failed_system_tests_once_more ;;
+  *) die "there are no tests '$kind'; choose from: unit, python3.8, system, once-more" ;;
 esac

@@ -9,8 +9,8 @@
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots. FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz) if
 # GitHub cannot be reached. VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, which are tested too;
 # it has one folder per version (2.0.0/state.schema). TEST_JOBS, the number of processors for the tests; default 2, or 1 on a
-# machine with one. With 2, three unit tests run at a time, because many wait for sockets, and four system tests, which mostly
-# wait for robots that drive.
+# machine with one. With 2, unit and system tests run at the same time: three unit tests, because many wait for sockets, and four
+# system tests, which mostly wait for robots that drive. Proofs run whole if a file that they read has changed since they passed.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -106,20 +106,35 @@ lint() {
 
 wants() { [ -z "$only" ] || [ "$only" = "$1" ]; }
 
+lint_and_python38() { ! wants lint || lint; ! wants unit || scripts/run_tests.sh "$results" python3.8; }
+
+unit() { ! wants unit || nice -n 5 scripts/run_tests.sh "$results" unit; }
+
+system() {
+  [ ${#system_tests[@]} -gt 0 ] || return 0
+  say "System tests"
+  TEST_JOBS=$((TEST_JOBS > 1 ? 2 * TEST_JOBS : 1)) scripts/run_tests.sh "$results" system "${system_tests[@]}"
+}
+
+declare -A running=()
+beside() {  # beside NICENESS NAME: runs a function beside the next ones; `finish` prints what it said
+  (renice -n "$1" -p "$BASHPID" >/dev/null || true; "$2") >"$results/$2.log" 2>&1 &
+  running["$2"]=$!
+}
+
+finish() {
+  local name
+  for name in "${!running[@]}"; do
+    wait "${running[$name]}" || record "$results" failed "$name" "see $results/$name.log"
+    cat "$results/$name.log"
+  done
+}
+
+trap 'for name in "${!running[@]}"; do pkill -P "${running[$name]}" || true; done' EXIT
 export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
-if [ ${#system_tests[@]} = 0 ]; then
-  if wants unit; then
-    [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
-    provide_vda5050_schemas  # before the tests that run beside each other
-    provide_z3
-  fi
-  # Lint and Python 3.8 run beside the unit tests, which often wait for sockets and robots.
-  { ! wants lint || lint; ! wants unit || scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
-  trap "pkill -P $! || true" EXIT
-  ! wants unit || scripts/run_tests.sh "$results" unit
-  wait
-  cat "$results/beside.log"
-  ! wants unit || scripts/run_tests.sh "$results" once-more
+if [ ${#system_tests[@]} -gt 0 ]; then
+  system
+else
   for file in $(! wants system || ls test/*.test); do
     name="$(basename "$file" .test)"
     if [ -z "${LD90_LONG_TESTS:-}" ] && [[ $long_only = *" $name "* ]]; then
@@ -128,10 +143,23 @@ if [ ${#system_tests[@]} = 0 ]; then
       system_tests+=("$name")
     fi
   done
+  if wants unit; then
+    [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
+    provide_vda5050_schemas  # before the tests that run beside each other
+    provide_z3
+  fi
+  # All parts run at the same time, because unit tests mostly compute, and system tests mostly wait for robots that drive.
+  # What a robot's time depends on comes first: system tests, then unit tests, then lint.
+  beside 10 lint_and_python38
+  if [ "$TEST_JOBS" -gt 1 ] && wants unit; then
+    beside 0 system
+    unit
+    finish
+  else
+    unit
+    finish
+    system
+  fi
 fi
-if [ ${#system_tests[@]} -gt 0 ]; then
-  say "System tests"
-  [ "$TEST_JOBS" -le 1 ] || TEST_JOBS=$((2 * TEST_JOBS))
-  scripts/run_tests.sh "$results" system "${system_tests[@]}"
-fi
+scripts/run_tests.sh "$results" once-more
 /usr/bin/python3 scripts/test_results.py summary "$results"

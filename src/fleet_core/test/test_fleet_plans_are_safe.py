@@ -5,7 +5,6 @@ plans.
 """
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from random import Random
 
@@ -16,6 +15,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from plan_checker import World, faults
 from plan_replay import replay, replay_faults
+from proofs import LONG, is_whole
 
 from fleet_core.files.plan_file import solved_plan
 from fleet_core.fleet import Fleet
@@ -28,11 +28,12 @@ from trajectory_graph import GraphError
 
 # -- plans -----------------------------------------------------------------------------------------
 
-LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+WHOLE = is_whole(__file__)
+EXAMPLES = max(2, settings.default.max_examples * 2 // (5 if WHOLE else 15))
 
 
 @pytest.mark.parametrize('search', [find_path, layered(0.5)], ids=['safe_intervals', 'layers'])
-@settings(max_examples=2000 if LONG else settings.default.max_examples * 2 // 5,
+@settings(max_examples=2000 if LONG else EXAMPLES,
           suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
@@ -52,7 +53,7 @@ def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
 def test_many_drives_under_random_delays_come_near_nobody():
     """Measured in drives; with LD90_LONG_TESTS=1 a million of them."""
     driven, seed = 0, 0
-    while driven < (1_000_000 if LONG else 2_000):
+    while driven < (1_000_000 if LONG else 2_000 if WHOLE else 500):
         seed += 1
         random = Random(seed)
         try:
@@ -74,7 +75,7 @@ def test_many_drives_under_random_delays_come_near_nobody():
 def test_robots_between_vertices_find_out_of_a_tangle_like_others():
     """Not slower than the same robots on the vertices behind them; fixed instances."""
     solved = {True: 0, False: 0}
-    for seed in range(200 if LONG else 30):
+    for seed in range(200 if LONG else 30 if WHOLE else 20):
         try:
             case = MidEdgeCase(Random(seed))
         except GraphError:
@@ -84,7 +85,7 @@ def test_robots_between_vertices_find_out_of_a_tangle_like_others():
     assert solved[True] >= solved[False] > 5
 
 
-@settings(max_examples=1000 if LONG else settings.default.max_examples * 2 // 5,
+@settings(max_examples=1000 if LONG else EXAMPLES,
           suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_plans_of_robots_between_vertices_are_safe_whatever_the_delays(seed):
@@ -149,7 +150,7 @@ def running_fleet(seed):
         return assume(False)
 
 
-@settings(max_examples=1000 if LONG else settings.default.max_examples * 2 // 5,
+@settings(max_examples=1000 if LONG else EXAMPLES,
           suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_every_answer_is_safe_and_drives_no_closed_edge(seed):
@@ -172,7 +173,7 @@ def test_every_answer_is_safe_and_drives_no_closed_edge(seed):
         assert set(outcome.drives) == {task.name for task in fleet.tasks}
 
 
-@settings(max_examples=500 if LONG else settings.default.max_examples // 5,
+@settings(max_examples=500 if LONG else EXAMPLES // 2,
           suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_who_is_blocked_keeps_the_plan_that_it_owns(seed):

@@ -1,11 +1,12 @@
 """Files and modules that the documents name must exist; further rules for pages and text."""
 from __future__ import annotations
 
+import functools
 import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import List, Set
+from typing import FrozenSet, List, Set
 
 import pytest
 
@@ -90,13 +91,14 @@ def is_module(name: str) -> bool:
         folder.parent.with_suffix('.py').is_file())
 
 
-def names_of_tests() -> Set[str]:
+@functools.lru_cache(maxsize=None)
+def names_of_tests() -> FrozenSet[str]:
     """The names and paths of all files of tests, and the names of the tests in them."""
     found: Set[str] = set()
     for file in (*ROOT.glob('test/*_test.py'), *ROOT.glob('src/*/test/**/test_*.py')):
         found |= {file.name, name_of(file)}
         found.update(re.findall(r'^ *def (test_\w+)\(', file.read_text(encoding='utf-8'), re.M))
-    return found
+    return frozenset(found)
 
 
 @pytest.mark.parametrize('document', [document for document in DOCUMENTS

@@ -8,6 +8,7 @@ import ast
 import io
 import re
 import tokenize
+from functools import lru_cache
 from pathlib import Path
 from typing import Dict, List, NamedTuple, Set
 
@@ -44,6 +45,7 @@ def plain(identifier: str) -> str:
     return word[:-1] if word.endswith('s') else word
 
 
+@lru_cache(maxsize=None)
 def identifiers() -> Dict[str, Set[str]]:
     """Plain identifiers, with names of modules, and the packages in which they occur."""
     found: Dict[str, Set[str]] = {}
@@ -56,9 +58,6 @@ def identifiers() -> Dict[str, Set[str]]:
         for name in names:
             found.setdefault(plain(name), set()).add(package)
     return found
-
-
-IDENTIFIERS = identifiers()
 
 
 def test_terms_are_sorted_and_stand_once():
@@ -75,7 +74,7 @@ def test_a_meaning_is_one_sentence(row):
 
 @pytest.mark.parametrize('word', sorted(word for row in rows() for word in row.replaced))
 def test_a_replaced_word_is_no_identifier(word):
-    found = IDENTIFIERS.get(plain(word), set())
+    found = identifiers().get(plain(word), set())
     if word in FLEET_ONLY:
         assert found and found.isdisjoint(FLEET)
     else:

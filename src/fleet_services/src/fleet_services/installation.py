@@ -14,6 +14,9 @@ from functools import partial
 from pathlib import Path
 from typing import Dict, Iterable, List, Mapping, Tuple
 
+from roslaunch.config import load_config_default
+from roslaunch.core import RLException
+from roslaunch.node_args import get_node_list
 from roslib.packages import find_node
 
 from fleet_bringup.command import gather
@@ -269,11 +272,11 @@ def _watched(text: str, name: str, nodes: List[str]) -> str:
 
 def _nodes_of(launch: Path) -> List[str]:
     """The nodes of a launch file that have a watchdog of this project."""
-    done = subprocess.run(['roslaunch', '--nodes', str(launch)], check=False, text=True,
-                          capture_output=True)
-    if done.returncode:
-        raise NotInstalled(f'{launch} cannot be read by roslaunch: {done.stderr.strip()}')
-    return [name for name in done.stdout.split() if not NOT_WATCHED.match(name)]
+    try:
+        read = load_config_default([str(launch)], None, verbose=False, assign_machines=False)
+    except RLException as error:
+        raise NotInstalled(f'{launch} cannot be read by roslaunch: {error}') from None
+    return [name for name in get_node_list(read) if not NOT_WATCHED.match(name)]
 
 
 def _program(name: str) -> str:

@@ -18,14 +18,20 @@ from fleet_services import command, installation
 from fleet_services.command import main
 
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
+FINISHED_MAP = Path(__file__).resolve().parents[4] / 'maps' / 'lab.map'
 
 
-def make_site(folder: Path) -> Path:
+def make_site(folder: Path, map_file: str = '') -> Path:
+    """The files of a site. Without a finished map its installation makes one, in seconds."""
     (folder / 'tokens').write_text(TOKENS)
     (folder / 'tokens').chmod(0o600)
-    (folder / 'site.yaml').write_text(
-        'name: hall\nrobots_per_unit: 1\narguments: {fleet: 2, token_file: tokens}\n')
+    write_site(folder, f'fleet: 2, token_file: tokens, map_file: "{map_file}"')
     return folder
+
+
+def write_site(folder: Path, arguments: str, name: str = 'hall', robots_per_unit: int = 1) -> None:
+    (folder / 'site.yaml').write_text(
+        f'name: {name}\nrobots_per_unit: {robots_per_unit}\narguments: {{{arguments}}}\n')
 
 
 @pytest.fixture
@@ -33,13 +39,21 @@ def site() -> Iterator[Path]:
     """A site in a folder that all users reach."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o755)
-        yield make_site(Path(folder))
+        yield make_site(Path(folder), str(FINISHED_MAP))
 
 
 @pytest.fixture(scope='module')
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder below which a site is installed."""
     return install(make_site(tmp_path_factory.mktemp('site')))
+
+
+@pytest.fixture
+def installed(site: Path, root: Path) -> Path:
+    """The folder below which `site` is installed: a copy of the shared one, for a test that
+    changes it.
+    """
+    return Path(shutil.copytree(root, site / 'root', symlinks=True))
 
 
 @pytest.fixture(autouse=True, scope='module')
@@ -82,18 +96,17 @@ def test_a_secret_is_for_its_owner_only_and_stands_in_no_other_file(root):
             and TOKENS.split()[-1] in file.read_text(errors='replace')] == []
 
 
-def test_a_unit_that_a_changed_site_lacks_goes(site):
-    root = install(site)
-    (site / 'site.yaml').write_text('name: hall\narguments: {fleet: 1, page: false}\n')
+def test_a_unit_that_a_changed_site_lacks_goes(site, installed):
+    write_site(site, f'fleet: 1, page: false, map_file: {FINISHED_MAP}')
     install(site)
-    assert {unit.name for unit in (root / 'etc/systemd/system').glob('*.service')} == {
+    assert {unit.name for unit in (installed / 'etc/systemd/system').glob('*.service')} == {
         f'fleet-hall-{name}.service' for name in ('master', 'simulators', 'robots-1', 'manager')}
-    assert not (root / 'etc/fleet/hall/secrets').exists()
+    assert not (installed / 'etc/fleet/hall/secrets').exists()
 
 
-def test_remove_leaves_the_data_and_purge_does_not(site, capsys):
-    root = install(site)
-    (site / 'site.yaml').write_text('name: hall-2\narguments: {fleet: 1}\n')
+def test_remove_leaves_the_data_and_purge_does_not(site, installed, capsys):
+    root = installed
+    write_site(site, f'fleet: 1, map_file: {FINISHED_MAP}', 'hall-2')
     install(site)
     journal = root / 'var/lib/fleet/hall/graph_fleet_manager/fleet.sqlite'
     journal.parent.mkdir(parents=True)
@@ -110,8 +123,8 @@ def test_remove_leaves_the_data_and_purge_does_not(site, capsys):
     assert 'There is no site hall' in capsys.readouterr().err
 
 
-def test_a_site_that_cannot_be_made_anew_keeps_its_files(site, capsys):
-    root = install(site)
+def test_a_site_that_cannot_be_made_anew_keeps_its_files(site, installed, capsys):
+    root = installed
     before = {file: file.read_bytes() for file in root.rglob('*') if file.is_file()}
     (site / 'tokens').unlink()
     assert main(['--root', str(root), str(site / 'site.yaml')]) == 1
@@ -224,8 +237,8 @@ def test_a_site_of_1_0_0_loses_no_file(site, image, capsys):
 def test_a_robot_that_gets_another_unit_takes_its_files_along(site, image):
     home = make_site_of_1_0_0(image)
     install(site)
-    (site / 'site.yaml').write_text(
-        'name: hall\nrobots_per_unit: 2\narguments: {fleet: 2, token_file: tokens}\n')
+    write_site(site, f'fleet: 2, token_file: tokens, map_file: {FINISHED_MAP}',
+               robots_per_unit=2)
     install(site)
     names = {name: 'robots-1' if unit == 'robots-2' else unit for name, unit in STATE.items()}
     assert [name for name, unit in names.items() if not (home / unit / name).is_file()] == []

@@ -7,7 +7,6 @@
 """
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from typing import Dict, List, Sequence
 
@@ -15,6 +14,7 @@ import pytest
 from fleet_builders import AGV, corridor
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from proofs import LONG, is_whole
 
 from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
@@ -34,7 +34,8 @@ from world.chaos import (
 )
 from world.supervised_fleet import SupervisedFleet
 
-LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+WHOLE = is_whole(__file__)
+EXAMPLES = max(1, settings.default.max_examples // (4 if WHOLE else 12))
 SLOW = RobotType('slow', 0.4, 0.3)
 PAUSES = st.sampled_from((0.1, 0.3, 0.8, 2.0, 4.0))
 MOMENTS = st.sampled_from(('now', 'now', 'order', 'plan'))
@@ -72,7 +73,7 @@ def lives(draw: st.DrawFn) -> List[Event]:
             *draw(st.lists(events, min_size=count, max_size=count))]
 
 
-@settings(max_examples=1000 if LONG else settings.default.max_examples // 4, deadline=None,
+@settings(max_examples=1000 if LONG else EXAMPLES, deadline=None,
           suppress_health_check=list(HealthCheck))
 @given(fleets(), lives())
 def test_whatever_happens_to_a_fleet_its_promises_are_kept(fleet: SupervisedFleet,
@@ -138,7 +139,7 @@ def swap(crash_at: int) -> SupervisedFleet:
 
 def test_the_supervisor_may_die_at_every_single_commit() -> None:
     whole = swap(crash_at=10 ** 6)
-    for commit in range(1, whole.journal.commits + 1, 1 if LONG else 3):
+    for commit in range(1, whole.journal.commits + 1, 1 if LONG else 3 if WHOLE else 9):
         fleet = swap(commit)
         for name, agv in fleet.agvs.items():
             assert agv.visited[-1] == whole.agvs[name].visited[-1], f'death at commit {commit}'

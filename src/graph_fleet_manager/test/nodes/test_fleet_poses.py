@@ -13,7 +13,7 @@ from itrci_nav_msgs.msg import ExecutionRouteStates  # noqa: E402
 
 @pytest.fixture
 def topic():
-    with patch.object(fleet_poses.rospy, 'Publisher'), patch.object(fleet_poses.rospy, 'Timer'):
+    with patch.object(fleet_poses.rospy, 'Publisher'), patch.object(fleet_poses, 'Periodic'):
         yield fleet_poses.FleetPosesTopic(['a', 'b'])
 
 

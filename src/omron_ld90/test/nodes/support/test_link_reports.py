@@ -28,7 +28,7 @@ def topic(monkeypatch) -> Topic:
     published = Topic()
     monkeypatch.setattr(rospy, 'Publisher', lambda *_, **__: published)
     monkeypatch.setattr(rospy, 'on_shutdown', lambda _: None)
-    monkeypatch.setattr(rospy, 'Timer', lambda *_: type('Timer', (), {'shutdown': None}))
+    monkeypatch.setattr(link_reports, 'Periodic', lambda *_: None)
     monkeypatch.setattr(rospy.Time, 'now', staticmethod(lambda: rospy.Time(100)))
     return published
 

@@ -1,0 +1,138 @@
+"""Proofs run whole when a file that they read has changed since they passed, and with --long."""
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Dict
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+FILES = {
+    'src/one/src/one/__init__.py': '',
+    'src/one/src/one/inner.py': 'from two.limits import MOST\n',
+    'src/two/src/two/__init__.py': '',
+    'src/two/src/two/limits.py': 'MOST = 3\n',
+    'src/two/src/two/other.py': 'LEAST = 1\n',
+    'src/one/test/counting.py': 'import one.inner\n',
+    'src/one/test/test_proof.py': '''
+import os
+from counting import one
+from proofs import is_whole
+WHOLE = is_whole(__file__)
+def test_a():
+    print('whole' if WHOLE else 'default')
+def test_b():
+    assert one.inner.MOST < 10
+'''}
+
+
+class Workspace:
+    """A small workspace with one proof."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        for name, text in FILES.items():
+            self.write(name, text)
+        self.write('pytest.ini', '[pytest]\n')
+        for name in ('conftest.py', 'test/proofs.py'):
+            (folder / name).parent.mkdir(exist_ok=True)
+            shutil.copy(str(ROOT / name), str(folder / name))
+
+    def write(self, name: str, text: str) -> None:
+        (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (self.folder / name).write_text(text)
+
+    def extent(self, *options: str, **environment: str) -> str:
+        """How the proof ran: `whole` or `default`."""
+        known = {name: value for name, value in os.environ.items()
+                 if name not in ('LD90_LONG_TESTS', 'HYPOTHESIS_PROFILE', 'PYTEST_XDIST_WORKER')}
+        path = os.pathsep.join(str(self.folder / 'src' / name / 'src') for name in ('one', 'two'))
+        told = subprocess.run(
+            [sys.executable, '-m', 'pytest', '-s', '-q', '-p', 'no:cacheprovider',
+             *(options or ('src',))], cwd=str(self.folder), check=False, text=True,
+            stdout=subprocess.PIPE, env={**known, 'PYTHONPATH': path,
+                                         'PYTHONDONTWRITEBYTECODE': '1', **environment}).stdout
+        is_whole = '1 proofs ran whole' in told
+        assert '-n' in options or is_whole == ('whole\n' in told), told  # workers print nothing
+        return 'whole' if is_whole else 'default'
+
+
+@pytest.fixture
+def tested(tmp_path: Path) -> Workspace:
+    """A workspace whose proof has passed once."""
+    workspace = Workspace(tmp_path)
+    assert workspace.extent() == 'default'
+    return workspace
+
+
+def test_a_proof_runs_whole_once_after_a_change_of_a_file_that_it_reads(tested):
+    assert tested.extent() == 'default'
+    tested.write('src/two/src/two/limits.py', 'MOST = 4\n')  # read through two other files
+    assert tested.extent() == 'whole'
+    assert tested.extent() == 'default'
+
+
+def test_a_proof_does_not_run_whole_after_a_change_of_another_file(tested):
+    tested.write('src/two/src/two/other.py', 'LEAST = 2\n')
+    assert tested.extent() == 'default'
+
+
+@pytest.mark.parametrize('selection', [
+    ('src/one/test/test_proof.py::test_a',), ('src', '-k', 'test_a'),
+    ('src', '-n', '2', '-k', 'test_a')])
+def test_a_proof_that_ran_in_part_is_not_recorded(tested, selection):
+    tested.write('src/two/src/two/limits.py', 'MOST = 4\n')
+    assert tested.extent(*selection) == 'whole'
+    assert tested.extent() == 'whole'
+
+
+def test_a_proof_that_failed_runs_whole_until_it_passes(tested):
+    for most in (11, 11, 5):
+        tested.write('src/two/src/two/limits.py', f'MOST = {most}\n')
+        assert tested.extent() == 'whole'
+    assert tested.extent() == 'default'
+
+
+def test_with_long_a_proof_runs_whole(tested):
+    assert tested.extent(LD90_LONG_TESTS='1') == 'whole'
+
+
+def test_several_processes_record_together(tested):
+    tested.write('src/two/src/two/limits.py', 'MOST = 4\n')
+    tested.extent('src', '-n', '2')
+    assert tested.extent() == 'default'
+
+
+def test_a_second_python_version_proves_nothing(tested):
+    tested.write('src/two/src/two/limits.py', 'MOST = 4\n')
+    assert tested.extent(HYPOTHESIS_PROFILE='compatibility') == 'default'
+    assert tested.extent() == 'whole'
+
+
+@pytest.mark.parametrize('name', ['fleet_simulation/test/test_guards.py',
+                                  'fleet_core/test/interlocking/test_yard.py'])
+def test_all_that_is_loaded_with_a_proof_is_read_by_it(name, tmp_path):
+    """Files of the workspace that a process has loaded when it has imported the proof."""
+    (tmp_path / 'loaded.py').write_text('''
+import sys
+from pathlib import Path
+def pytest_collection_finish(session):
+    import proofs
+    read = proofs.read_by(Path(str(session.items[0].fspath)))
+    for module in list(sys.modules.values()):
+        file = Path(getattr(module, '__file__', None) or '/')
+        if proofs.ROOT in file.parents and file.suffix == '.py' and file not in read:
+            print('not read:', file)
+''')
+    environment: Dict[str, str] = {**os.environ, 'PYTHONPATH': os.pathsep.join(
+        [str(tmp_path), *map(str, ROOT.glob('src/*/src')), os.environ.get('PYTHONPATH', '')])}
+    told = subprocess.run(
+        [sys.executable, '-m', 'pytest', '-s', '-q', '--collect-only', '-p', 'no:cacheprovider',
+         '-p', 'loaded', str(ROOT / 'src' / name)], cwd=str(ROOT), check=True, text=True,
+        stdout=subprocess.PIPE, env=environment).stdout
+    assert name in told
+    assert [line for line in told.splitlines() if line.startswith('not read:')] == []

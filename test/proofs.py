@@ -1,0 +1,183 @@
+"""Proofs run whole when a file that they read has changed since they passed, and with --long.
+
+A proof is a file of tests that searches all states of code without I/O, or a great many random
+lives. Whole, it takes long. So its file asks `is_whole(__file__)` for the bounds of its searches:
+
+    WHOLE = is_whole(__file__)
+    LIVES = 60 if LONG else 20 if WHOLE else 5
+
+The answer depends on contents alone: on those of the file, of all files of the workspace that it
+imports, directly or not, and of the `conftest.py` above it. When all tests of the file have passed,
+`RECORD` keeps the hash of these contents. Other contents than the recorded ones are searched whole.
+A clone that was never tested has no record: its first run searches to the default bounds.
+The root's conftest.py loads this module as a plugin of pytest.
+"""
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+import os
+import sys
+from collections import Counter, defaultdict
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, NamedTuple, Set
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+RECORD = ROOT / 'build' / 'proofs.json'
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+# A second Python version only looks for code that does not work there at all: it proves nothing.
+PROVES = os.environ.get('HYPOTHESIS_PROFILE') != 'compatibility'
+
+
+class Proof(NamedTuple):
+    """What the report of a test tells about the proof to which it belongs.
+
+    file  -- below the root
+    tests -- number of tests in the file; 0: only some of them were asked for
+    """
+
+    file: str
+    key: str
+    is_whole: bool
+    tests: int
+
+
+def is_whole(file: str) -> bool:
+    """Whether the proofs in this file of tests run whole now."""
+    name, key = _name(file), key_of(Path(file))
+    whole = PROVES and (LONG or recorded().get(name, key) != key)
+    _asked[name] = Proof(name, key, whole, 0)
+    return whole
+
+
+def key_of(file: Path) -> str:
+    """The hash of all contents on which the result of the proofs in this file depends."""
+    digest = hashlib.sha256(repr(sys.version_info[:2]).encode())
+    for one in sorted(read_by(file)):
+        content = hashlib.sha256(one.read_bytes()).hexdigest()
+        digest.update(f'\n{_name(str(one))} {content}'.encode())
+    return digest.hexdigest()
+
+
+def read_by(file: Path) -> Set[Path]:
+    """The files of the workspace that this one imports, directly or not, itself, and the
+    `conftest.py` above it.
+    """
+    waiting = [file, *(folder / 'conftest.py' for folder in file.parents
+                       if (folder / 'conftest.py').exists() and ROOT in (folder, *folder.parents))]
+    found: Set[Path] = set()
+    while waiting:
+        one = waiting.pop()
+        if one not in found:
+            found.add(one)
+            waiting.extend(path for name in _imports_of(one)
+                           for path in _modules().get(name, ()))
+    return found
+
+
+def recorded() -> Dict[str, str]:
+    """The key of each proof with which it passed last."""
+    try:
+        return dict(json.loads(RECORD.read_text(encoding='utf-8')))
+    except (OSError, ValueError):
+        return {}
+
+
+_asked: Dict[str, Proof] = {}
+_proofs: Dict[str, Proof] = {}  # those that ran
+_passed: Dict[str, Dict[str, bool]] = defaultdict(dict)  # by file and test
+
+
+@lru_cache(maxsize=None)
+def _name(file: str) -> str:
+    return Path(file).resolve().relative_to(ROOT).as_posix()
+
+
+@lru_cache(maxsize=None)
+def _imports_of(file: Path) -> Set[str]:
+    """The names that a file imports, with all packages around them; some are no modules."""
+    names: Set[str] = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {str(node.module), *(f'{node.module}.{alias.name}' for alias in node.names)}
+    return {around for name in names for around in _and_packages(name)}
+
+
+def _and_packages(name: str) -> Iterator[str]:
+    words = name.split('.')
+    return ('.'.join(words[:count]) for count in range(1, len(words) + 1))
+
+
+@lru_cache(maxsize=None)
+def _modules() -> Dict[str, List[Path]]:
+    """All Python files of the workspace by the name under which they can be imported. A name of
+    two files stands for both.
+    """
+    found: Dict[str, List[Path]] = defaultdict(list)
+    for file in (*ROOT.glob('src/*/src/**/*.py'), *ROOT.glob('src/*/test/**/*.py'),
+                 *ROOT.glob('test/*.py')):
+        words = [] if file.stem == '__init__' else [file.stem]
+        folder = file.parent
+        while (folder / '__init__.py').exists():
+            words.insert(0, folder.name)
+            folder = folder.parent
+        found['.'.join(words)].append(file)
+    return found
+
+
+# -- hooks of pytest -------------------------------------------------------------------------------
+
+
+@pytest.hookimpl(tryfirst=True)  # before any test is deselected
+def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
+    """Adds to each test of a proof what its report must tell. Proofs take longest and begin first.
+    """
+    names = [_name(str(item.fspath)) for item in items]
+    counts = Counter(names)
+    is_selection = any('::' in word for word in config.args)
+    for item, name in zip(items, names):
+        if name in _asked:
+            proof = _asked[name]._replace(tests=0 if is_selection else counts[name])
+            item.user_properties.append(('proof', json.dumps(proof)))
+    items.sort(key=lambda item: _name(str(item.fspath)) not in _asked)
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Notes whether a test of a proof has passed."""
+    for name, value in report.user_properties:
+        if name == 'proof':
+            proof = Proof(*json.loads(str(value)))
+            _proofs[proof.file] = proof
+            passed = _passed[proof.file]
+            passed[report.nodeid] = report.passed and passed.get(report.nodeid, True)
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Records the proofs of which each test has passed, and writes a note about all that ran."""
+    if hasattr(session.config, 'workerinput') or not _proofs or not PROVES:
+        return
+    passed = {file: proof.key for file, proof in _proofs.items()
+              if len(_passed[file]) == proof.tests and all(_passed[file].values())}
+    RECORD.parent.mkdir(exist_ok=True)
+    RECORD.write_text(json.dumps({**recorded(), **passed}, indent=1, sort_keys=True),
+                      encoding='utf-8')
+    if session.config.option.xmlpath:
+        Path(session.config.option.xmlpath).with_suffix('.proofs.note').write_text(_told() + '\n')
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Tells how many proofs ran whole."""
+    if _proofs and PROVES:
+        terminalreporter.write_line(_told())
+
+
+def _told() -> str:
+    whole = [proof.is_whole for proof in _proofs.values()]
+    return (f'{sum(whole)} proofs ran whole; {whole.count(False)} were not repeated whole, because '
+            'nothing that they prove has changed since this workspace was tested')
