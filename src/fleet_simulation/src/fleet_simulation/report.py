@@ -109,39 +109,63 @@ def in_words(study: Study) -> str:
     if not found:
         return 'No run was completed.'
     best = knee(found)
-    told = [f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
-            f'{best.per_hour} missions per hour'
-            + (f', 95 % of them with a lead time of up to {_time(quantile(best.leads, 0.95))}'
-               if best.leads else '') + '.']
-    if not study.site.demand.saturated:
-        if keeps_up(best):
-            told.append(f'This serves the demand of {best.requested:.0f} missions per hour.')
-        else:
-            told.append(f'The demand is {best.requested:.0f} missions per hour: '
-                        f'{100 * (1 - best.served):.0f} % of it is not served.')
-    following = [size for size in found if size.robots > best.robots]
-    if following:
-        more, number = following[0], following[0].robots - best.robots
-        gain = 100 * (more.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
-        these = 'One more' if number == 1 else f'{_count(number, "more")}'
-        told.append(f'{these} {"adds" if number == 1 else "add"} {gain:.0f} %.' if gain >= 0.5 else
-                    f'{these} {"adds" if number == 1 else "add"} nothing.')
-    elif len(found) > 1:
-        told.append('This is the largest simulated fleet: a larger one may serve more.')
+    sentences = (_throughput_in_words(best), _demand_in_words(study, best),
+                 _more_robots_in_words(found, best), _waiting_in_words(study, best),
+                 _proposal_in_words(study), _failures_in_words(best))
+    return ' '.join(filter(None, sentences))
+
+
+def _throughput_in_words(best: Size) -> str:
+    lead_time = ''
+    if best.leads:
+        lead_time = (', 95 % of them with a lead time of up to '
+                     f'{_time(quantile(best.leads, 0.95))}')
+    return (f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
+            f'{best.per_hour} missions per hour{lead_time}.')
+
+
+def _demand_in_words(study: Study, best: Size) -> str:
+    if study.site.demand.saturated:
+        return ''
+    if keeps_up(best):
+        return f'This serves the demand of {best.requested:.0f} missions per hour.'
+    return (f'The demand is {best.requested:.0f} missions per hour: '
+            f'{100 * (1 - best.served):.0f} % of it is not served.')
+
+
+def _more_robots_in_words(found: Sequence[Size], best: Size) -> str:
+    """Returns what the next larger simulated fleet adds to the best one."""
+    larger = next((size for size in found if size.robots > best.robots), None)
+    if larger is None:
+        return ('This is the largest simulated fleet: a larger one may serve more.'
+                if len(found) > 1 else '')
+    number = larger.robots - best.robots
+    gain = 100 * (larger.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
+    subject = 'One more adds' if number == 1 else f'{_count(number, "more")} add'
+    return f'{subject} {gain:.0f} %.' if gain >= 0.5 else f'{subject} nothing.'
+
+
+def _waiting_in_words(study: Study, best: Size) -> str:
     edges = list(waiting_by_drawn_edge(best, study.site.graph).items())[:2]
-    if edges and best.use[Use.WAITING] > 0.01:
-        share = 100 * sum(part for _, part in edges)
-        ids = ' and '.join(str(id) for id, _ in edges)
-        told.append(f'A robot spends {100 * best.use[Use.WAITING]:.0f} % of its time waiting; '
-                    f'{"edges" if len(edges) > 1 else "edge"} {ids} '
-                    f'{"cause" if len(edges) > 1 else "causes"} {share:.0f} % of this waiting.')
+    if not edges or best.use[Use.WAITING] <= 0.01:
+        return ''
+    share = 100 * sum(part for _, part in edges)
+    ids = ' and '.join(str(id) for id, _ in edges)
+    subject, verb = ('edges', 'cause') if len(edges) > 1 else ('edge', 'causes')
+    return (f'A robot spends {100 * best.use[Use.WAITING]:.0f} % of its time waiting; '
+            f'{subject} {ids} {verb} {share:.0f} % of this waiting.')
+
+
+def _proposal_in_words(study: Study) -> str:
     good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
-    if good:
-        told.append(f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.')
+    if not good:
+        return ''
+    return f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.'
+
+
+def _failures_in_words(best: Size) -> str:
     failed = sum(sum(run.failures.values()) for run in best.runs)
-    if failed:
-        told.append(f'{_count(failed, "mission")} failed in the runs of this fleet.')
-    return ' '.join(told)
+    return f'{_count(failed, "mission")} failed in the runs of this fleet.' if failed else ''
 
 
 def _count(number: int, what: str) -> str:
