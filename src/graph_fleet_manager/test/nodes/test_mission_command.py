@@ -24,7 +24,7 @@ class Told:
     def wait(self, _: float) -> None:
         assert self.statuses, 'the command still waits after the last message'
 
-    def take(self):
+    def unread(self):
         return [self.statuses.pop(0)] if self.statuses else []
 
     def publishers(self):
@@ -37,7 +37,7 @@ class Nobody:
     def __init__(self, *_):
         self.published = []
 
-    def take(self):
+    def unread(self):
         return []
 
     def send(self, message):

@@ -4,7 +4,6 @@ Exit status 0: done; 1: wrong input, or no fleet manager.
 """
 from __future__ import annotations
 
-import time
 from typing import Iterable, List, Optional, Sequence
 
 import rospy
@@ -15,6 +14,7 @@ from graph_fleet_manager.commands.fleet_client import (
     Listener,
     connect,
     connected_sender,
+    first_message,
     run,
 )
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
@@ -67,13 +67,11 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
 def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
     """Sends a command. Returns the closed edges that graph_server publishes after it."""
     sender = connected_sender(EdgeCommand)
-    in_force.take()  # messages from before the command are no answer to it
+    in_force.unread()  # messages from before the command are no answer to it
     sender.send(command)
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        in_force.wait(deadline - time.monotonic())
-        for told in in_force.take():
-            closed = set(command.edges) & set(told.edges)
-            if closed == (set(command.edges) if command.command == EdgeCommand.CLOSE else set()):
-                return told
-    raise CommandError('graph_server did not carry out the command; its log says why.')
+    wanted = set(command.edges) if command.command == EdgeCommand.CLOSE else set()
+    told = first_message(in_force, lambda message: (
+        set(command.edges) & set(message.edges) == wanted), PATIENCE)
+    if told is None:
+        raise CommandError('graph_server did not carry out the command; its log says why.')
+    return told

@@ -5,7 +5,7 @@ import socket
 import sys
 import threading
 import time
-from typing import Any, Callable, FrozenSet, List, Optional, Sequence, Type
+from typing import Any, Callable, FrozenSet, List, Optional, Protocol, Sequence, Type
 
 import rosgraph
 import rospy
@@ -47,14 +47,14 @@ class Listener:
         self.topic = topic
         self.messages: List[Any] = []
         self._changed = threading.Condition()
-        self._subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=1000)
+        self._subscriber = rospy.Subscriber(topic, kind, self._on_message, queue_size=1000)
 
-    def _take(self, message: Any) -> None:
+    def _on_message(self, message: Any) -> None:
         with self._changed:
             self.messages.append(message)
             self._changed.notify_all()
 
-    def take(self) -> List[Any]:
+    def unread(self) -> List[Any]:
         """Returns the messages that came since the last call."""
         with self._changed:
             messages, self.messages = self.messages, []
@@ -79,6 +79,27 @@ class Listener:
                                    'running? Start it with fleet_manager.launch.')
             self.wait(0.2)
         return self.messages[-1]
+
+
+class MessageSource(Protocol):
+    """What `first_message` needs of a listener."""
+
+    def wait(self, seconds: float) -> None:
+        """Waits until there is a message, at most this time (s)."""
+
+    def unread(self) -> List[Any]:
+        """Returns the messages that came since the last call."""
+
+
+def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], seconds: float) -> Any:
+    """Waits for a message that is wanted, at most this time (s). None: there was none."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        source.wait(deadline - time.monotonic())
+        for message in source.unread():
+            if is_wanted(message):
+                return message
+    return None
 
 
 def connected_sender(kind: Type[Any]) -> Sender:

@@ -33,6 +33,7 @@ from graph_fleet_manager.commands.fleet_client import (
     Listener,
     connect,
     connected_sender,
+    first_message,
     run,
     table,
 )
@@ -160,12 +161,9 @@ def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
     requests.send(request)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
-        again = time.monotonic() + _RESEND
-        while time.monotonic() < again:
-            listener.wait(again - time.monotonic())
-            for status in listener.take():
-                if is_about(status, request):
-                    return status
+        status = first_message(listener, lambda told: is_about(told, request), _RESEND)
+        if status is not None:
+            return status
         requests.repeat(request)
     raise CommandError('The fleet manager does not answer; it may have no graph, or hang.')
 
@@ -183,7 +181,7 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
     watch = MissionWatch(request, status, listener, ask_for(request))
     try:
         while MissionState(status.state).is_open:
-            state, plan = (states.take() or [state])[-1], (plans.take() or [plan])[-1]
+            state, plan = (states.unread() or [state])[-1], (plans.unread() or [plan])[-1]
             about = (status.state, status.robot, status.destinations_reached, status.reason)
             line.show(line_of(status, destinations, state, plan, graph), about)
             status = watch.wait(0.5)
@@ -212,7 +210,7 @@ def _list() -> int:
     while time.monotonic() < min(quiet, deadline):
         listener.wait(quiet - time.monotonic())
         time.sleep(0.02)
-    latest = {status.request_id: status for status in listener.take()}
+    latest = {status.request_id: status for status in listener.unread()}
     rows = [('mission', 'state', 'robot', 'reached', 'reason')]
     rows += [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
               str(s.destinations_reached), s.reason) for s in latest.values()
@@ -231,12 +229,8 @@ def _change(word: str, arguments: List[str]) -> int:
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)
-    deadline = time.monotonic() + 2.0
-    known: Optional[MissionStatus] = None
-    while time.monotonic() < deadline and not known:  # a new subscriber gets the open missions
-        listener.wait(0.2)
-        known = next((s for s in listener.take()
-                      if s.request_id == options.id and MissionState(s.state).is_open), None)
+    known = first_message(  # a new subscriber gets the open missions
+        listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
     if known is None:
         raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
     commands.send(message)
@@ -244,18 +238,18 @@ def _change(word: str, arguments: List[str]) -> int:
         print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
               f'{word}.')
         return OK
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        listener.wait(0.2)
-        for status in listener.take():
-            if status.request_id == options.id and status.request_stamp == known.request_stamp and (
-                    _shows(status, _CHANGES[word])):
-                reason = f': {status.reason}' if status.reason else ''
-                if status.command_code == MissionStatus.COMMAND_NOT_DONE:
-                    raise CommandError(f'Mission {options.id}{reason}.', NOT_DONE)
-                print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
-                return OK
-    raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
+    status = first_message(
+        listener, lambda s: (s.request_id == options.id
+                             and s.request_stamp == known.request_stamp
+                             and _shows(s, _CHANGES[word])), PATIENCE)
+    if status is None:
+        raise CommandError(f'Nothing changed about mission {options.id}; see mission list.',
+                           NOT_DONE)
+    reason = f': {status.reason}' if status.reason else ''
+    if status.command_code == MissionStatus.COMMAND_NOT_DONE:
+        raise CommandError(f'Mission {options.id}{reason}.', NOT_DONE)
+    print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
+    return OK
 
 
 def _is_so(status: MissionStatus, command: Command) -> bool:

@@ -24,7 +24,7 @@ from typing import Dict, List
 
 import rospy
 
-from fleet_requests import SILENCE, Sender, mission_request, stored_status
+from fleet_requests import MissionNews, Sender, mission_request, stored_status
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
 from node_lifecycle import parameter, run
@@ -54,8 +54,7 @@ class RandomMissions:
         self._open: Dict[int, MissionRequest] = {}
         self._sent: Dict[int, float] = {}
         """The monotonic time (s) at which each open mission was first sent."""
-        self._heard: Dict[int, float] = {}
-        """The time of the last status of each open mission; no entry: no status came yet."""
+        self._news = MissionNews()
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = Sender(MissionRequest)
         FollowedGraph(self._on_graph).subscribe()
@@ -76,10 +75,10 @@ class RandomMissions:
         with self._lock:
             if message.request_id not in self._open:
                 return
-            self._heard[message.request_id] = time.monotonic()
+            self._news.heard(message.request_id)
             if message.state in _OVER:
-                for kept in (self._open, self._sent, self._heard):
-                    del kept[message.request_id]
+                del self._open[message.request_id], self._sent[message.request_id]
+                self._news.ended(message.request_id)
                 self._ended[message.state] += 1
                 if message.state != MissionStatus.REFUSED:
                     self._fill()  # at once, so that no robot waits for the next look
@@ -92,7 +91,7 @@ class RandomMissions:
         self._ask()
         with self._lock:
             for request_id, request in self._open.items():
-                if request_id not in self._heard and (
+                if request_id not in self._news and (
                         time.monotonic() - self._sent[request_id] > REPEAT):
                     self._requests.repeat(request)
             self._fill()
@@ -111,9 +110,8 @@ class RandomMissions:
 
     def _ask(self) -> None:
         """Asks for the status of missions without news, because their end may have been missed."""
-        silent = time.monotonic() - SILENCE
         with self._lock:
-            requests = [self._open[id] for id, heard in self._heard.items() if heard < silent]
+            requests = [self._open[id] for id in self._news.silent()]
         for request in requests:
             answer = stored_status(request.request_id, request.header.stamp)
             if answer is not None and answer.found:
