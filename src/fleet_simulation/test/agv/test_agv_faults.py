@@ -10,7 +10,7 @@ from fleet_builders import AGV
 
 from fleet_core.fleet import Robot
 from fleet_simulation.agv.control_socket import LONGEST_LINE, ControlServer
-from fleet_simulation.agv.faults import FAULTS, UnknownFault, help_text, inject
+from fleet_simulation.agv.faults import FAULTS, UnknownAgvFault, help_text, inject
 from fleet_simulation.agv.simulation import Simulation
 from route_protocol.values import Location
 
@@ -113,7 +113,7 @@ def test_a_battery_is_charged_at_a_charger_only() -> None:
     ('stall nan', 'SECONDS must be a number'), ('battery', 'PERCENT must be a number'),
     ('battery 101', 'PERCENT must be a number from 0 to 100'), ('place 99', 'no vertex 99')])
 def test_a_wrong_fault_is_told(line: str, problem: str) -> None:
-    with pytest.raises(UnknownFault, match=problem):
+    with pytest.raises(UnknownAgvFault, match=problem):
         inject(Conversation().vehicle, line)
 
 
