@@ -11,7 +11,7 @@ from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
 from file_replacement import replace_file
 from fleet_simulation import svg
-from fleet_simulation.figures import Cause, Figures, Use
+from fleet_simulation.figures import Figures, Use, WaitingCause
 from fleet_simulation.site import Site
 from fleet_simulation.statistics import (
     Band,
@@ -378,6 +378,6 @@ def _drawn(graph: Graph, edge: int) -> int:
     return graph.edges[edge].drawn_id if edge in graph.edges else edge
 
 
-def _by_edge(item: Tuple[Tuple[int, Cause], float]) -> Tuple[int, str]:
+def _by_edge(item: Tuple[Tuple[int, WaitingCause], float]) -> Tuple[int, str]:
     (edge, cause), _ = item
     return edge, cause.value

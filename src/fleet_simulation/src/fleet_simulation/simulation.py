@@ -10,7 +10,7 @@ from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
-from fleet_simulation.figures import Cause, Figures, Use
+from fleet_simulation.figures import Figures, Use, WaitingCause
 from fleet_simulation.site import Order, Site
 from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
@@ -172,16 +172,16 @@ class Run:
             return Use.CHARGING if body.vehicle.battery.charging else Use.WAITING
         return Use.CHARGING if body.vehicle.battery.charging else Use.IDLE
 
-    def _cause(self, name: str) -> Cause:
+    def _cause(self, name: str) -> WaitingCause:
         executor = self.world.supervisor.plan_executor
         waits_for = executor.waits_for.get(name, '')
         if executor.plan is not None and name in executor.plan.unserved:
-            return Cause.NO_PLAN
+            return WaitingCause.NO_PLAN
         if waits_for in self.world.agvs:
-            return Cause.ROBOT
+            return WaitingCause.ROBOT
         if waits_for.startswith('edge '):
-            return Cause.CLOSED
-        return Cause.PLANNER if executor.is_planning else Cause.OWN
+            return WaitingCause.CLOSED
+        return WaitingCause.PLANNER if executor.is_planning else WaitingCause.OWN
 
     def _wanted_edge(self, name: str, robot: ManagedRobot) -> int:
         """Returns the id of the robot's next edge by plan, or of the edge on which it stands."""

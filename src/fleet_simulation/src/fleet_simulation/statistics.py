@@ -7,7 +7,7 @@ from typing import Container, Dict, Iterable, List, NamedTuple, Optional, Sequen
 import numpy as np
 from scipy.stats import t as students_t
 
-from fleet_simulation.figures import Cause, Figures, Use
+from fleet_simulation.figures import Figures, Use, WaitingCause
 from trajectory_graph import Graph
 
 _WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
@@ -100,7 +100,8 @@ def waiting_by_drawn_edge(size: Size, graph: Graph) -> Dict[int, float]:
                    for run in size.runs for (edge, _), seconds in run.waiting.items())
 
 
-def waiting_by_cause(size: Size, edges: Optional[Container[int]] = None) -> Dict[Cause, float]:
+def waiting_by_cause(size: Size, edges: Optional[Container[int]] = None) -> Dict[WaitingCause,
+                                                                                 float]:
     """Returns the share (0..1) of all waiting by cause, the highest first.
 
     edges -- ids of the edges whose waiting counts; None: of all edges
