@@ -85,7 +85,7 @@ def test_a_replaced_word_is_no_identifier(word):
 # -- class names -----------------------------------------------------------------------------------
 
 AMBIGUOUS = set(re.findall(r'\w+', """
-Acceptance Action Activity Battery Call Change Command CommandError
+Acceptance Action Activity Battery Call Change Command
 Configuration ConfigurationError Connection Content Course DockingState EStop Edge
 Entry Errand Failure Field Finding Floor Host Kind Level Link Listener Localizing Located
 Location Master Memory Motion Motors Note Notice Odometer Options Order Outcome Parameter Parking
