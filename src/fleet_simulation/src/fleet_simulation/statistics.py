@@ -100,8 +100,8 @@ def waiting_by_drawn_edge(size: Size, graph: Graph) -> Dict[int, float]:
                    for run in size.runs for (edge, _), seconds in run.waiting.items())
 
 
-def waiting_by_cause(size: Size, edges: Optional[Container[int]] = None) -> Dict[WaitingCause,
-                                                                                 float]:
+def waiting_by_cause(size: Size,
+                     edges: Optional[Container[int]] = None) -> Dict[WaitingCause, float]:
     """Returns the share (0..1) of all waiting by cause, the highest first.
 
     edges -- ids of the edges whose waiting counts; None: of all edges
