@@ -14,7 +14,7 @@ from graph_fleet_manager.multimaster.findings import (
     definitions_finding,
 )
 from graph_fleet_manager.multimaster.network_checks import NetworkChecks
-from graph_fleet_manager.multimaster.peer_master import Discovery, Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import Discovery, MasterApi, NoAnswer
 
 DEFINITIONS = {'itrci_nav_msgs/TargetRoute': 'a', 'itrci_nav_msgs/EdgeState': 'b'}
 ROBOT, FLEET = '127.0.9.2', '127.0.9.3'
@@ -144,7 +144,7 @@ def test_more_definitions_on_the_other_side_do_no_harm():
 
 def test_who_is_not_there_gives_no_answer():
     port = unused_port(FLEET)
-    for question in (Master(f'http://{FLEET}:{port}').nodes, Discovery(FLEET, port).clock):
+    for question in (MasterApi(f'http://{FLEET}:{port}').nodes, Discovery(FLEET, port).clock):
         with pytest.raises(NoAnswer):
             question()
 
@@ -158,4 +158,4 @@ def test_nonsense_is_no_answer(other, offset):
 
 def test_a_server_that_is_no_master_gives_no_answer(other):
     with pytest.raises(NoAnswer):
-        Master(f'http://{FLEET}:{other.discovery_port}').nodes()
+        MasterApi(f'http://{FLEET}:{other.discovery_port}').nodes()

@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.commands import direct_stop, stop, stop_address
 from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandFailed
-from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 
 class FleetManager:
@@ -56,7 +56,7 @@ def no_master(monkeypatch, tmp_path):
 
 def test_the_master_tells_where_the_fleet_manager_is(monkeypatch):
     manager = FleetManager(STOPPED)
-    monkeypatch.setattr(Master, 'service_uri', lambda *_: manager.address)
+    monkeypatch.setattr(MasterApi, 'service_uri', lambda *_: manager.address)
     assert stop.stop() == 'Every robot was told to stop.'
     assert manager.asked['service'] == '/stop_fleet'
     assert manager.asked['md5sum'] == Trigger._md5sum
@@ -79,7 +79,7 @@ def test_also_if_the_name_of_this_computer_has_no_address(monkeypatch):
 def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the_stop(monkeypatch):
     def unknown(*_):
         raise NoAnswer('no provider')
-    monkeypatch.setattr(Master, 'service_uri', unknown)
+    monkeypatch.setattr(MasterApi, 'service_uri', unknown)
     stop_address.note('http://127.0.0.1:1', FleetManager(STOPPED).address)
     assert stop.stop().endswith('(no provider). The fleet manager was asked directly. '
                                 'Every robot was told to stop.')
@@ -151,7 +151,7 @@ def hung(monkeypatch):
     """A fleet manager that accepts calls and answers none, and a ROS master that works."""
     monkeypatch.setattr(stop, 'PATIENCE', 0.1)
     stop_address.note('http://127.0.0.1:1', FleetManager().address)
-    monkeypatch.setattr(Master, 'topic_types', lambda *_: TOPICS)
+    monkeypatch.setattr(MasterApi, 'topic_types', lambda *_: TOPICS)
     monkeypatch.setattr(direct_stop, 'init_node', lambda *_, **__: None)
     monkeypatch.setattr(direct_stop, '_fleet', list)
     monkeypatch.setattr(direct_stop, 'REACHED_IN', 0.1)

@@ -14,7 +14,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Tuple
 import rosgraph
 import rospy
 
-from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 from itrci_nav_msgs.msg import FleetState, TargetRoute
 from node_lifecycle.log_file import init_node
 
@@ -34,7 +34,7 @@ class Stopped(NamedTuple):
 
 def stop_robots(master_uri: str) -> Stopped:
     """Tells every robot to stop. Raises NoAnswer if the ROS master does not answer."""
-    topics = Master(master_uri).topic_types()
+    topics = MasterApi(master_uri).topic_types()
     done: queue.Queue[Stopped] = queue.Queue(1)
     troubles: List[str] = []
 

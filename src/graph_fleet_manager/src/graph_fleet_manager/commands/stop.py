@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.commands.command_line import NOT_DONE, CommandFailed
 from graph_fleet_manager.commands.direct_stop import stop_robots
-from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 SERVICE = '/stop_fleet'
 PATIENCE = 1.0    # s for the answer of the fleet manager; one that takes longer hangs
@@ -76,7 +76,7 @@ def _told_to_robots(master_uri: str, trouble: str) -> str:
 
 def _told_by_master(master_uri: str) -> str:
     try:
-        return Master(master_uri).service_uri(SERVICE)
+        return MasterApi(master_uri).service_uri(SERVICE)
     except NoAnswer as failure:
         raise NoStop(f'The ROS master at {master_uri} does not give the address of the fleet '
                      f'manager ({failure})') from None

@@ -23,7 +23,7 @@ from graph_fleet_manager.multimaster.peer_master import (
     MASTER_PORT,
     TIMEOUT,
     Discovery,
-    Master,
+    MasterApi,
     NoAnswer,
 )
 
@@ -46,7 +46,7 @@ class NetworkChecks:
         self._discovery_port = discovery_port
         self._ros_ip = environment.get('ROS_IP', '')
         self._own_uri = environment.get('ROS_MASTER_URI', f'http://localhost:{MASTER_PORT}')
-        self._master = Master(f'http://{host}:{master_port}')
+        self._master = MasterApi(f'http://{host}:{master_port}')
         self._master_port = master_port
         self._address = ''
         self._nodes: Optional[Dict[str, str]] = None
@@ -103,7 +103,7 @@ class NetworkChecks:
 
     def _check_own_master(self) -> Checked:
         try:
-            Master(self._own_uri).pid()
+            MasterApi(self._own_uri).pid()
         except NoAnswer as silence:
             return Checked('own master', Grade.WRONG, f'no ROS master answers at {self._own_uri} '
                            f'({silence})', 'start this side\'s launch file, or correct '
@@ -168,7 +168,7 @@ class NetworkChecks:
         """Looks for node names on both sides: ROS ends one of such nodes when masters are joined.
         """
         try:
-            own = Master(self._own_uri).nodes()
+            own = MasterApi(self._own_uri).nodes()
         except NoAnswer:
             return None
         theirs = self._nodes or {}
@@ -231,7 +231,7 @@ def is_own_address(address: str) -> bool:
     return True
 
 
-def calls_back(master: Master, address: str) -> bool:
+def calls_back(master: MasterApi, address: str) -> bool:
     """Returns whether a master reaches a server here at `address`, as for news of publishers.
 
     For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises
