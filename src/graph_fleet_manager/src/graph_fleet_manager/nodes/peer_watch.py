@@ -40,7 +40,7 @@ LEVELS = {Grade.OK: DiagnosticStatus.OK, Grade.WARN: DiagnosticStatus.WARN,
           Grade.WRONG: DiagnosticStatus.ERROR}
 
 
-class Peer:
+class WatchedPeer:
     """One peer. A thread of its own checks it, because a missing peer blocks until a timeout."""
 
     def __init__(self, address: str, port: int) -> None:
@@ -90,7 +90,7 @@ def _start() -> object:
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~peers")} is {addresses!r}, but '
                                  'must be a list of addresses of computers.')
     port = parameter('~discovery_port', DISCOVERY_PORT, int)
-    peers = [Peer(str(address), port) for address in addresses]
+    peers = [WatchedPeer(str(address), port) for address in addresses]
     publish_diagnostics('none', {peer.address: peer.report for peer in peers})
     return peers
 
