@@ -91,7 +91,7 @@ Entry Errand Failure Field Floor Host Kind Link Listener Localizing Located
 Location Memory Motion Motors Note Notice Odometer Options Order Outcome Parameter Parking
 Phase Place Plan Pose Progress Record Reference Refused Robot RobotView Role Route
 RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign Site Size Standstill State
-Stopped Task Track
+Task Track
 """))
 """Class names that still stand for two or more things. Rename one of them instead of adding here.
 """
