@@ -11,7 +11,7 @@ import rospy
 from graph_fleet_manager.commands.command_line import OK, CommandFailed, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
-    Listener,
+    TopicListener,
     connect,
     connected_sender,
     first_message,
@@ -43,8 +43,8 @@ def _edge(arguments: List[str]) -> int:
                                                           metavar='ID')
     options = parser.parse_args(arguments)
     connect('edge_command')
-    in_force = Listener('/closed_edges_in_force', ClosedEdges)
-    graph = graph_from_message(Listener('/graph', GraphMessage).last())
+    in_force = TopicListener('/closed_edges_in_force', ClosedEdges)
+    graph = graph_from_message(TopicListener('/graph', GraphMessage).last())
     told: ClosedEdges = in_force.last()
     if options.command != 'list':
         command = EdgeCommand(edges=asked_edges(graph, options.edges),
@@ -64,7 +64,7 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
     return edges
 
 
-def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
+def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
     """Sends a command. Returns the closed edges that graph_server publishes after it."""
     sender = connected_sender(EdgeCommand)
     in_force.unread()  # messages from before the command are no answer to it

@@ -40,7 +40,7 @@ def connect(name: str) -> None:
     init_node(name, anonymous=True, disable_signals=True)
 
 
-class Listener:
+class TopicListener:
     """Keeps the messages of a topic, and waits for more."""
 
     def __init__(self, topic: str, kind: Type[Any]) -> None:

@@ -30,7 +30,7 @@ from fleet_requests import mission_request
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandFailed, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
-    Listener,
+    TopicListener,
     connect,
     connected_sender,
     first_message,
@@ -115,7 +115,7 @@ def _send(arguments: List[str]) -> int:
     request = mission_request(
         destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
         dwell=dwells, requested_by=_requested_by(), **given)
-    listener = Listener('/mission_status', MissionStatus)
+    listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
         raise CommandFailed(f'The mission was refused: {status.reason}.', NOT_DONE)
@@ -133,7 +133,7 @@ def _requested_by() -> str:
 
 
 def _graph() -> Graph:
-    return graph_from_message(Listener('/graph', GraphMessage).last())
+    return graph_from_message(TopicListener('/graph', GraphMessage).last())
 
 
 def _vertices(words: List[str]) -> List[int]:
@@ -155,7 +155,7 @@ def _vertex(word: str, graph: Graph) -> int:
                         'id of one.')
 
 
-def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
+def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionStatus:
     """Sends the request until the fleet manager acknowledges or refuses it. Returns the status."""
     requests = connected_sender(MissionRequest)
     requests.send(request)
@@ -168,12 +168,12 @@ def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
     raise CommandFailed('The fleet manager does not answer; it may have no graph, or hang.')
 
 
-def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
+def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,
             graph: Graph) -> int:
     """Shows the progress of a mission until it ends. Returns the exit status."""
     destinations = list(request.destination_vertices_id)
-    states = Listener('/fleet_state', FleetState)
-    plans = Listener('/fleet_plan', FleetPlan)
+    states = TopicListener('/fleet_state', FleetState)
+    plans = TopicListener('/fleet_plan', FleetPlan)
     state: Optional[FleetState] = None
     plan: Optional[FleetPlan] = None
     line = ProgressLine()
@@ -202,9 +202,9 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
 
 
 def _list() -> int:
-    listener = Listener('/mission_status', MissionStatus)
+    listener = TopicListener('/mission_status', MissionStatus)
     deadline = time.monotonic() + PATIENCE
-    state = Listener('/fleet_state', FleetState)
+    state = TopicListener('/fleet_state', FleetState)
     state.last()  # the fleet manager runs, so it sends the open missions to this new subscriber
     quiet = time.monotonic() + 1.0
     while time.monotonic() < min(quiet, deadline):
@@ -222,7 +222,7 @@ def _list() -> int:
 def _change(word: str, arguments: List[str]) -> int:
     options = _options(word, f'tells the fleet manager to {word} a mission', arguments)
     connect('mission_command')
-    listener = Listener('/mission_status', MissionStatus)
+    listener = TopicListener('/mission_status', MissionStatus)
     commands = connected_sender(MissionCommand)
     message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
                              requested_by=_requested_by())
