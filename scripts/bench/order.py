@@ -24,7 +24,7 @@ from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, Standstill
 from fleet_simulation.figures import Figures, Use
-from fleet_simulation.site import Order, Site, site_of
+from fleet_simulation.site import OrderPolicy, Site, site_of
 from fleet_simulation.statistics import Band, band
 from trajectory_graph import load_graph, split_edges
 
@@ -76,8 +76,8 @@ SECTIONS: Dict[str, Case] = {
 }
 RIVALS: Dict[str, Callable[[Site], Site]] = {
     'fixed order': lambda site: site,
-    'planning anew every 5 s': lambda site: replace(site, order=Order.REPLANNING),
-    'switching': lambda site: replace(site, order=Order.SWITCHING),
+    'planning anew every 5 s': lambda site: replace(site, order=OrderPolicy.REPLANNING),
+    'switching': lambda site: replace(site, order=OrderPolicy.SWITCHING),
     'fixed order, no stalls': lambda site: replace(site, delays=replace(STALLS, stall=NEVER)),
 }
 

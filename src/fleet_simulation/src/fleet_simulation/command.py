@@ -26,7 +26,7 @@ from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.report import Proposed, Study, in_words, is_free, write
-from fleet_simulation.site import Order, Site, WrongSite, site_of, with_docks
+from fleet_simulation.site import OrderPolicy, Site, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
 from trajectory_graph import Graph, GraphError, load_graph, save_graph, split_edges
 
@@ -91,8 +91,8 @@ def _parser() -> argparse.ArgumentParser:
                         help='virtual s until the planner answers (0.1)')
     parser.add_argument('--rounds', type=int, default=0,
                         help='rounds in which the planner improves each plan (0)')
-    parser.add_argument('--order', type=Order, choices=list(Order), default=Order.FIXED,
-                        metavar='|'.join(order.value for order in Order),
+    parser.add_argument('--order', type=OrderPolicy, choices=list(OrderPolicy),
+                        default=OrderPolicy.FIXED, metavar='|'.join(order.value for order in OrderPolicy),
                         help='how the order of robots on shared places changes while robots are '
                              'late (fixed)')
     parser.add_argument('--proposals', type=int, default=0, metavar='N',

@@ -11,14 +11,14 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Figures, Use, WaitingCause
-from fleet_simulation.site import Order, Site
+from fleet_simulation.site import OrderPolicy, Site
 from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
 _LOOK = 10          # steps between two samples of what the robots do
 _BATTERY = 100      # steps between two battery reports
-_REPLANNING = 50    # steps between two complete new plans, with Order.REPLANNING
+_REPLANNING = 50    # steps between two complete new plans, with OrderPolicy.REPLANNING
 _CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
 _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
@@ -41,7 +41,7 @@ class Run:
             self._make, site.fleet.clearance, seed, planning=site.latency,
             settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
-            switches=site.order is Order.SWITCHING, check_every=_CHECK_EVERY)
+            switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY)
         self.world.rounds = site.rounds
         self.figures = Figures(robots, seed)
         self._seed = seed
@@ -133,7 +133,7 @@ class Run:
     def stepped(self) -> None:
         """Does what is due after one time step: new plans, battery reports, samples."""
         self._steps += 1
-        if self._site.order is Order.REPLANNING and self._steps % _REPLANNING == 0:
+        if self._site.order is OrderPolicy.REPLANNING and self._steps % _REPLANNING == 0:
             self.world.supervisor.plan_executor.plan_anew()
         if self._steps % _BATTERY == 0:
             self._tell_batteries()

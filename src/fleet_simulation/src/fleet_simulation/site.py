@@ -23,7 +23,7 @@ class WrongSite(Exception):
     """The site cannot be simulated; the text is one sentence that says why and what to do."""
 
 
-class Order(Enum):
+class OrderPolicy(Enum):
     """How the order in which robots use shared places changes while robots are late."""
 
     FIXED = 'fixed'
@@ -53,7 +53,7 @@ class Site:
     parking: Tuple[int, ...]
     latency: float = 0.1
     rounds: int = 0
-    order: Order = Order.FIXED
+    order: OrderPolicy = OrderPolicy.FIXED
 
     def robots(self, count: int) -> Dict[str, Robot]:
         """Returns `count` robots by name.

@@ -48,7 +48,7 @@ class Nobody:
 
 @pytest.fixture(autouse=True)
 def no_topics(monkeypatch):
-    monkeypatch.setattr(mission, 'Listener', Nobody)
+    monkeypatch.setattr(mission, 'TopicListener', Nobody)
     monkeypatch.setattr(mission, 'connected_sender', Nobody)
     monkeypatch.setattr(mission, 'ask_for', lambda request: lambda: None)
 
@@ -97,7 +97,7 @@ def test_the_stamp_of_a_request_survives_the_way_through_the_fleet_manager():
 def change(monkeypatch, word: str, *statuses: MissionStatus, more: tuple = ()) -> None:
     """Runs `mission WORD 7 MORE` while these statuses arrive."""
     monkeypatch.setattr(mission, 'connect', lambda name: None)
-    monkeypatch.setattr(mission, 'Listener', lambda *_: Told(*statuses))
+    monkeypatch.setattr(mission, 'TopicListener', lambda *_: Told(*statuses))
     monkeypatch.setattr('rospy.rostime.get_rostime', lambda: rospy.Time(5))
     more = more or (('--priority', '3') if word == 'modify' else ())
     mission._change(word, [word, '7', *more])
