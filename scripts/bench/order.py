@@ -24,7 +24,7 @@ from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, Standstill
 from fleet_simulation.figures import Figures, Use
-from fleet_simulation.site import OrderPolicy, Site, site_of
+from fleet_simulation.site import OrderPolicy, StudiedSite, site_of
 from fleet_simulation.statistics import Band, band
 from trajectory_graph import load_graph, split_edges
 
@@ -41,13 +41,13 @@ AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 class Case(NamedTuple):
     """A site, the number of robots, the virtual hours of a run, and the number of seeds."""
 
-    site: Callable[[], Site]
+    site: Callable[[], StudiedSite]
     robots: int
     hours: float
     seeds: int
 
 
-def laboratory() -> Site:
+def laboratory() -> StudiedSite:
     """Returns the laboratory map: sections of 1.5 m, no release ahead, missions to stations or the
     dock."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
@@ -58,7 +58,7 @@ def laboratory() -> Site:
     return replace(site, parking=PARKING)
 
 
-def warehouse() -> Site:
+def warehouse() -> StudiedSite:
     """Returns a made-up warehouse: aisles with stations, 500 vertices."""
     graph, stations = aisles(500)
     return site_of(graph, Fleet((AGV,), (Robot('agv', AGV, stations[0], 'agv'),), 0.1),
@@ -74,7 +74,7 @@ SECTIONS: Dict[str, Case] = {
     'laboratory': Case(laboratory, 8, 1.0, 8),
     '50': Case(warehouse, 50, 0.1, 6),
 }
-RIVALS: Dict[str, Callable[[Site], Site]] = {
+RIVALS: Dict[str, Callable[[StudiedSite], StudiedSite]] = {
     'fixed order': lambda site: site,
     'planning anew every 5 s': lambda site: replace(site, order=OrderPolicy.REPLANNING),
     'switching': lambda site: replace(site, order=OrderPolicy.SWITCHING),

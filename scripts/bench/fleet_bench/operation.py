@@ -18,7 +18,7 @@ from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, DrivenRobot, Mechanics, Standstill
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import Run
-from fleet_simulation.site import Site, site_of
+from fleet_simulation.site import StudiedSite, site_of
 from trajectory_graph import Graph, load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -38,7 +38,7 @@ AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100
 class Operation(Run):
     """A run in which each robot gets its next goal when it has reached the last one."""
 
-    def __init__(self, site: Site, robots: int, goals: Sequence[int], seed: int) -> None:
+    def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int) -> None:
         super().__init__(site, robots, seed)
         self.longest_standstill = 0.0
         """The longest time in which no robot was driving, in s."""

@@ -12,7 +12,7 @@ from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 from file_replacement import replace_file
 from fleet_simulation import svg
 from fleet_simulation.figures import Figures, Use, WaitingCause
-from fleet_simulation.site import Site
+from fleet_simulation.site import StudiedSite
 from fleet_simulation.statistics import (
     Band,
     Size,
@@ -66,7 +66,7 @@ class Study(NamedTuple):
     proposals   -- simulated changes of the graph, the best first
     """
 
-    site: Site
+    site: StudiedSite
     runs: Sequence[Figures]
     hours: float
     command: str

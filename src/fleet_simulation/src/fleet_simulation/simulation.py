@@ -11,7 +11,7 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Figures, Use, WaitingCause
-from fleet_simulation.site import OrderPolicy, Site
+from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
@@ -23,7 +23,7 @@ _CHECK_EVERY = 100  # events of the supervisor between two checks against the mo
 _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 
-def simulate(site: Site, robots: int, seed: int, hours: float) -> Figures:
+def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures:
     """Returns the figures of one run; if the run failed, `Figures.trouble` is the reason."""
     return Run(site, robots, seed).run(hours)
 
@@ -31,7 +31,7 @@ def simulate(site: Site, robots: int, seed: int, hours: float) -> Figures:
 class Run:
     """One fleet that works in virtual time. It watches the virtual world and counts."""
 
-    def __init__(self, site: Site, robots: int, seed: int) -> None:
+    def __init__(self, site: StudiedSite, robots: int, seed: int) -> None:
         self._site = site
         self._random = Random(f'run {seed}')
         fleet = site.robots(robots)

@@ -32,7 +32,7 @@ class OrderPolicy(Enum):
 
 
 @dataclass(frozen=True)
-class Site:
+class StudiedSite:
     """All inputs of a run, except the number of robots and the seed.
 
     settings -- of each robot in the fleet file, by its name
@@ -90,7 +90,7 @@ class Site:
 
 
 def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], wanted: Wanted,
-            latency: float = 0.1, rounds: int = 0) -> Site:
+            latency: float = 0.1, rounds: int = 0) -> StudiedSite:
     """Returns the site; raises WrongSite or FileError if the demand cannot be served."""
     network = RoadNetwork(graph, (), fleet.dock_approach)
     for robot in fleet.robots:
@@ -108,8 +108,8 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
         if not origins(place) & (begin - {place} or begin):
             raise FileError(file, f'vertex {place} is not reachable: no robot can drive there from '
                                   'its start; connect it in the graph, or remove it here', line)
-    return Site(graph, fleet, settings, wanted.demand, wanted.delays, starts,
-                tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
+    return StudiedSite(graph, fleet, settings, wanted.demand, wanted.delays, starts,
+                       tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
