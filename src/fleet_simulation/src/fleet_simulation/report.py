@@ -15,7 +15,7 @@ from fleet_simulation.figures import Figures, Use, WaitingCause
 from fleet_simulation.site import StudiedSite
 from fleet_simulation.statistics import (
     Band,
-    Size,
+    SizeResults,
     keeps_up,
     knee,
     quantile,
@@ -115,7 +115,7 @@ def in_words(study: Study) -> str:
     return ' '.join(filter(None, sentences))
 
 
-def _throughput_in_words(best: Size) -> str:
+def _throughput_in_words(best: SizeResults) -> str:
     lead_time = ''
     if best.leads:
         lead_time = (', 95 % of them with a lead time of up to '
@@ -124,7 +124,7 @@ def _throughput_in_words(best: Size) -> str:
             f'{best.per_hour} missions per hour{lead_time}.')
 
 
-def _demand_in_words(study: Study, best: Size) -> str:
+def _demand_in_words(study: Study, best: SizeResults) -> str:
     if study.site.demand.saturated:
         return ''
     if keeps_up(best):
@@ -133,7 +133,7 @@ def _demand_in_words(study: Study, best: Size) -> str:
             f'{100 * (1 - best.served):.0f} % of it is not served.')
 
 
-def _more_robots_in_words(found: Sequence[Size], best: Size) -> str:
+def _more_robots_in_words(found: Sequence[SizeResults], best: SizeResults) -> str:
     """Returns what the next larger simulated fleet adds to the best one."""
     larger = next((size for size in found if size.robots > best.robots), None)
     if larger is None:
@@ -145,7 +145,7 @@ def _more_robots_in_words(found: Sequence[Size], best: Size) -> str:
     return f'{subject} {gain:.0f} %.' if gain >= 0.5 else f'{subject} nothing.'
 
 
-def _waiting_in_words(study: Study, best: Size) -> str:
+def _waiting_in_words(study: Study, best: SizeResults) -> str:
     edges = list(waiting_by_drawn_edge(best, study.site.graph).items())[:2]
     if not edges or best.use[Use.WAITING] <= 0.01:
         return ''
@@ -163,7 +163,7 @@ def _proposal_in_words(study: Study) -> str:
     return f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.'
 
 
-def _failures_in_words(best: Size) -> str:
+def _failures_in_words(best: SizeResults) -> str:
     failed = sum(sum(run.failures.values()) for run in best.runs)
     return f'{_count(failed, "mission")} failed in the runs of this fleet.' if failed else ''
 
@@ -207,7 +207,7 @@ def _warnings(study: Study) -> str:
     return ''.join(f'<p class="warning">{escape(one)}</p>' for one in told)
 
 
-def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
+def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -> str:
     lines = [svg.Line('missions per hour, with 95 % band',
                       [(size.robots, size.per_hour.mean) for size in found],
                       [size.per_hour.half for size in found])]
@@ -227,7 +227,7 @@ def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
             + (f'<p>{told}</p>' if len(found) > 1 else ''))
 
 
-def _times(found: Sequence[Size]) -> str:
+def _times(found: Sequence[SizeResults]) -> str:
     lines = [svg.Line(f'{name}, {label}',
                       [(size.robots, quantile(getattr(size, field), share)) for size in found])
              for name, field in (('request to success', 'leads'), ('request to start', 'waits'))
@@ -240,7 +240,7 @@ def _times(found: Sequence[Size]) -> str:
                      rows))
 
 
-def _use(found: Sequence[Size]) -> str:
+def _use(found: Sequence[SizeResults]) -> str:
     names = [use.value for use in Use]
     columns = {size.robots: [size.use[use] for use in Use] for size in found}
     return ("<h2>Where a robot's time goes</h2>"
@@ -250,7 +250,7 @@ def _use(found: Sequence[Size]) -> str:
                 for size in found]))
 
 
-def _waiting(study: Study, best: Size) -> str:
+def _waiting(study: Study, best: SizeResults) -> str:
     graph, edges = study.site.graph, waiting_by_drawn_edge(best, study.site.graph)
     told = list(edges)[:_TOLD_EDGES]
     rows = []
@@ -276,7 +276,7 @@ def _proposals(study: Study) -> str:
          for one in study.proposals])
 
 
-def _needs(found: Sequence[Size]) -> str:
+def _needs(found: Sequence[SizeResults]) -> str:
     return '<h2>Docks and parking vertices in use</h2>' + _table(
         ('robots', 'most robots at docks at the same time',
          'most idle robots elsewhere at the same time', 'km per hour and robot'),
@@ -286,7 +286,7 @@ def _needs(found: Sequence[Size]) -> str:
          for size in found])
 
 
-def _planner(found: Sequence[Size]) -> str:
+def _planner(found: Sequence[SizeResults]) -> str:
     rows = []
     for size in found:
         times = [1e3 * one for run in size.runs for one in run.planning]
@@ -298,7 +298,7 @@ def _planner(found: Sequence[Size]) -> str:
          'times real time, per core'), rows)
 
 
-def _failures(found: Sequence[Size]) -> str:
+def _failures(found: Sequence[SizeResults]) -> str:
     rows = []
     for size in found:
         why: Dict[str, int] = {}
