@@ -35,7 +35,7 @@ from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
-from fleet_simulation.driven_robot import Delays, Standstill
+from fleet_simulation.driven_robot import Delays, RandomStops
 from fleet_simulation.simulation import Run
 from fleet_simulation.site import StudiedSite, site_of
 from graph_fleet_manager.nodes.random_missions import places_by_edge
@@ -47,7 +47,7 @@ MOST = 2              # destinations of a random mission
 LOOK = 1.0            # s between two looks at the robots
 WARM_UP = 120.0       # s in which the robots spread
 MOVED, TURNED = 0.01, 0.01  # m and rad in a look that count as motion
-NEVER = Standstill(0.0, 0.0)
+NEVER = RandomStops(0.0, 0.0)
 KINDS = {'ld90': 'LD-90s', 'agv': 'AGVs'}
 
 

@@ -22,7 +22,7 @@ from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.batch import Job, Progress, run_all
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
-from fleet_simulation.driven_robot import Delays, Standstill
+from fleet_simulation.driven_robot import Delays, RandomStops
 from fleet_simulation.figures import Figures, Use
 from fleet_simulation.site import OrderPolicy, StudiedSite, site_of
 from fleet_simulation.statistics import Band, band
@@ -32,8 +32,8 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCK = 16
 STATIONS = (6, 18, 27, 39, 52, DOCK)
 PARKING = (8, 10, 14, 32, 33, 35, 41, 18, 27, 39, 52, 6, DOCK)
-NEVER = Standstill(0.0, 0.0)
-STALLS = Delays(1.1, Standstill(800.0, 20.0), NEVER)
+NEVER = RandomStops(0.0, 0.0)
+STALLS = Delays(1.1, RandomStops(800.0, 20.0), NEVER)
 AT_EDGE_SPEED = RobotType('agv', 0.43, 10.0, docks=frozenset((DOCK,)))
 AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 

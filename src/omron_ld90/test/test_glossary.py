@@ -90,7 +90,7 @@ Configuration ConfigurationError Connection Content DockingState EStop Edge
 Entry Errand Failure Field Floor Host Kind Link Localizing Located
 Location Memory Motion Motors Note Notice Odometer Options Outcome Parameter Parking
 Phase Place Plan Pose Progress Record Reference Refused Robot RobotView Role Route
-RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign Standstill State
+RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign State
 Task Track
 """))
 """Class names that still stand for two or more things. Rename one of them instead of adding here.

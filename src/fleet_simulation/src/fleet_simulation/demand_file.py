@@ -24,7 +24,7 @@ import yaml
 
 from fleet_core.files.errors import FileError
 from fleet_simulation.demand import Demand, Flow, Recorded, Saturated, Shift
-from fleet_simulation.driven_robot import Delays, Standstill
+from fleet_simulation.driven_robot import Delays, RandomStops
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -168,10 +168,10 @@ def _delays(fields: Dict[str, yaml.Node]) -> Delays:
     known = _known(fields['delays'], 'delays', ('slower', 'stall', 'people'))
     usual = Delays()
 
-    def standstill(one: Field) -> Standstill:
+    def standstill(one: Field) -> RandomStops:
         entry = _known(one[1], one[0], ('every', 'seconds'))
-        return Standstill(*(_number(1e6)(strict_yaml.field(entry, key, one[1]))
-                            for key in ('every', 'seconds')))
+        return RandomStops(*(_number(1e6)(strict_yaml.field(entry, key, one[1]))
+                             for key in ('every', 'seconds')))
     slower = strict_yaml.optional(known, 'slower', _number(100.0), usual.slower)
     if slower < 1.0:
         raise WrongYaml(f'slower is {slower:g}, but must be 1 or more', known['slower'])
