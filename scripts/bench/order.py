@@ -19,7 +19,7 @@ from measuring.tables import print_table
 
 from fleet_core.fleet import Fleet, Robot, RobotType
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.batch import Job, Progress, run_all
+from fleet_simulation.batch import Job, ProgressBar, run_all
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays, RandomStops
@@ -113,7 +113,7 @@ def main() -> None:
         jobs = [Job(rival, case.robots, seed, case.hours)
                 for seed in seeds for rival in range(len(RIVALS))]
         done, _ = run_all([make(site) for make in RIVALS.values()], jobs, options.jobs,
-                          Progress(name))
+                          ProgressBar(name))
         runs = [[figures for job, figures in done if job.site == rival]
                 for rival in range(len(RIVALS))]
         for rival, own in zip(RIVALS, runs):

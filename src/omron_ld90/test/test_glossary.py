@@ -89,7 +89,7 @@ Acceptance Action Activity Battery Call Change Command
 Configuration ConfigurationError Connection Content DockingState EStop Edge
 Entry Errand Failure Field Floor Host Kind Link Localizing Located
 Location Memory Motion Motors Note Notice Odometer Options Outcome Parameter Parking
-Phase Place Plan Pose Progress Record Reference Refused Robot RobotView Role Route
+Phase Place Plan Pose Record Reference Refused Robot RobotView Role Route
 RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign State
 Task Track
 """))

@@ -63,7 +63,7 @@ def run_all(sites: Sequence[StudiedSite], jobs: Sequence[Job], processes: int,
     return sorted(done, key=lambda one: order[one[0]]), not is_whole
 
 
-class Progress:
+class ProgressBar:
     """Shows progress on stderr: a bar on a terminal, otherwise one line per tenth of the runs."""
 
     def __init__(self, what: str) -> None:

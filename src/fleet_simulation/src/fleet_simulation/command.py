@@ -21,7 +21,7 @@ from typing import Dict, FrozenSet, List, NoReturn, Optional, Sequence, Tuple
 from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
-from fleet_simulation.batch import Done, Job, Progress, run_all
+from fleet_simulation.batch import Done, Job, ProgressBar, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
@@ -152,7 +152,7 @@ def _runs(site: StudiedSite, counts: Sequence[int],
           options: argparse.Namespace) -> Tuple[List[Figures], bool]:
     jobs = [Job(0, count, seed, options.hours)
             for seed in range(1, options.seeds + 1) for count in counts]
-    done, ended = run_all([site], jobs, options.jobs, Progress('runs'))
+    done, ended = run_all([site], jobs, options.jobs, ProgressBar('runs'))
     return [figures for _, figures in done], ended
 
 
@@ -184,7 +184,7 @@ def _try_proposals(site: StudiedSite, runs: Sequence[Figures],
     jobs = [Job(number, best.robots, run.seed, options.hours)
             for run in best.runs for number in range(len(tried))]
     done, ended = run_all([changed for _, changed in tried], jobs, options.jobs,
-                          Progress('proposals'))
+                          ProgressBar('proposals'))
     return _ranked(tried, done, {run.seed: run.per_hour for run in best.runs},
                    options.output), ended
 
