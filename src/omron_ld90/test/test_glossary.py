@@ -88,7 +88,7 @@ AMBIGUOUS = set(re.findall(r'\w+', """
 Acceptance Action Activity Battery Call Change Command
 Configuration ConfigurationError Connection Content DockingState EStop Edge
 Entry Errand Failure Field Floor Host Kind Link Localizing Located
-Location Memory Motion Motors Note Notice Odometer Options Outcome Parameter Parking
+Location Memory Motion Motors Note Notice Odometer Options Outcome Parameter
 Phase Place Plan Pose Record Reference Refused Robot RobotView Role Route
 RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign State
 Task Track

@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Set, Tuple
 
 from fleet_core.files.errors import FileError
 from fleet_core.fleet import Fleet, Robot, RobotType
-from fleet_core.planning.parking import Parking
+from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.site.survey import parking_for_all
 from fleet_core.supervision.settings import RobotSettings
@@ -136,5 +136,5 @@ def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:
     """Returns the most vertices on which robots of all types may stand for ever, without docks."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     kind = RobotType('any', largest.radius, largest.speed, largest.play, False)
-    found = Parking(network, kind, fleet.clearance).largest()
+    found = WellFormedSets(network, kind, fleet.clearance).largest()
     return tuple(sorted(network.vertex_ids[vertex] for vertex in found))
