@@ -13,7 +13,7 @@ import rosgraph.network
 from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.commands import direct_stop, stop, stop_address
-from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandFailed
+from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandProblem
 from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 
@@ -88,7 +88,7 @@ def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the
 def test_the_fleet_manager_of_another_master_is_left_alone(monkeypatch):
     manager = FleetManager(STOPPED)
     stop_address.note('http://127.0.0.1:2', manager.address)
-    with pytest.raises(CommandFailed, match='NO ROBOT WAS TOLD TO STOP: .*on this computer[.]'):
+    with pytest.raises(CommandProblem, match='NO ROBOT WAS TOLD TO STOP: .*on this computer[.]'):
         stop.stop()
     assert not manager.asked
 
@@ -98,7 +98,7 @@ def test_the_fleet_manager_of_another_master_is_left_alone(monkeypatch):
 def test_a_fleet_manager_that_hangs_or_is_another_program_is_no_end_of_waiting(
         answer, header, words):
     stop_address.note('http://127.0.0.1:1', FleetManager(answer, header).address)
-    with pytest.raises(CommandFailed, match=words) as failure:
+    with pytest.raises(CommandProblem, match=words) as failure:
         stop.stop()
     assert failure.value.status == WRONG
 
@@ -106,7 +106,7 @@ def test_a_fleet_manager_that_hangs_or_is_another_program_is_no_end_of_waiting(
 def test_a_stop_that_is_not_done_says_so():
     answer = TriggerResponse(False, 'the disk hangs')
     stop_address.note('http://127.0.0.1:1', FleetManager(answer).address)
-    with pytest.raises(CommandFailed, match='the disk hangs') as failure:
+    with pytest.raises(CommandProblem, match='the disk hangs') as failure:
         stop.stop()
     assert failure.value.status == NOT_DONE
 
@@ -114,7 +114,7 @@ def test_a_stop_that_is_not_done_says_so():
 @pytest.mark.parametrize('noted', ['', 'http://here', 'rosrpc://127.0.0.1:nothing', '\0'])
 def test_a_damaged_file_is_no_crash(noted):
     stop_address.note('http://127.0.0.1:1', noted)
-    with pytest.raises(CommandFailed, match='NO ROBOT'):
+    with pytest.raises(CommandProblem, match='NO ROBOT'):
         stop.stop()
 
 
@@ -179,12 +179,12 @@ def test_the_robots_of_the_fleet_alone_are_told_where_they_are_known(hung, monke
 
 def test_a_robot_that_is_not_connected_is_named(hung, monkeypatch):
     monkeypatch.setattr(Route, 'connected', ('/a/target_route',))
-    with pytest.raises(CommandFailed, match='to stop: a[.] .*NOT TOLD.* b: press') as failure:
+    with pytest.raises(CommandProblem, match='to stop: a[.] .*NOT TOLD.* b: press') as failure:
         stop.stop()
     assert failure.value.status == NOT_DONE
 
 
 def test_where_no_robot_is_connected_none_was_told(hung, monkeypatch):
     monkeypatch.setattr(Route, 'connected', ())
-    with pytest.raises(CommandFailed, match='NO ROBOT WAS TOLD TO STOP'):
+    with pytest.raises(CommandProblem, match='NO ROBOT WAS TOLD TO STOP'):
         stop.stop()

@@ -8,7 +8,7 @@ import rospy
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import Command, MissionState, RequestRefused, Status
 from graph_fleet_manager.commands import mission
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandFailed
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem
 from graph_fleet_manager.messages.missions import request_of, status_message
 from itrci_nav_msgs.msg import MissionCommand, MissionRequest, MissionStatus
 
@@ -80,7 +80,7 @@ def test_the_end_of_an_older_mission_is_not_its_end(capsys):
 
 def test_its_own_end_is_told_with_the_reason():
     told = Told(status(MissionState.SUCCEEDED, OTHER), status(MissionState.FAILED, MINE, 'a: lost'))
-    with pytest.raises(CommandFailed, match='FAILED: a: lost') as failed:
+    with pytest.raises(CommandProblem, match='FAILED: a: lost') as failed:
         mission._follow(request(), status(MissionState.PENDING), told, None)
     assert failed.value.status == NOT_DONE
 
@@ -137,7 +137,7 @@ def test_priority_and_destinations_are_changed_on_request_of_a_user(monkeypatch)
 def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
     refused = status_message(not_done(Status(7, MissionState.ACTIVE, stamp=MINE), Command.MODIFY,
                                       'the graph has no vertex 99'), rospy.Time(5))
-    with pytest.raises(CommandFailed, match='7: MODIFY is not done: .* no vertex 99') as failed:
+    with pytest.raises(CommandProblem, match='7: MODIFY is not done: .* no vertex 99') as failed:
         change(monkeypatch, 'modify', status(MissionState.ACTIVE), refused)
     assert failed.value.status == NOT_DONE
 

@@ -12,7 +12,7 @@ import sys
 from typing import List, Optional, Sequence
 
 from fleet_core.files.robot_computers import is_address
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandFailed, Parser
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import run
 from graph_fleet_manager.messages.definitions import own_definitions
 from graph_fleet_manager.multimaster.findings import Grade
@@ -37,8 +37,8 @@ def _check(arguments: List[str]) -> int:
                         help='port of master_discovery there (%(default)s)')
     options = parser.parse_args(arguments)
     if not is_address(options.host):
-        raise CommandFailed(f'{options.host!r} is neither an IPv4 address nor the name of a '
-                            'computer.')
+        raise CommandProblem(f'{options.host!r} is neither an IPv4 address nor the name of a '
+                             'computer.')
     wrong = False
     for finding in NetworkChecks(options.host, os.environ, own_definitions(), options.master_port,
                                  options.discovery_port).run():

@@ -8,7 +8,7 @@ from typing import Iterable, List, Optional, Sequence
 
 import rospy
 
-from graph_fleet_manager.commands.command_line import OK, CommandFailed, Parser
+from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
     TopicListener,
@@ -60,7 +60,7 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
     edges = sorted(graph.whole_edges(ids))
     unknown = [id for id in edges if id not in graph.edges]
     if unknown:
-        raise CommandFailed(f'The graph has no edge {unknown[0]}.')
+        raise CommandProblem(f'The graph has no edge {unknown[0]}.')
     return edges
 
 
@@ -73,5 +73,5 @@ def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
     told = first_message(in_force, lambda message: (
         set(command.edges) & set(message.edges) == wanted), PATIENCE)
     if told is None:
-        raise CommandFailed('graph_server did not carry out the command; its log says why.')
+        raise CommandProblem('graph_server did not carry out the command; its log says why.')
     return told

@@ -12,7 +12,7 @@ from typing import List, Optional, Sequence
 import rospy
 
 from fleet_core.supervision.fleet_view import RobotState
-from graph_fleet_manager.commands.command_line import OK, CommandFailed, Parser
+from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     TopicListener,
     call,
@@ -80,7 +80,7 @@ def _robots() -> List[FleetRobot]:
 def _check(robot: str) -> None:
     names = [one.name for one in _robots()]
     if robot not in names:
-        raise CommandFailed(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
+        raise CommandProblem(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
 
 
 def _unseen() -> List[str]:
@@ -97,7 +97,7 @@ def _absent(robots: Sequence[str]) -> int:
         try:
             _check(robot)
             print(call(f'/{robot}/declare_absent', DeclareAbsent))
-        except CommandFailed as error:
+        except CommandProblem as error:
             print(f'fleet: {error}', file=sys.stderr)
             status = max(status, error.status)
     return status

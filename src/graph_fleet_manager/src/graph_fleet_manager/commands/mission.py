@@ -27,7 +27,7 @@ from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_requests import mission_request
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandFailed, Parser
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
     TopicListener,
@@ -118,7 +118,7 @@ def _send(arguments: List[str]) -> int:
     listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
-        raise CommandFailed(f'The mission was refused: {status.reason}.', NOT_DONE)
+        raise CommandProblem(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
     return _follow(request, status, listener, graph) if options.wait else OK
 
@@ -150,9 +150,9 @@ def _vertex(word: str, graph: Graph) -> int:
     if len(found) == 1:
         return found[0]
     if not found:
-        raise CommandFailed(f'No vertex has the label {word!r}; give the id of a vertex.')
-    raise CommandFailed(f'Vertices {", ".join(map(str, found))} have the label {word!r}; give the '
-                        'id of one.')
+        raise CommandProblem(f'No vertex has the label {word!r}; give the id of a vertex.')
+    raise CommandProblem(f'Vertices {", ".join(map(str, found))} have the label {word!r}; give the '
+                         'id of one.')
 
 
 def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionStatus:
@@ -165,7 +165,7 @@ def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionSt
         if status is not None:
             return status
         requests.repeat(request)
-    raise CommandFailed('The fleet manager does not answer; it may have no graph, or hang.')
+    raise CommandProblem('The fleet manager does not answer; it may have no graph, or hang.')
 
 
 def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,
@@ -191,8 +191,8 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
         return 130
     line.end()
     if status.state != MissionStatus.SUCCEEDED:
-        raise CommandFailed(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
-                            NOT_DONE)
+        raise CommandProblem(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
+                             NOT_DONE)
     print(f'Mission {id} has succeeded: {status.robot} was at '
           f'{", ".join(map(str, destinations))}.')
     return OK
@@ -232,7 +232,7 @@ def _change(word: str, arguments: List[str]) -> int:
     known = first_message(  # a new subscriber gets the open missions
         listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
     if known is None:
-        raise CommandFailed(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+        raise CommandProblem(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
     commands.send(message)
     if _is_so(known, _CHANGES[word]):
         print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
@@ -243,11 +243,11 @@ def _change(word: str, arguments: List[str]) -> int:
                              and s.request_stamp == known.request_stamp
                              and _shows(s, _CHANGES[word])), PATIENCE)
     if status is None:
-        raise CommandFailed(f'Nothing changed about mission {options.id}; see mission list.',
-                            NOT_DONE)
+        raise CommandProblem(f'Nothing changed about mission {options.id}; see mission list.',
+                             NOT_DONE)
     reason = f': {status.reason}' if status.reason else ''
     if status.command_code == MissionStatus.COMMAND_NOT_DONE:
-        raise CommandFailed(f'Mission {options.id}{reason}.', NOT_DONE)
+        raise CommandProblem(f'Mission {options.id}{reason}.', NOT_DONE)
     print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
     return OK
 
@@ -292,7 +292,7 @@ def _history(arguments: List[str]) -> int:
             print(table([[HISTORY_COLUMNS[k] for k in shown],
                          *([row[k] for k in shown] for row in rows)]))
     except JournalError as error:
-        raise CommandFailed(str(error)) from None
+        raise CommandProblem(str(error)) from None
     return OK
 
 

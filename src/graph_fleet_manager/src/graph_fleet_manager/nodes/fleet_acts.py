@@ -8,7 +8,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
-from graph_fleet_manager.commands.command_line import CommandFailed
+from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import MenuAct, Subject
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
@@ -94,7 +94,7 @@ class FleetActs:
     def _stop(self) -> None:
         try:
             self._say(stop())
-        except CommandFailed as error:
+        except CommandProblem as error:
             self._say(f'{MenuAct.STOP_ALL.value}: NOT DONE: {error}')
 
     def _call(self, service: str, kind: Type[Any], act: MenuAct) -> None:
