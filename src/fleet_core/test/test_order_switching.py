@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from plan_checker import Order, World, faults, held_faults
 from plan_replay import replay, replay_faults
 
-from fleet_core.planning.edge_groups import EdgeGroup, PlanProgress, edge_groups
+from fleet_core.planning.edge_groups import EdgeGroup, RobotProgress, edge_groups
 from fleet_core.planning.order_switching import GAIN, RemainingDrives, switch_order
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.plans import Drive
@@ -40,7 +40,7 @@ class Moment:
     late: Dict[str, float]
 
     @property
-    def progress(self) -> Dict[str, PlanProgress]:
+    def progress(self) -> Dict[str, RobotProgress]:
         """The progress by the times of the plan, without the delays since then."""
         found = {}
         for name, planned in self.outcome.drives.items():
@@ -50,7 +50,7 @@ class Moment:
             share = 0.0
             if done < begun:
                 share = (self.now - plan[done].start) / (plan[done].end - plan[done].start)
-            found[name] = PlanProgress(self.kinds[name], plan, begun, (done, share))
+            found[name] = RobotProgress(self.kinds[name], plan, begun, (done, share))
         return found
 
     @property

@@ -9,7 +9,7 @@ import math
 import time
 from typing import List, Optional, Tuple
 
-from fleet_core.planning.edge_groups import PlanProgress, edge_groups
+from fleet_core.planning.edge_groups import RobotProgress, edge_groups
 from fleet_core.planning.order_switching import LATE, RemainingDrives, switch_order
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.tasks import Outcome, PlannedDrive
@@ -64,7 +64,7 @@ class OrderSwitching:
                            plan.assumptions)
 
 
-def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> PlanProgress:
+def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> RobotProgress:
     record = robot.record
     number, fraction = record.cleared
     released = record.end - own.base
@@ -74,8 +74,8 @@ def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> PlanProgress
         number, fraction = record.end, record.begun(
             own.drives[released].edge, record.position)
     plan = [Drive(world.network.drive(edge), start, end) for edge, start, end in own.drives]
-    return PlanProgress(robot.type, plan, released, (max(number - own.base, 0), fraction),
-                        is_between)
+    return RobotProgress(robot.type, plan, released, (max(number - own.base, 0), fraction),
+                         is_between)
 
 
 def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, now: float,
