@@ -116,7 +116,7 @@ class AgvSim:
             with self._lock:
                 if self._simulation is not None:
                     self._simulation.advance(now - before, rospy.Time.now().to_nsec())
-                    frames = [topics.tell(now) for topics in self._topics.values()]
+                    frames = [topics.publish_due(now) for topics in self._topics.values()]
                     self._frames.sendTransform([frame for frame in frames if frame is not None])
             before = now
 

@@ -120,7 +120,7 @@ class FleetTopics:
             return messages.moment_of(seconds - now, stamp)
         send(self._states.publish,
              messages.state_message(robot_views(supervisor, now), moment, stamp))
-        self._plans.tell(plan_progress(supervisor), now, stamp)
+        self._plans.set_plan(plan_progress(supervisor), now, stamp)
 
 
 def status_message(status: Status) -> MissionStatus:

@@ -54,12 +54,12 @@ class WatchedPeer:
 
     def _run(self) -> None:
         while not rospy.is_shutdown():
-            findings = self._look()
+            findings = self._check()
             with self._lock:
                 self._findings = findings
             time.sleep(PERIOD)
 
-    def _look(self) -> List[Checked]:
+    def _check(self) -> List[Checked]:
         try:
             clock = self._discovery.clock()
             theirs = self._discovery.definitions(sorted(self._own))
