@@ -20,7 +20,7 @@ from __future__ import annotations
 import random
 import threading
 import time
-from typing import Dict, List
+from typing import Dict, List, NamedTuple
 
 import rospy
 
@@ -38,6 +38,13 @@ _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.
 _WORKING = frozenset((FleetRobot.IDLE, FleetRobot.BUSY))
 
 
+class _Sent(NamedTuple):
+    """A request, and the monotonic time (s) at which it was first sent."""
+
+    request: MissionRequest
+    at: float
+
+
 class RandomMissions:
     """The node; see the docstring of the module."""
 
@@ -51,9 +58,7 @@ class RandomMissions:
         """The possible destinations in the connected part of each edge, by the edge's id."""
         self._robots: List[int] = []
         """The edges of the robots that could serve a mission."""
-        self._open: Dict[int, MissionRequest] = {}
-        self._sent: Dict[int, float] = {}
-        """The monotonic time (s) at which each open mission was first sent."""
+        self._open: Dict[int, _Sent] = {}
         self._news = MissionNews()
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = Sender(MissionRequest)
@@ -77,7 +82,7 @@ class RandomMissions:
                 return
             self._news.heard(message.request_id)
             if message.state in _OVER:
-                del self._open[message.request_id], self._sent[message.request_id]
+                del self._open[message.request_id]
                 self._news.ended(message.request_id)
                 self._ended[message.state] += 1
                 if message.state != MissionStatus.REFUSED:
@@ -90,10 +95,9 @@ class RandomMissions:
     def _tick(self) -> None:
         self._ask()
         with self._lock:
-            for request_id, request in self._open.items():
-                if request_id not in self._news and (
-                        time.monotonic() - self._sent[request_id] > REPEAT):
-                    self._requests.repeat(request)
+            for request_id, sent in self._open.items():
+                if request_id not in self._news and time.monotonic() - sent.at > REPEAT:
+                    self._requests.repeat(sent.request)
             self._fill()
 
     def _fill(self) -> None:
@@ -103,15 +107,14 @@ class RandomMissions:
             return
         while len(self._open) < len(self._robots) and self._left:
             request = self._request(self._random.choice(homes))
-            self._open[request.request_id] = request
-            self._sent[request.request_id] = time.monotonic()
+            self._open[request.request_id] = _Sent(request, time.monotonic())
             self._requests.send(request)
             self._left -= 1
 
     def _ask(self) -> None:
         """Asks for the status of missions without news, because their end may have been missed."""
         with self._lock:
-            requests = [self._open[id] for id in self._news.silent()]
+            requests = [self._open[id].request for id in self._news.silent()]
         for request in requests:
             answer = stored_status(request.request_id, request.header.stamp)
             if answer is not None and answer.found:
