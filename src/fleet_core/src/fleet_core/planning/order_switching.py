@@ -113,7 +113,10 @@ class _Arc(NamedTuple):
 
 
 class _Orders:
-    """All orders of the groups. The nodes are the beginnings of drives, robot by robot."""
+    """All orders of the groups. The nodes are the beginnings of drives, robot by robot.
+
+    Nodes and arcs are one network, kept as lists by number because each trial walks through them.
+    """
 
     def __init__(self, courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGroup],
                  trials: int, deadline: float) -> None:

@@ -44,6 +44,8 @@ _MOST_STEPS = 3000
 class PlanningPipeline:
     """One run of the planner.
 
+    The steps of a run hand each other the same plans, bookings and reasons; these are its state.
+
     reservations -- the reservation table, in which nothing is booked yet
     tasks, obstacles, parking -- the planner's input
     search     -- the search for one robot's path

@@ -36,6 +36,9 @@ def estimated(seconds: np.ndarray) -> Sequence[float]:
 class RoadNetwork:
     """A graph, and the edges of it that are closed now.
 
+    All searches read this one form of the graph. Half of its attributes are numbers that they read
+    in their inner loops; the others keep what was computed for each robot type.
+
     graph         -- the trajectory graph
     closed        -- ids of edges that no robot may use
     dock_approach -- m before a dock that belong to a robot that docks or leaves

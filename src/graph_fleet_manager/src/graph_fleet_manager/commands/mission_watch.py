@@ -3,6 +3,11 @@
 A status is lost if the fleet manager ends before it has sent it, or if a queue overflows. So the
 watch asks the fleet manager for the stored status: at the beginning, after a restart of the fleet
 manager, and after some time without a status.
+
+State: the newest status, when it came, and the connections at that time. Events: a status arrives,
+a connection begins or ends, time passes without a status. Invariants: a status that was asked for
+replaces one that came before it, never one that came after it; each restart is followed by a
+question.
 """
 from __future__ import annotations
 

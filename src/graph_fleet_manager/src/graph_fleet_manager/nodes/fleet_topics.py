@@ -33,6 +33,8 @@ TellStatuses = Callable[[MissionStatus], None]
 class FleetTopics:
     """The publishers of path_supervisor.
 
+    It has an attribute for each topic, and what a repeated message needs to be the same again.
+
     rate        -- factor by which simulated robots are faster than the clock
     improvement -- s in which the planner improves a plan
     newcomer    -- is called for each new subscriber of /mission_status
