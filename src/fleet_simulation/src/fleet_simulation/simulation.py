@@ -42,7 +42,7 @@ class Run:
             settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
             switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY)
-        self.world.rounds = site.rounds
+        self.world.planner.rounds = site.rounds
         self.figures = Figures(robots, seed)
         self._seed = seed
         self._warm_up = 0.0
@@ -76,7 +76,7 @@ class Run:
         figures.seconds = max(world.now - self._warm_up, 0.0)
         figures.open_at_end = len(world.supervisor.book.open)
         figures.travelled = sum(robot.travelled for robot in world.agvs.values())
-        figures.planning = world.plans
+        figures.planning = world.planner.plans
         figures.spent, figures.simulated = world.spent, world.now
         world.end()
         return figures
