@@ -58,7 +58,7 @@ class Film:
 
     def take(self, click: Optional[Tuple[int, int]] = None) -> None:
         """Takes one picture; `click` is the pixel that was just clicked."""
-        picture = self._window.look()
+        picture = self._window.screen()
         if click is not None:
             pen = ImageDraw.Draw(picture)
             for radius in (16, 24):
@@ -85,7 +85,7 @@ class Film:
 
 def keep(window: RvizWindow, name: str) -> None:
     """Saves a picture of the window without its status bar."""
-    window.look().crop(WINDOW).save(IMAGES / f'{name}.png', optimize=True)
+    window.screen().crop(WINDOW).save(IMAGES / f'{name}.png', optimize=True)
 
 
 def film(window: RvizWindow) -> None:
@@ -146,9 +146,9 @@ def graph_pictures(screen: Screen) -> None:
         try:
             window = RvizWindow(screen, str(IMAGES), SCALE, 'graph_editor', 'editor_rviz.launch',
                                 f'map_file:={lab}')
-            wait_until(lambda: count_near(window.look(), VERTEX_2, NAVY), 60.0, 'the graph')
+            wait_until(lambda: count_near(window.screen(), VERTEX_2, NAVY), 60.0, 'the graph')
             window.click(VERTEX_2)
-            wait_until(lambda: count_near(window.look(), VERTEX_2, YELLOW, 12), 60.0,
+            wait_until(lambda: count_near(window.screen(), VERTEX_2, YELLOW, 12), 60.0,
                        'the selected vertex')
             keep(window, 'graph_editor')
         finally:

@@ -21,7 +21,7 @@ import rospy
 from fleet_support import READY, Factory, Menus, Viewer, free_fleet_ports
 from std_msgs.msg import String
 
-from graph_fleet_manager.nodes.rviz.menus import Act
+from graph_fleet_manager.nodes.rviz.menus import MenuAct
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionStatus
 from omron_ld90_sim import Simulator
 from system_support import Recorder, connected_publisher, run_cases, wait_until
@@ -125,10 +125,10 @@ class FactoryTest(unittest.TestCase):
             self.factory.send(goal, robot=robot.name)
             for goal, robot in zip(self.free_stations(), self.present)]
         wait_until(lambda: len(self.factory.moved(before)) >= 2, 60.0, 'two robots drive')
-        self.menus.choose('robot agv_1', Act.STOP_ALL.value)
+        self.menus.choose('robot agv_1', MenuAct.STOP_ALL.value)
         self.factory.wait_until_all_stand()
         stood = self.factory.places()
-        self.menus.choose('button GO ON', Act.RESUME_ALL.value)
+        self.menus.choose('button GO ON', MenuAct.RESUME_ALL.value)
         wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
 
     def test_3_robots_out_of_order_hold_up_nobody_whose_path_they_do_not_block(self) -> None:
@@ -170,7 +170,7 @@ class FactoryTest(unittest.TestCase):
         if self.factory.robot(STUCK).state == FleetRobot.FAILED and (
                 time.monotonic() > self.next_try):
             type(self).next_try = time.monotonic() + 3.0
-            self.menus.choose(f'robot {STUCK}', Act.IN.value)
+            self.menus.choose(f'robot {STUCK}', MenuAct.IN.value)
         return False
 
     def test_4_the_menu_of_a_robot(self) -> None:
@@ -181,36 +181,37 @@ class FactoryTest(unittest.TestCase):
         place = graph.vertices[goal].position
         mission = self.factory.send(goal, self.factory.home_of('agv_1'), robot='agv_1',
                                     dwell=(-1.0, -1.0))
-        for act, state in ((Act.PAUSE, MissionStatus.PAUSED), (Act.RESUME, MissionStatus.ACTIVE)):
+        for act, state in ((MenuAct.PAUSE, MissionStatus.PAUSED),
+                           (MenuAct.RESUME, MissionStatus.ACTIVE)):
             self.choose(act, lambda: self.factory.status_of(mission) == state)  # noqa: B023
         wait_until(lambda: math.dist(self.factory.places()['agv_1'], place) < 0.1, 60.0,
                    f'agv_1 at vertex {goal}')
-        self.choose(Act.RELEASE, lambda: any(
+        self.choose(MenuAct.RELEASE, lambda: any(
             status.request_id == mission and status.destinations_reached
             for status in list(self.factory.statuses.messages)))
-        self.choose(Act.CANCEL,
+        self.choose(MenuAct.CANCEL,
                     lambda: self.factory.status_of(mission) == MissionStatus.CANCELLED)
-        self.choose(Act.OUT,
+        self.choose(MenuAct.OUT,
                     lambda: self.factory.robot('agv_1').state == FleetRobot.OUT_OF_SERVICE)
         self.factory.wait_until_all_stand()
-        self.choose(Act.IN, lambda: self.factory.robot('agv_1').state in READY)
+        self.choose(MenuAct.IN, lambda: self.factory.robot('agv_1').state in READY)
         known = len(self.factory.statuses.messages)
-        self.menus.choose('robot agv_1', Act.CHOOSE.value)
-        self.menus.choose(f'vertex {goal}', Act.SEND_CHOSEN.value)
+        self.menus.choose('robot agv_1', MenuAct.CHOOSE.value)
+        self.menus.choose(f'vertex {goal}', MenuAct.SEND_CHOSEN.value)
         self.factory.statuses.wait_for(lambda status: status.robot == 'agv_1', 30.0, 'its mission',
                                        after=known)
 
     def test_5_the_menu_of_an_edge_and_nothing_is_left_behind(self) -> None:
         edges = [min(self.factory.graph.edges), max(self.factory.graph.edges)]
         for edge in edges:
-            self.menus.choose(f'edge {edge}', Act.CLOSE.value)
+            self.menus.choose(f'edge {edge}', MenuAct.CLOSE.value)
             wait_until(lambda: edge in self.closed.messages[-1].edges, 30.0,  # noqa: B023
                        f'edge {edge} is closed')
         wait_until(lambda: 'closed' in self.pictures['graph'].namespaces(), 30.0, 'they are red')
-        self.menus.choose(f'edge {edges[0]}', Act.OPEN.value)
+        self.menus.choose(f'edge {edges[0]}', MenuAct.OPEN.value)
         wait_until(lambda: edges[0] not in self.closed.messages[-1].edges, 30.0, 'one is open')
         self.assertIn(edges[1], self.closed.messages[-1].edges)
-        self.menus.choose(f'edge {edges[0]}', Act.OPEN_ALL.value)
+        self.menus.choose(f'edge {edges[0]}', MenuAct.OPEN_ALL.value)
         wait_until(lambda: not self.closed.messages[-1].edges, 30.0, 'all are open')
         wait_until(lambda: not {'closed', 'closed_names'} & self.pictures['graph'].namespaces(),
                    30.0, 'nothing red is left')
@@ -218,7 +219,7 @@ class FactoryTest(unittest.TestCase):
             self.assertGreater(picture.messages, 1, name)
             self.assertEqual([], picture.flickers, name)
 
-    def choose(self, act: Act, effect: Callable[[], bool]) -> None:
+    def choose(self, act: MenuAct, effect: Callable[[], bool]) -> None:
         """Chooses from the menu of agv_1 until the effect shows.
 
         The node may receive a mission later than this test does.

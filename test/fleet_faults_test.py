@@ -287,9 +287,9 @@ class Watch:
         self.nearest: Tuple[float, List[str]] = (math.inf, [])
         self.looks = 0
         self._control = Control()
-        threading.Thread(target=self._look, daemon=True).start()
+        threading.Thread(target=self._measure, daemon=True).start()
 
-    def _look(self) -> None:
+    def _measure(self) -> None:
         pause = threading.Event()
         while not pause.wait(0.02):
             places = self._control.places()

@@ -26,7 +26,7 @@ from graph_fleet_manager.nodes.rviz.menus import (
     EDGE_MENU,
     ROBOT_MENU,
     VERTEX_MENU,
-    Act,
+    MenuAct,
 )
 from graph_fleet_manager.nodes.rviz.robot_picture import GREY
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionStatus
@@ -94,8 +94,9 @@ class FleetByMouse(unittest.TestCase):
 
     def test_2_a_vertex_sends_any_robot(self) -> None:
         goal, known = self.free_vertex(), len(self.factory.statuses.messages)
-        mission = self.choose(lambda: self.place_at(goal), VERTEX_MENU, Act.SEND_ANY, lambda: next(
-            (status.request_id for status in self.factory.statuses.messages[known:]), 0))
+        mission = self.choose(
+            lambda: self.place_at(goal), VERTEX_MENU, MenuAct.SEND_ANY, lambda: next(
+                (status.request_id for status in self.factory.statuses.messages[known:]), 0))
         wait_until(lambda: self.factory.ends([mission]), 120.0, f'the end of mission {mission}')
         self.assertEqual({mission: MissionStatus.SUCCEEDED}, self.factory.ends([mission]))
         self.assertLess(min(math.dist(place, self.place_at(goal)) for place
@@ -105,7 +106,7 @@ class FleetByMouse(unittest.TestCase):
     def test_3_a_click_chooses_a_robot_and_a_vertex_sends_it(self) -> None:
         robot, goal = self.clickable_robot(), self.free_vertex()
         self.click(lambda: self.place_of(robot), lambda: self.was_said(f'{robot} is chosen'))
-        self.choose(lambda: self.place_at(goal), VERTEX_MENU, Act.SEND_CHOSEN,
+        self.choose(lambda: self.place_at(goal), VERTEX_MENU, MenuAct.SEND_CHOSEN,
                     lambda: self.factory.robot(robot).has_mission)
         self.window.picture('fleet_rviz_sent')
         wait_until(lambda: math.dist(self.place_of(robot), self.place_at(goal)) < 0.5, 120.0,
@@ -114,11 +115,11 @@ class FleetByMouse(unittest.TestCase):
     def test_4_an_edge_is_closed_and_all_are_opened(self) -> None:
         edge = self.free_edge()
         middle = self.middle_of(edge)
-        self.choose(lambda: middle, EDGE_MENU, Act.CLOSE,
+        self.choose(lambda: middle, EDGE_MENU, MenuAct.CLOSE,
                     lambda: edge in self.closed.messages[-1].edges)
         self.window.wait_for_picture('fleet_rviz_closed', lambda picture: (
             [] if self.painted(picture, middle, CLOSED) > 20 else [f'red at edge {edge}']))
-        self.choose(lambda: middle, EDGE_MENU, Act.OPEN_ALL,
+        self.choose(lambda: middle, EDGE_MENU, MenuAct.OPEN_ALL,
                     lambda: not self.closed.messages[-1].edges)
         self.window.wait_for_picture('fleet_rviz_opened', lambda picture: (
             [f'no red at edge {edge}'] if self.painted(picture, middle, CLOSED) else []))
@@ -131,14 +132,15 @@ class FleetByMouse(unittest.TestCase):
         mission = self.factory.send(*goals, robot=robot, dwell=(-1.0, 0.0))
         wait_until(lambda: math.dist(self.place_of(robot), self.place_at(goal)) < 0.1, 120.0,
                    f'{robot} at vertex {goal}')
-        for act, state in ((Act.PAUSE, MissionStatus.PAUSED), (Act.RESUME, MissionStatus.ACTIVE),
-                           (Act.CANCEL, MissionStatus.CANCELLED)):
+        for act, state in ((MenuAct.PAUSE, MissionStatus.PAUSED),
+                           (MenuAct.RESUME, MissionStatus.ACTIVE),
+                           (MenuAct.CANCEL, MissionStatus.CANCELLED)):
             self.choose(lambda: self.place_of(robot), ROBOT_MENU, act,
                         lambda: self.factory.status_of(mission) == state)  # noqa: B023
         second = self.factory.send(*goals, robot=robot, dwell=(-1.0, 0.0))
         wait_until(lambda: self.factory.status_of(second) == MissionStatus.ACTIVE, 30.0,
                    'the second mission')
-        self.choose(lambda: self.place_of(robot), ROBOT_MENU, Act.RELEASE,
+        self.choose(lambda: self.place_of(robot), ROBOT_MENU, MenuAct.RELEASE,
                     lambda: math.dist(self.place_of(robot), self.place_at(goal)) > 0.5)
         wait_until(lambda: self.factory.ends([second]), 120.0, f'the end of mission {second}')
         self.assertEqual({second: MissionStatus.SUCCEEDED}, self.factory.ends([second]))
@@ -146,11 +148,11 @@ class FleetByMouse(unittest.TestCase):
     @long_only
     def test_6_a_robot_is_taken_out_and_put_in(self) -> None:
         robot = self.clickable_robot()
-        self.choose(lambda: self.place_of(robot), ROBOT_MENU, Act.OUT,
+        self.choose(lambda: self.place_of(robot), ROBOT_MENU, MenuAct.OUT,
                     lambda: self.factory.robot(robot).state == FleetRobot.OUT_OF_SERVICE)
         self.window.wait_for_picture('fleet_rviz_out', lambda picture: (
             [] if self.painted(picture, self.place_of(robot), GREY) > 40 else [f'{robot} in grey']))
-        self.choose(lambda: self.place_of(robot), ROBOT_MENU, Act.IN,
+        self.choose(lambda: self.place_of(robot), ROBOT_MENU, MenuAct.IN,
                     lambda: self.factory.robot(robot).state in READY)
 
     def test_7_stop_all_stops_all_and_go_on_lets_them_go_on(self) -> None:
@@ -158,21 +160,21 @@ class FleetByMouse(unittest.TestCase):
         for robot in self.factory.fleet.robots:
             self.factory.send(goal, robot.vertex, goal, robot.vertex, robot=robot.name)
         wait_until(lambda: len(self.factory.moved(before)) >= 2, 60.0, 'two robots drive')
-        self.press(Act.STOP_ALL, 'Every robot was told to stop')
+        self.press(MenuAct.STOP_ALL, 'Every robot was told to stop')
         self.factory.wait_until_all_stand()
         self.window.picture('fleet_rviz_stopped')
         stood = self.factory.places()
-        self.press(Act.RESUME_ALL, 'The fleet goes on')
+        self.press(MenuAct.RESUME_ALL, 'The fleet goes on')
         wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
         self.window.picture('fleet_rviz_going_on')
         known, place = len(self.feedback.messages), self.place_at(self.free_vertex())
-        self.choose(lambda: place, VERTEX_MENU, Act.STOP_ALL,
+        self.choose(lambda: place, VERTEX_MENU, MenuAct.STOP_ALL,
                     lambda: self.was_said('Every robot was told to stop', known))
         self.factory.wait_until_all_stand()
 
     # --- the mouse -------------------------------------------------------------------------------
 
-    def choose(self, place: Callable[[], Place], menu: Sequence[Act], act: Act,
+    def choose(self, place: Callable[[], Place], menu: Sequence[MenuAct], act: MenuAct,
                effect: Callable[[], Any]) -> Any:
         """Chooses from the menu at a place until the effect shows, and returns the effect."""
         return self.do(lambda: self.window.choose_from_menu(
@@ -183,11 +185,11 @@ class FleetByMouse(unittest.TestCase):
         self.do(lambda: self.window.click_handle(self.window.pixel(*place())), effect,
                 f'a click at {place()}')
 
-    def press(self, act: Act, words: str) -> None:
+    def press(self, act: MenuAct, words: str) -> None:
         """Clicks one of the two buttons above the graph until these words appear."""
         vertices = self.factory.graph.vertices.values()
         left = min(vertex.x for vertex in vertices) + BUTTON[0] / 2.0
-        button = (left + (BUTTON[0] + 0.3) * (act is Act.RESUME_ALL),
+        button = (left + (BUTTON[0] + 0.3) * (act is MenuAct.RESUME_ALL),
                   max(vertex.y for vertex in vertices) + BUTTON_ABOVE)
         known = len(self.feedback.messages)
         self.click(lambda: button, lambda: self.was_said(words, known))

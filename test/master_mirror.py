@@ -56,7 +56,7 @@ class Mirror:
         self._mirrored: Set[Registration] = set()
         self._heard = time.monotonic()
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Brings the own master up to date with the present registrations of the peer."""
         try:
             there = self._registrations()
@@ -118,7 +118,7 @@ def main() -> None:
         topics = yaml.safe_load(stream)['sync_topics']
     mirror = Mirror(own, peer, topics)
     while True:
-        mirror.look()
+        mirror.update()
         time.sleep(PERIOD)
 
 

@@ -97,13 +97,13 @@ class Reader:
                 self._running.kill()
 
     def _start(self, block: Block) -> None:
-        self._tell(block)
+        self._print(block)
         self._running = subprocess.Popen(
             ['bash', '-c', 'exec ' + block.text.strip()], cwd=ROOT, env=self._environment,
             stdout=self._log, stderr=subprocess.STDOUT, start_new_session=True)
 
     def _do(self, block: Block, patience: float) -> None:
-        self._tell(block)
+        self._print(block)
         deadline = time.monotonic() + patience
         script = f'set -e\n{self._terminal}{block.text}'
         while True:
@@ -144,7 +144,7 @@ class Reader:
                              f'{self._log.read()[-3000:]}')
 
     @staticmethod
-    def _tell(block: Block) -> None:
+    def _print(block: Block) -> None:
         print(f'--- line {block.line}\n{block.text.strip()}', flush=True)
 
 

@@ -117,7 +117,7 @@ class RvizWindow:
     def _is_painted(self) -> bool:
         if self._process.poll() is not None:
             raise AssertionError('RViz ended before its window was seen')
-        return len(self.look().getcolors(WIDTH * HEIGHT)) > 100
+        return len(self.screen().getcolors(WIDTH * HEIGHT)) > 100
 
     # Positions
 
@@ -203,7 +203,7 @@ class RvizWindow:
             left, top, _, bottom = opened[1]
             y = top + round((menu.index(entry) + 0.5) * (bottom - top) / len(menu))
             self.hover((left + 2 * MENU_INSET, y))
-            return count_near(self.look(), (left + MENU_INSET, y), MENU_COLOUR, reach=1) == 0
+            return count_near(self.screen(), (left + MENU_INSET, y), MENU_COLOUR, reach=1) == 0
         opened = self._open_menu(pixel)
         wait_until(lit, PATIENCE, f'{entry} of the menu at {pixel} is lit')
         self._screen.mouse('click', 1)
@@ -223,7 +223,7 @@ class RvizWindow:
         return wait_until(opened, PATIENCE, f'the menu at {pixel}')
 
     def _part(self, box: Box) -> bytes:
-        return self.look().crop(box).tobytes()
+        return self.screen().crop(box).tobytes()
 
     def _at_rest(self, box: Box) -> bytes:
         """A part of the window after it has not changed for a while."""
@@ -240,24 +240,24 @@ class RvizWindow:
 
     # Visible content
 
-    def look(self) -> Image.Image:
+    def screen(self) -> Image.Image:
         """A picture of the screen now."""
         return self._screen.picture()
 
     def picture(self, name: str) -> Image.Image:
         """The same picture, saved among the artefacts as `name`.png."""
-        picture = self.look()
+        picture = self.screen()
         picture.save(os.path.join(self._artefacts, f'{name}.png'))
         return picture
 
     def wait_for_picture(self, name: str, missing: Callable[[Image.Image], List[str]],
                          timeout: float = PATIENCE) -> None:
         """Looks until `missing` returns no more names; saves the last picture as `name`.png."""
-        picture, lacking = self.look(), ['']
+        picture, lacking = self.screen(), ['']
 
         def complete() -> bool:
             nonlocal picture, lacking
-            picture = self.look()
+            picture = self.screen()
             lacking = missing(picture)
             return not lacking
         try:

@@ -52,7 +52,7 @@ class SimTime(unittest.TestCase):
         cls.missions = Recorder('/mission_status', MissionStatus)
         cls.requests = connected_publisher('/mission_request', MissionRequest, to='path_supervisor')
 
-    def go_on(self, what: str) -> None:
+    def wait_for_periodic(self, what: str) -> None:
         """Waits until everything periodic has come three times more."""
         for topic, kind in ((f'/{ROBOT}/execute_command/status', GoalStatusArray),
                             (f'/{ROBOT}/link_state', LinkState),
@@ -77,7 +77,7 @@ class SimTime(unittest.TestCase):
         self.assertEqual(MissionStatus.SUCCEEDED, end.state, end.reason)
 
     def test_1_without_a_clock_periodic_work_goes_on_and_every_node_says_what_it_waits_for(self):
-        self.go_on('without /clock')
+        self.wait_for_periodic('without /clock')
         others = ('rosout', 'ld90_sim', 'sim_time', 'body_state_publisher')
         nodes = {node for node in rosnode.get_node_names()
                  if node.rsplit('/', 1)[-1] not in others}
@@ -98,7 +98,7 @@ class SimTime(unittest.TestCase):
         self.clock.set(BACK)
         self.poses.wait_for(lambda pose: pose.header.stamp.to_sec() < BEGIN, 20.0,
                             'a pose of the new time', after=heard)
-        self.go_on('after the step')
+        self.wait_for_periodic('after the step')
         self.drive(2, 39)
 
 

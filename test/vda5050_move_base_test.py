@@ -43,7 +43,7 @@ class Trolley:
         self._lock = threading.Lock()
         self._poses = rospy.Publisher('/trolley/pose', PoseStamped, queue_size=1)
         self._odometry = rospy.Publisher('/trolley/odom', Odometry, queue_size=1)
-        Periodic('trolley', PERIOD, self._tell)
+        Periodic('trolley', PERIOD, self._publish)
 
     def start_move_base(self) -> None:
         """Starts the action; before that, the robot reports its pose but takes no goals."""
@@ -73,7 +73,7 @@ class Trolley:
             self.x += self._speed * PERIOD
             time.sleep(PERIOD)
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         pose, odometry = PoseStamped(), Odometry()
         pose.header.frame_id = 'map'
         pose.pose.position.x, pose.pose.orientation.w = self.x, 1.0

@@ -35,9 +35,9 @@ from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
-from fleet_simulation.driven_robot import Delays, Standstill
+from fleet_simulation.driven_robot import Delays, RandomStops
 from fleet_simulation.simulation import Run
-from fleet_simulation.site import Site, site_of
+from fleet_simulation.site import StudiedSite, site_of
 from graph_fleet_manager.nodes.random_missions import places_by_edge
 from trajectory_graph import load_graph, split_edges
 
@@ -47,7 +47,7 @@ MOST = 2              # destinations of a random mission
 LOOK = 1.0            # s between two looks at the robots
 WARM_UP = 120.0       # s in which the robots spread
 MOVED, TURNED = 0.01, 0.01  # m and rad in a look that count as motion
-NEVER = Standstill(0.0, 0.0)
+NEVER = RandomStops(0.0, 0.0)
 KINDS = {'ld90': 'LD-90s', 'agv': 'AGVs'}
 
 
@@ -193,7 +193,7 @@ def kept(file: Path) -> Iterator[Observation]:
 # --- virtual time ---------------------------------------------------------------------------------
 
 @lru_cache(maxsize=1)
-def virtual_site() -> Site:
+def virtual_site() -> StudiedSite:
     """The factory's graph, fleet and missions."""
     whole = load_graph(ROOT / 'maps/lab_graph.yaml')
     graph = split_edges(whole, LONGEST_EDGE)
@@ -209,7 +209,7 @@ def virtual_site() -> Site:
 class ObservedRun(Run):
     """A virtual run that is observed as the real fleet is."""
 
-    def __init__(self, site: Site, seed: int) -> None:
+    def __init__(self, site: StudiedSite, seed: int) -> None:
         super().__init__(site, 2 * COUNT, seed)
         self.observed: List[Observation] = []
         self._looked = 0.0

@@ -197,7 +197,7 @@ class Mouse:
         """Seconds from the feedback to the update."""
         self._answered.clear()
         begun = time.perf_counter()
-        self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
+        self._publish_feedback(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
         if not self._answered.wait(10.0):
             raise RuntimeError('a drag was not answered within 10 s')
         return time.perf_counter() - begun
@@ -209,8 +209,8 @@ class Mouse:
         answers = 0
         for x, y in list(circle(60))[1:]:  # a drag to the present position would not be answered
             self._answered.clear()
-            self._tell(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
-            self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
+            self._publish_feedback(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
+            self._publish_feedback(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
             answers = answers + 1 if self._answered.wait(1.0) else 0
             if answers == 3:
                 return
@@ -218,11 +218,11 @@ class Mouse:
 
     def close(self) -> None:
         """Releases the mouse button."""
-        self._tell(InteractiveMarkerFeedback.MOUSE_UP, 0.0, 0.0)
+        self._publish_feedback(InteractiveMarkerFeedback.MOUSE_UP, 0.0, 0.0)
         self._publisher.unregister()
         self._subscriber.unregister()
 
-    def _tell(self, event: int, x: float, y: float) -> None:
+    def _publish_feedback(self, event: int, x: float, y: float) -> None:
         feedback = InteractiveMarkerFeedback(client_id='bench', marker_name=self._name,
                                              event_type=event, pose=Pose())
         feedback.header.frame_id = 'map'

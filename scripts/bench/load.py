@@ -86,10 +86,10 @@ class Commits:
     def _watch(self) -> None:
         while not rospy.is_shutdown():
             with suppress(OSError):
-                self._look()
+                self._read_log()
             time.sleep(0.25)
 
-    def _look(self) -> None:
+    def _read_log(self) -> None:
         """Reads the log. A frame that ends a commit holds the size of the database, other frames
         hold 0.
         """

@@ -19,12 +19,12 @@ from measuring.tables import print_table
 
 from fleet_core.fleet import Fleet, Robot, RobotType
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.batch import Job, Progress, run_all
+from fleet_simulation.batch import Job, ProgressBar, run_all
 from fleet_simulation.demand import Demand, Flow, Saturated
 from fleet_simulation.demand_file import Wanted
-from fleet_simulation.driven_robot import Delays, Standstill
+from fleet_simulation.driven_robot import Delays, RandomStops
 from fleet_simulation.figures import Figures, Use
-from fleet_simulation.site import Order, Site, site_of
+from fleet_simulation.site import OrderPolicy, StudiedSite, site_of
 from fleet_simulation.statistics import Band, band
 from trajectory_graph import load_graph, split_edges
 
@@ -32,8 +32,8 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCK = 16
 STATIONS = (6, 18, 27, 39, 52, DOCK)
 PARKING = (8, 10, 14, 32, 33, 35, 41, 18, 27, 39, 52, 6, DOCK)
-NEVER = Standstill(0.0, 0.0)
-STALLS = Delays(1.1, Standstill(800.0, 20.0), NEVER)
+NEVER = RandomStops(0.0, 0.0)
+STALLS = Delays(1.1, RandomStops(800.0, 20.0), NEVER)
 AT_EDGE_SPEED = RobotType('agv', 0.43, 10.0, docks=frozenset((DOCK,)))
 AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 
@@ -41,13 +41,13 @@ AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 class Case(NamedTuple):
     """A site, the number of robots, the virtual hours of a run, and the number of seeds."""
 
-    site: Callable[[], Site]
+    site: Callable[[], StudiedSite]
     robots: int
     hours: float
     seeds: int
 
 
-def laboratory() -> Site:
+def laboratory() -> StudiedSite:
     """Returns the laboratory map: sections of 1.5 m, no release ahead, missions to stations or the
     dock."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
@@ -58,7 +58,7 @@ def laboratory() -> Site:
     return replace(site, parking=PARKING)
 
 
-def warehouse() -> Site:
+def warehouse() -> StudiedSite:
     """Returns a made-up warehouse: aisles with stations, 500 vertices."""
     graph, stations = aisles(500)
     return site_of(graph, Fleet((AGV,), (Robot('agv', AGV, stations[0], 'agv'),), 0.1),
@@ -74,10 +74,10 @@ SECTIONS: Dict[str, Case] = {
     'laboratory': Case(laboratory, 8, 1.0, 8),
     '50': Case(warehouse, 50, 0.1, 6),
 }
-RIVALS: Dict[str, Callable[[Site], Site]] = {
+RIVALS: Dict[str, Callable[[StudiedSite], StudiedSite]] = {
     'fixed order': lambda site: site,
-    'planning anew every 5 s': lambda site: replace(site, order=Order.REPLANNING),
-    'switching': lambda site: replace(site, order=Order.SWITCHING),
+    'planning anew every 5 s': lambda site: replace(site, order=OrderPolicy.REPLANNING),
+    'switching': lambda site: replace(site, order=OrderPolicy.SWITCHING),
     'fixed order, no stalls': lambda site: replace(site, delays=replace(STALLS, stall=NEVER)),
 }
 
@@ -113,7 +113,7 @@ def main() -> None:
         jobs = [Job(rival, case.robots, seed, case.hours)
                 for seed in seeds for rival in range(len(RIVALS))]
         done, _ = run_all([make(site) for make in RIVALS.values()], jobs, options.jobs,
-                          Progress(name))
+                          ProgressBar(name))
         runs = [[figures for job, figures in done if job.site == rival]
                 for rival in range(len(RIVALS))]
         for rival, own in zip(RIVALS, runs):

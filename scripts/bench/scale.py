@@ -56,23 +56,23 @@ class Fleet:
         self.reports = 0
         self.missions: Counter = Counter()
         self._last: Dict[str, int] = {}
-        rospy.Subscriber('/fleet_state', FleetState, self._take_state)
-        rospy.Subscriber('/mission_status', MissionStatus, self._take_mission)
+        rospy.Subscriber('/fleet_state', FleetState, self._on_state)
+        rospy.Subscriber('/mission_status', MissionStatus, self._on_mission)
         for k in range(1, robots + 1):
             name = f'ld90_{k}'
-            rospy.Subscriber(f'/{name}/robot_status', RobotStatus, self._take_status, name)
+            rospy.Subscriber(f'/{name}/robot_status', RobotStatus, self._on_status, name)
 
-    def _take_state(self, state: FleetState) -> None:
+    def _on_state(self, state: FleetState) -> None:
         if sum(robot.state in WORKING for robot in state.robots) == self._robots:
             self.ready.set()
 
-    def _take_status(self, status: RobotStatus, name: str) -> None:
+    def _on_status(self, status: RobotStatus, name: str) -> None:
         number = status.header.seq
         self.reports += 1
         self.lost += max(0, number - self._last.get(name, number - 1) - 1)
         self._last[name] = number
 
-    def _take_mission(self, status: MissionStatus) -> None:
+    def _on_mission(self, status: MissionStatus) -> None:
         if status.state in (MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED):
             self.missions[status.state] += 1
 

@@ -23,7 +23,7 @@ from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import simulate
-from fleet_simulation.site import Site, site_of
+from fleet_simulation.site import StudiedSite, site_of
 from trajectory_graph import load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,20 +36,20 @@ SETTINGS = {'ld90': RobotSettings(release_ahead=8.0),
 class Case(NamedTuple):
     """A site, the number of robots, the virtual hours of a run, and the aim (times real time)."""
 
-    site: Callable[[], Site]
+    site: Callable[[], StudiedSite]
     robots: int
     hours: float
     aim: int
 
 
-def laboratory() -> Site:
+def laboratory() -> StudiedSite:
     """Returns the laboratory map with edges cut at 1.5 m, and LD-90s and AGVs in turn."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = (Robot('ld90', LD90, 8, 'ld90'), Robot('agv', AGV, 10, 'agv'))
     return site_of(graph, Fleet((LD90, AGV), robots, 0.1), SETTINGS, busy((6, 18, 27, 39, 52)))
 
 
-def warehouse(vertices: int) -> Site:
+def warehouse(vertices: int) -> StudiedSite:
     """Returns a made-up warehouse: aisles with stations, and AGVs."""
     graph, stations = aisles(vertices)
     return site_of(graph, Fleet((AGV,), (Robot('agv', AGV, stations[0], 'agv'),), 0.1),

@@ -74,7 +74,7 @@ class Soak:
             self.hall, self.simulators, self.fleet, self.witness, self._lock, self.launch,
             self._master, self._given.speed, self._given.seed, self._ended)
         threads = [threading.Thread(target=self._guarded, args=(work,), daemon=True)
-                   for work in (self._look, self._send, self._help, self._sample, self._disturb)]
+                   for work in (self._watch, self._send, self._help, self._sample, self._disturb)]
         begun = time.monotonic()
         for thread in threads:
             thread.start()
@@ -115,9 +115,9 @@ class Soak:
             self._errors.append(f'{work.__name__}: {type(error).__name__}: {error}')
             raise
 
-    def _look(self) -> None:
+    def _watch(self) -> None:
         while not self._over.wait(LOOK):
-            first, second = self.simulators.look_twice()
+            first, second = self.simulators.places_twice()
             with self._lock:
                 self.witness.see(time.monotonic(), first, second)
 

@@ -15,10 +15,10 @@ from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.agv.speed_limits import DriveLimits
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
-from fleet_simulation.driven_robot import Delays, DrivenRobot, Mechanics, Standstill
+from fleet_simulation.driven_robot import Delays, DrivenRobot, Mechanics, RandomStops
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import Run
-from fleet_simulation.site import Site, site_of
+from fleet_simulation.site import StudiedSite, site_of
 from trajectory_graph import Graph, load_graph, split_edges
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -29,8 +29,8 @@ PARKING = (8, 10, 14, 32, 33, 35, 41, 18, 27, 39, 52, 6, DOCK)  # the largest we
 # are the starts of the robots.
 AGV = RobotType('agv', 0.43, 1.0, docks=frozenset((DOCK,)))
 LD90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks=frozenset((DOCK,)))
-STALLS = Standstill(800.0, 20.0)
-DELAYS = Delays(1.1, STALLS, Standstill(0.0, 0.0))
+STALLS = RandomStops(800.0, 20.0)
+DELAYS = Delays(1.1, STALLS, RandomStops(0.0, 0.0))
 AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100.0,
                                 turn_acceleration=1000.0, bend_rate=1e6))
 
@@ -38,7 +38,7 @@ AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100
 class Operation(Run):
     """A run in which each robot gets its next goal when it has reached the last one."""
 
-    def __init__(self, site: Site, robots: int, goals: Sequence[int], seed: int) -> None:
+    def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int) -> None:
         super().__init__(site, robots, seed)
         self.longest_standstill = 0.0
         """The longest time in which no robot was driving, in s."""

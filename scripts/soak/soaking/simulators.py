@@ -53,7 +53,7 @@ class Simulators:
         self._eyes = Simulator(ld90_port), Simulator(agv_port)
         self._hands = {'ld90': Simulator(ld90_port), 'agv': Simulator(agv_port)}
 
-    def look_twice(self) -> Tuple[Dict[str, Place], Dict[str, Place]]:
+    def places_twice(self) -> Tuple[Dict[str, Place], Dict[str, Place]]:
         """Returns the positions of all robots twice: with LD-90s sampled just before the AGVs, and
         just after the AGVs."""
         ld90s, agvs = self._eyes

@@ -15,7 +15,7 @@ from fleet_builders import AGV, corridor, graph_of, ladder
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.planning.lacam import search_lacam
-from fleet_core.planning.parking import Parking
+from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.precedence import Conflicting, precedence
@@ -330,7 +330,7 @@ def test_what_was_released_needs_no_precedence_any_more():
 
 def test_a_parked_robot_in_a_corridor_cuts_it_and_one_at_its_end_does_not():
     network = RoadNetwork(corridor(5))
-    parking = Parking(network, AGV, 0.1)
+    parking = WellFormedSets(network, AGV, 0.1)
     assert parking.is_well_formed([network.index[1]])
     assert not parking.is_well_formed([network.index[3]])
     assert not parking.is_well_formed([network.index[1], network.index[5], network.index[2]])
@@ -339,7 +339,7 @@ def test_a_parked_robot_in_a_corridor_cuts_it_and_one_at_its_end_does_not():
 def test_the_laboratory_has_room_for_thirteen_and_not_for_one_more(lab_graph):
     """The set is known from exhaustive search."""
     network = RoadNetwork(lab_graph)
-    parking = Parking(network, RobotType('agv', 0.43, 1.0, docks=frozenset((16,))), 0.1)
+    parking = WellFormedSets(network, RobotType('agv', 0.43, 1.0, docks=frozenset((16,))), 0.1)
     best = {network.index[v] for v in (8, 10, 14, 32, 33, 35, 6, 16, 18, 27, 41, 39, 52)}
     assert parking.is_well_formed(best)
     assert not any(parking.is_well_formed(best | {v}) for v in range(network.vertices)
@@ -353,7 +353,7 @@ def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
                      {**{k: (k, k + 1) for k in range(1, 5)},
                       **{10 + k: (k, 10 + k) for k in range(1, 6)}})
     network = RoadNetwork(graph)
-    found = Parking(network, AGV, 0.1).largest()
+    found = WellFormedSets(network, AGV, 0.1).largest()
     assert {network.vertex_ids[v] for v in found} == {11, 12, 13, 14, 15}
 
 

@@ -15,8 +15,8 @@ from plan_checker import Order, World, faults, held_faults
 from plan_replay import replay, replay_faults
 from proofs import is_whole
 
-from fleet_core.planning.edge_groups import EdgeGroup, Progress, edge_groups
-from fleet_core.planning.order_switching import GAIN, Course, switch_order
+from fleet_core.planning.edge_groups import EdgeGroup, RobotProgress, edge_groups
+from fleet_core.planning.order_switching import GAIN, RemainingDrives, switch_order
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.precedence import Constraint
@@ -42,7 +42,7 @@ class Moment:
     late: Dict[str, float]
 
     @property
-    def progress(self) -> Dict[str, Progress]:
+    def progress(self) -> Dict[str, RobotProgress]:
         """The progress by the times of the plan, without the delays since then."""
         found = {}
         for name, planned in self.outcome.drives.items():
@@ -52,11 +52,11 @@ class Moment:
             share = 0.0
             if done < begun:
                 share = (self.now - plan[done].start) / (plan[done].end - plan[done].start)
-            found[name] = Progress(self.kinds[name], plan, begun, (done, share))
+            found[name] = RobotProgress(self.kinds[name], plan, begun, (done, share))
         return found
 
     @property
-    def courses(self) -> Dict[str, Course]:
+    def courses(self) -> Dict[str, RemainingDrives]:
         """The remaining drives, by the plan's seconds."""
         found = {}
         for name, one in self.progress.items():
@@ -68,7 +68,7 @@ class Moment:
                 begins += late
             elif len(left) > 1:
                 pauses[1] = late  # the robot drives to the end of its drive, and no farther
-            found[name] = Course(
+            found[name] = RemainingDrives(
                 done, begins, tuple(d.end - d.start for d in left), tuple(pauses),
                 tuple(d.start - self.now for d in left), len(one.plan))
         return found
@@ -123,7 +123,7 @@ def a_case(seed: int) -> Case:
         raise
 
 
-def ends(courses: Dict[str, Course], order: Sequence[Constraint]) -> Dict[str, float]:
+def ends(courses: Dict[str, RemainingDrives], order: Sequence[Constraint]) -> Dict[str, float]:
     """The end times of all robots, iterated until nothing changes; without a ring."""
     starts = {(name, course.first + k): course.begins if k == 0 else 0.0
               for name, course in courses.items() for k in range(len(course.seconds))}
@@ -279,8 +279,8 @@ def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
     for k in range(25):
         late, other = f'late{k}', f'other{k}'
         for name, begins in ((late, 40.0 + k), (other, 0.0)):
-            courses[name] = Course(0, begins, (3.0,) * 20, (0.0,) * 20,
-                                   tuple(3.0 * n for n in range(20)), 20)
+            courses[name] = RemainingDrives(0, begins, (3.0,) * 20, (0.0,) * 20,
+                                            tuple(3.0 * n for n in range(20)), 20)
         found.append(EdgeGroup(late, other, (Constraint(late, 9, 1.0, other, 10),),
                               (Constraint(other, 10, 1.0, late, 9),)))
     all_of_them = switch_order(courses, found)

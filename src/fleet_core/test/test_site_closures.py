@@ -111,8 +111,8 @@ def test_edges_that_the_graph_lacks_are_told_and_not_closed(file: Path) -> None:
 
 def test_without_a_graph_nothing_that_is_closed_is_forgotten(file: Path) -> None:
     closures = Closures(file)
-    closures.take([3, 4], 0, SECOND, KNOWN)
-    assert closures.take([3, 5], 0, 2 * SECOND, None) == frozenset()
+    closures.replace([3, 4], 0, SECOND, KNOWN)
+    assert closures.replace([3, 5], 0, 2 * SECOND, None) == frozenset()
     assert closures.apply(operation(CLOSE, 77), 3 * SECOND, None) == frozenset()
     assert closures.apply(operation(OPEN, 5), 4 * SECOND, None) == frozenset()
     assert Closures(file).edges == {3, 77}
@@ -120,7 +120,7 @@ def test_without_a_graph_nothing_that_is_closed_is_forgotten(file: Path) -> None
 
 def test_a_new_graph_forgets_what_it_does_not_have(file: Path) -> None:
     closures = Closures(file)
-    closures.take([3, 4], 0, SECOND, KNOWN)
+    closures.replace([3, 4], 0, SECOND, KNOWN)
     assert closures.forget_all_but([4]) == {3}
     assert Closures(file).edges == {4}
 
@@ -140,32 +140,32 @@ def test_what_was_carried_out_is_remembered_when_a_graph_is_replaced(file: Path)
 
 
 def test_closures_are_there_again_after_a_restart(file: Path) -> None:
-    Closures(file).take([3, -4], 5 * SECOND, 6 * SECOND, KNOWN)
+    Closures(file).replace([3, -4], 5 * SECOND, 6 * SECOND, KNOWN)
     again = Closures(file)
     assert (again.edges, again.stamp) == ({3, 4}, 5 * SECOND)
 
 
 def test_each_list_replaces_the_one_before_and_an_empty_one_opens_all(file: Path) -> None:
     closures = Closures(file)
-    closures.take([3], 0, 1 * SECOND, KNOWN)
-    closures.take([4], 0, 2 * SECOND, KNOWN)
+    closures.replace([3], 0, 1 * SECOND, KNOWN)
+    closures.replace([4], 0, 2 * SECOND, KNOWN)
     assert closures.edges == {4}
-    closures.take([], 0, 3 * SECOND, KNOWN)
+    closures.replace([], 0, 3 * SECOND, KNOWN)
     assert Closures(file).edges == frozenset()
 
 
 def test_unknown_edges_of_a_list_are_left_out_and_told(file: Path) -> None:
     closures = Closures(file)
-    assert closures.take([3, 99, -98, 0], 0, SECOND, KNOWN) == {99, 98, 0}
+    assert closures.replace([3, 99, -98, 0], 0, SECOND, KNOWN) == {99, 98, 0}
     assert closures.edges == {3}
 
 
 def test_a_list_that_was_said_before_the_closure_in_force_is_out_of_date(file: Path) -> None:
     closures = Closures(file)
-    closures.take([3], 5 * SECOND, 5 * SECOND, KNOWN)
+    closures.replace([3], 5 * SECOND, 5 * SECOND, KNOWN)
     for stamp in (4 * SECOND, 5 * SECOND):
         with pytest.raises(OutOfDate):
-            closures.take([], stamp, 6 * SECOND, KNOWN)
+            closures.replace([], stamp, 6 * SECOND, KNOWN)
     assert closures.edges == {3}
 
 
@@ -173,21 +173,21 @@ def test_a_list_that_was_said_before_an_operation_does_not_undo_it(file: Path) -
     closures = Closures(file)
     closures.apply(operation(CLOSE, 3), 5 * SECOND, KNOWN)
     with pytest.raises(OutOfDate):
-        closures.take([], 4 * SECOND, 6 * SECOND, KNOWN)
+        closures.replace([], 4 * SECOND, 6 * SECOND, KNOWN)
     assert closures.edges == {3}
 
 
 def test_a_clock_far_ahead_does_not_keep_others_from_opening(file: Path) -> None:
     closures = Closures(file)
-    closures.take([3], 3600 * SECOND, 5 * SECOND, KNOWN)
-    closures.take([], 6 * SECOND, 6 * SECOND, KNOWN)
+    closures.replace([3], 3600 * SECOND, 5 * SECOND, KNOWN)
+    closures.replace([], 6 * SECOND, 6 * SECOND, KNOWN)
     assert closures.edges == frozenset()
 
 
 def test_lists_count_after_the_clock_of_the_computer_was_set_back(file: Path) -> None:
     closures = Closures(file)
-    closures.take([3], 0, 3600 * SECOND, KNOWN)
-    closures.take([4], 10 * SECOND, 10 * SECOND, KNOWN)
+    closures.replace([3], 0, 3600 * SECOND, KNOWN)
+    closures.replace([4], 10 * SECOND, 10 * SECOND, KNOWN)
     assert (closures.edges, closures.stamp) == ({4}, 10 * SECOND)
 
 
@@ -213,7 +213,7 @@ def test_a_damaged_file_opens_nothing_by_itself(file: Path, text: str) -> None:
 def test_what_cannot_be_written_changes_nothing(tmp_path: Path) -> None:
     (tmp_path / 'folder').write_text('a file in the way')
     with pytest.raises((OSError, FileError)):
-        Closures(tmp_path / 'folder' / 'closed.json').take([3], 0, SECOND, KNOWN)
+        Closures(tmp_path / 'folder' / 'closed.json').replace([3], 0, SECOND, KNOWN)
 
 
 def test_an_operation_that_cannot_be_written_changes_nothing_and_may_come_again(

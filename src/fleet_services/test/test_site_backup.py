@@ -64,7 +64,7 @@ def save(tmp_path, site) -> str:
 def test_a_journal_of_before_is_as_good_as_lost_and_its_history_is_kept(
         tmp_path, monkeypatch, site, capsys):
     fleet = SupervisedFleet(corridor(8), {'a': (RobotType('agv', 0.4, 1.0), 1)})
-    home = Path(fleet.journal._path).parent
+    home = Path(fleet.disk.journal._path).parent
     monkeypatch.setenv('ROS_HOME', str(home))
     monkeypatch.setattr(backup, 'DATABASES', ('journal.sqlite',))
     monkeypatch.setattr(backup, 'JOURNAL', 'journal.sqlite')
@@ -77,8 +77,8 @@ def test_a_journal_of_before_is_as_good_as_lost_and_its_history_is_kept(
     fleet.request(3, 1)
     fleet.run(4.0)
     assert fleet.agvs['a'].is_driving
-    fleet.journal.close()
-    monkeypatch.setattr(fleet.journal, 'close', lambda: None)
+    fleet.disk.journal.close()
+    monkeypatch.setattr(fleet.disk.journal, 'close', lambda: None)
     assert main(['restore', archive, str(tmp_path / 'elsewhere')]) == 0
     assert '1 open missions are CANCELLED' in capsys.readouterr().out
     assert [(line.request_id, line.state) for line in history(str(home / 'journal.sqlite'))] == [

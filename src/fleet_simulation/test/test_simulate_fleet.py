@@ -20,14 +20,14 @@ from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures, Use
 from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.simulation import simulate
-from fleet_simulation.site import Site, site_of, with_docks
+from fleet_simulation.site import StudiedSite, site_of, with_docks
 from trajectory_graph import Graph, load_graph, save_graph
 
 Files = Callable[..., Dict[str, str]]
 SATURATED = 'groups: {all: [21, 22, 23, 24, 25]}\nflows:\n- {to: all, saturated: 1.0}\n'
 
 
-def site(yard: Graph, paths: Dict[str, str]) -> Site:
+def site(yard: Graph, paths: Dict[str, str]) -> StudiedSite:
     return site_of(yard, load_fleet(paths['fleet']), load_settings(paths['fleet']),
                    load_demand(paths['demand'], yard))
 

@@ -308,10 +308,10 @@ def test_requests_that_come_together_share_a_commit(loop, fleet):
     loop.begin()
     for id in range(BATCH):
         loop.put_request(Request(id + 1, (3,)))
-    before = fleet.journal.commits
+    before = fleet.disk.journal.commits
     told = told_by(take_all(loop, fleet, 1))
     assert told == [(id + 1, MissionState.PENDING) for id in range(BATCH)]
-    assert fleet.journal.commits == before + 1
+    assert fleet.disk.journal.commits == before + 1
 
 
 def test_a_tick_that_is_wanted_earlier_comes_earlier_but_after_what_arrived_before(loop, clock):

@@ -8,13 +8,13 @@ from joined_side import OtherSide, unused_port
 
 from graph_fleet_manager.multimaster import network_checks
 from graph_fleet_manager.multimaster.findings import (
-    Finding,
-    Level,
+    Checked,
+    Grade,
     clock_finding,
     definitions_finding,
 )
 from graph_fleet_manager.multimaster.network_checks import NetworkChecks
-from graph_fleet_manager.multimaster.peer_master import Discovery, Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import Discovery, MasterApi, NoAnswer
 
 DEFINITIONS = {'itrci_nav_msgs/TargetRoute': 'a', 'itrci_nav_msgs/EdgeState': 'b'}
 ROBOT, FLEET = '127.0.9.2', '127.0.9.3'
@@ -41,7 +41,7 @@ def short(monkeypatch) -> None:
 
 
 def findings(own: OtherSide, other: OtherSide, host: str = FLEET, master_port: int = 0,
-             **environment: str) -> Dict[str, Finding]:
+             **environment: str) -> Dict[str, Checked]:
     shell = {'ROS_IP': ROBOT, 'ROS_MASTER_URI': f'http://{ROBOT}:{own.master_port}',
              **environment}
     checks = NetworkChecks(host, shell, DEFINITIONS, master_port or other.master_port,
@@ -49,8 +49,8 @@ def findings(own: OtherSide, other: OtherSide, host: str = FLEET, master_port: i
     return {finding.subject: finding for finding in checks.run()}
 
 
-def wrong(found: Dict[str, Finding]) -> Dict[str, str]:
-    return {name: str(finding) for name, finding in found.items() if finding.level is not Level.OK}
+def wrong(found: Dict[str, Checked]) -> Dict[str, str]:
+    return {name: str(finding) for name, finding in found.items() if finding.level is not Grade.OK}
 
 
 def test_where_all_is_well_everything_was_looked_at(own, other):
@@ -77,7 +77,7 @@ def test_a_name_without_an_address_ends_the_checks(own, other):
     ({'ROS_HOSTNAME': 'robot'}, 'overrides ROS_IP', 'unset ROS_HOSTNAME')])
 def test_how_this_computer_names_itself(own, other, environment, problem, advice):
     found = findings(own, other, **environment)['ROS_IP']
-    assert found.level is Level.WRONG
+    assert found.level is Grade.WRONG
     assert problem in found.text
     assert advice in found.advice
 
@@ -123,28 +123,28 @@ def test_definitions_of_another_version(own, other):
     assert 'no definitions of itrci_nav_msgs/EdgeState' in said
 
 
-@pytest.mark.parametrize('offset, level', [(0.0, Level.OK), (-0.1, Level.OK), (0.5, Level.WARN),
-                                           (-0.5, Level.WARN), (3.0, Level.WRONG)])
+@pytest.mark.parametrize('offset, level', [(0.0, Grade.OK), (-0.1, Grade.OK), (0.5, Grade.WARN),
+                                           (-0.5, Grade.WARN), (3.0, Grade.WRONG)])
 def test_clocks(own, other, offset, level):
     other.clock_offset = offset
     found = findings(own, other)['clock']
     assert found.level is level
-    assert ('NTP' in found.advice) == (level is not Level.OK)
+    assert ('NTP' in found.advice) == (level is not Grade.OK)
 
 
 def test_a_slow_answer_does_not_make_a_clock_wrong():
-    assert clock_finding(0.9, 1.0).level is Level.OK
+    assert clock_finding(0.9, 1.0).level is Grade.OK
     assert 'ahead of' in clock_finding(0.9, 1.0).text
     assert 'behind' in clock_finding(-2.0, 0.1).text
 
 
 def test_more_definitions_on_the_other_side_do_no_harm():
-    assert definitions_finding({'a': '1'}, {'a': '1', 'b': '2'}).level is Level.OK
+    assert definitions_finding({'a': '1'}, {'a': '1', 'b': '2'}).level is Grade.OK
 
 
 def test_who_is_not_there_gives_no_answer():
     port = unused_port(FLEET)
-    for question in (Master(f'http://{FLEET}:{port}').nodes, Discovery(FLEET, port).clock):
+    for question in (MasterApi(f'http://{FLEET}:{port}').nodes, Discovery(FLEET, port).clock):
         with pytest.raises(NoAnswer):
             question()
 
@@ -158,4 +158,4 @@ def test_nonsense_is_no_answer(other, offset):
 
 def test_a_server_that_is_no_master_gives_no_answer(other):
     with pytest.raises(NoAnswer):
-        Master(f'http://{FLEET}:{other.discovery_port}').nodes()
+        MasterApi(f'http://{FLEET}:{other.discovery_port}').nodes()

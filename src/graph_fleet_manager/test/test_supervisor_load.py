@@ -49,10 +49,10 @@ def test_thousands_of_requests_take_one_commit_for_each_batch(fleet):
     loop.begin()
     for id in range(MANY):
         loop.put_request(Request(id + 1, (3,)))
-    before = fleet.journal.commits
+    before = fleet.disk.journal.commits
     for _ in range(MANY // BATCH):
         fleet.do(loop.take()(fleet.supervisor, fleet.now))
-    assert fleet.journal.commits - before == MANY // BATCH
+    assert fleet.disk.journal.commits - before == MANY // BATCH
     assert Counter(fleet.told(id + 1)[-1] for id in range(MANY)) == {MissionState.PENDING: MANY}
 
 
@@ -131,17 +131,17 @@ def test_what_reports_change_shares_a_commit_with_what_follows_within_40_ms():
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     fleet.run(1.0)
-    supervisor, agv, before = fleet.supervisor, fleet.agvs['a'], fleet.journal.commits
+    supervisor, agv, before = fleet.supervisor, fleet.agvs['a'], fleet.disk.journal.commits
 
     def complete_edge() -> None:
         agv.drive(2.0)
         assert supervisor.report('a', Report(agv.report(fleet.now)), fleet.now) == []
     complete_edge()
     complete_edge()
-    assert fleet.journal.commits == before, 'a report must wait for the tick'
+    assert fleet.disk.journal.commits == before, 'a report must wait for the tick'
     assert supervisor.look_at <= fleet.now, 'the last commit is old, so the tick must come at once'
     fleet.do(supervisor.tick(fleet.now))
-    assert fleet.journal.commits == before + 1 and supervisor.look_at is None
+    assert fleet.disk.journal.commits == before + 1 and supervisor.look_at is None
     complete_edge()
     assert supervisor.look_at == pytest.approx(fleet.now + TOGETHER)
 
@@ -161,7 +161,7 @@ def test_a_disk_that_fails_makes_nobody_look_at_the_clock_more_often():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run(1.0)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(3.0)
     assert fleet.supervisor.trouble and fleet.supervisor.look_at is None
 
@@ -170,7 +170,7 @@ def test_robots_get_edges_while_the_planner_works_for_others():
     fleet = SupervisedFleet(corridor(12, spacing=1.0), {'a': (AGV, 1), 'b': (AGV, 12)},
                             planning=1.5)
     fleet.run(1.0)
-    before = len(fleet.plans)
+    before = len(fleet.planner.plans)
     fleet.request(1, 6, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     fleet.request(2, 8, robot='b')
@@ -180,7 +180,7 @@ def test_robots_get_edges_while_the_planner_works_for_others():
     fleet.run_until(lambda: record.end > granted, 5.0)
     assert executor.is_planning, 'the report had to wait for the planner'
     fleet.run_until_done(1, 2)
-    assert len(fleet.plans) - before <= 3, 'grants made meanwhile made plans useless'
+    assert len(fleet.planner.plans) - before <= 3, 'grants made meanwhile made plans useless'
 
 
 def test_an_answer_by_which_another_robot_goes_first_is_not_used():

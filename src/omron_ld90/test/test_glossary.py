@@ -84,13 +84,13 @@ def test_a_replaced_word_is_no_identifier(word):
 # -- class names -----------------------------------------------------------------------------------
 
 AMBIGUOUS = set(re.findall(r'\w+', """
-Acceptance Act Action Activity Argument Battery Call Cause Change Clock Command CommandError
-Configuration ConfigurationError Connection Content ControlServer Course DockingState EStop Edge
-Entry Errand Failure Fault Field Finding Floor Host Kind Level Link Listener Localizing Located
-Location Master Memory Motion Motors Note Notice Odometer Options Order Outcome Parameter Parking
-Part Peer Phase Place Plan Pose Progress Record Reference Refused Robot RobotView Role Route
-RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign Site Size Standstill State
-Stopped Task Text Track UnknownFault
+Acceptance Action Activity Battery Call Change Command
+Configuration ConfigurationError Connection Content DockingState EStop Edge
+Entry Errand Failure Field Floor Host Kind Link Localizing Located
+Location Memory Motion Motors Note Notice Odometer Options Outcome Parameter
+Phase Place Plan Pose Record Reference Refused Robot RobotView Role Route
+RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign State
+Task Track
 """))
 """Class names that still stand for two or more things. Rename one of them instead of adding here.
 """

@@ -9,19 +9,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rviz_drawing.text_places import REACH, Text, TextPlaces, overlap
+from rviz_drawing.text_places import REACH, TextPlaces, VertexText, overlap
 
 ID, LABEL = ((0.25, 0.28), (0.3, 0.3)), ((1.6, 0.33), (0.0, -0.36))
 coordinates = st.floats(-3.0, 3.0)
 vertices = st.dictionaries(st.integers(1, 40), st.tuples(coordinates, coordinates), max_size=25)
 
 
-def texts_of(places: Dict[int, tuple]) -> Dict[tuple, Text]:
-    return {(kind, id): Text(place, *sizes) for kind, sizes in (('id', ID), ('label', LABEL))
+def texts_of(places: Dict[int, tuple]) -> Dict[tuple, VertexText]:
+    return {(kind, id): VertexText(place, *sizes) for kind, sizes in (('id', ID), ('label', LABEL))
             for id, place in places.items()}
 
 
-def boxes(places: TextPlaces, texts: Dict[tuple, Text]) -> List[tuple]:
+def boxes(places: TextPlaces, texts: Dict[tuple, VertexText]) -> List[tuple]:
     shown = [(places.middle(key), text.size) for key, text in texts.items()]
     return [(x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0)
             for middle, (width, height) in shown if middle is not None
@@ -98,7 +98,7 @@ def test_what_is_written_elsewhere_stays_where_it_is():
 
 def test_one_of_two_texts_without_room_is_not_written():
     places = TextPlaces()
-    texts = {('id', id): Text((0.0, 0.0), (20.0, 20.0), (0.0, 0.0)) for id in range(12)}
+    texts = {('id', id): VertexText((0.0, 0.0), (20.0, 20.0), (0.0, 0.0)) for id in range(12)}
     places.show(texts)
     assert len(boxes(places, texts)) < 12
     assert not any(overlap(one, other) for one, other in combinations(boxes(places, texts), 2))

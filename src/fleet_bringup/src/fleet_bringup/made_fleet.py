@@ -5,7 +5,7 @@ from typing import List, Sequence
 
 from fleet_bringup.errors import CannotStart
 from fleet_core.fleet import Fleet, Robot, RobotType
-from fleet_core.planning.parking import Parking
+from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
@@ -41,8 +41,8 @@ def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
     """
     largest = max(types, key=lambda kind: kind.reach)
     network = RoadNetwork(graph)
-    found = Parking(network, RobotType('any', largest.radius, largest.speed, largest.play, False),
-                    clearance).largest(enough=enough)
+    kind = RobotType('any', largest.radius, largest.speed, largest.play, False)
+    found = WellFormedSets(network, kind, clearance).largest(enough=enough)
     return sorted(network.vertex_ids[vertex] for vertex in found)
 
 

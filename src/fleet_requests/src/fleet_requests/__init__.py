@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import random
-from typing import Any, Dict, Optional, Sequence, Tuple, Type
+import time
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
 
 import rospy
 from std_srvs.srv import Trigger
@@ -60,6 +61,34 @@ def mission_request(destinations: Sequence[int], **fields: Any) -> MissionReques
     """Returns a request of a mission. Its id is random if `fields` of the message name none."""
     return MissionRequest(**{'request_id': _NEW_ID.randint(1, 2 ** 31 - 1),
                              'destination_vertices_id': list(destinations), **fields})
+
+
+class MissionNews:
+    """When the last news of each open mission came, so that a missed end is asked for.
+
+    The status of a mission is lost if the fleet manager ends before it has sent it, or if a queue
+    overflows. So the sender of a mission asks for the stored status after a silence.
+    """
+
+    def __init__(self) -> None:
+        self._heard: Dict[int, float] = {}
+
+    def __contains__(self, request_id: int) -> bool:
+        """Whether there was news of this mission, and its end is still open."""
+        return request_id in self._heard
+
+    def heard(self, request_id: int) -> None:
+        """Notes that there is news of a mission now."""
+        self._heard[request_id] = time.monotonic()
+
+    def ended(self, request_id: int) -> None:
+        """Forgets a mission, of which no more news is expected."""
+        self._heard.pop(request_id, None)
+
+    def silent(self) -> List[int]:
+        """Returns the missions of which there was no news for `SILENCE` s."""
+        latest = time.monotonic() - SILENCE
+        return [id for id, heard in list(self._heard.items()) if heard <= latest]
 
 
 def stored_status(request_id: int, stamp: Optional[rospy.Time] = None,

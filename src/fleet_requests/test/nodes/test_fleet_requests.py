@@ -1,6 +1,7 @@
 """What is sent is stamped once; what nobody takes or does is told."""
 from __future__ import annotations
 
+import time
 from typing import Any, List
 
 import pytest
@@ -8,6 +9,8 @@ import rospy
 from std_srvs.srv import TriggerResponse
 
 from fleet_requests import (
+    SILENCE,
+    MissionNews,
     NotSent,
     Sender,
     ServiceRefused,
@@ -114,3 +117,21 @@ def test_a_service_that_did_not_do_it_says_why(monkeypatch, answer, error, words
     service(monkeypatch, answer)
     with pytest.raises(error, match=words):
         call('/a/leave_fleet')
+
+
+def test_a_mission_is_silent_until_there_is_news_of_it_or_its_end(monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(time, 'monotonic', lambda: now)
+    news = MissionNews()
+    for id in (3, 5):
+        news.heard(id)
+    now += SILENCE / 2
+    news.heard(5)
+    assert news.silent() == []
+    now += SILENCE / 2
+    assert news.silent() == [3]
+    news.heard(3)
+    assert news.silent() == [] and 3 in news
+    now += SILENCE
+    news.ended(5)
+    assert news.silent() == [3] and 5 not in news

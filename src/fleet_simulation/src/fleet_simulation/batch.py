@@ -12,7 +12,7 @@ from typing import Callable, List, NamedTuple, Sequence, Tuple
 
 from fleet_simulation.figures import Figures
 from fleet_simulation.simulation import simulate
-from fleet_simulation.site import Site
+from fleet_simulation.site import StudiedSite
 from node_program.inert_text import return_to_line_begin
 
 
@@ -26,10 +26,10 @@ class Job(NamedTuple):
 
 
 Done = Tuple[Job, Figures]
-_sites: Tuple[Site, ...] = ()
+_sites: Tuple[StudiedSite, ...] = ()
 
 
-def _begin(sites: Tuple[Site, ...]) -> None:
+def _begin(sites: Tuple[StudiedSite, ...]) -> None:
     global _sites
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Ctrl-C, the batch itself ends its workers
     _sites = sites
@@ -39,7 +39,7 @@ def _work(job: Job) -> Done:
     return job, simulate(_sites[job.site], job.robots, job.seed, job.hours)
 
 
-def run_all(sites: Sequence[Site], jobs: Sequence[Job], processes: int,
+def run_all(sites: Sequence[StudiedSite], jobs: Sequence[Job], processes: int,
             tell: Callable[[int, int], None]) -> Tuple[List[Done], bool]:
     """Returns the completed runs in the order of the jobs, and whether Ctrl-C ended the batch.
 
@@ -63,7 +63,7 @@ def run_all(sites: Sequence[Site], jobs: Sequence[Job], processes: int,
     return sorted(done, key=lambda one: order[one[0]]), not is_whole
 
 
-class Progress:
+class ProgressBar:
     """Shows progress on stderr: a bar on a terminal, otherwise one line per tenth of the runs."""
 
     def __init__(self, what: str) -> None:

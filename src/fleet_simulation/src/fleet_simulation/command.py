@@ -21,12 +21,12 @@ from typing import Dict, FrozenSet, List, NoReturn, Optional, Sequence, Tuple
 from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
-from fleet_simulation.batch import Done, Job, Progress, run_all
+from fleet_simulation.batch import Done, Job, ProgressBar, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.report import Proposed, Study, in_words, is_free, write
-from fleet_simulation.site import Order, Site, WrongSite, site_of, with_docks
+from fleet_simulation.site import OrderPolicy, StudiedSite, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
 from trajectory_graph import Graph, GraphError, load_graph, save_graph, split_edges
 
@@ -91,8 +91,9 @@ def _parser() -> argparse.ArgumentParser:
                         help='virtual s until the planner answers (0.1)')
     parser.add_argument('--rounds', type=int, default=0,
                         help='rounds in which the planner improves each plan (0)')
-    parser.add_argument('--order', type=Order, choices=list(Order), default=Order.FIXED,
-                        metavar='|'.join(order.value for order in Order),
+    parser.add_argument('--order', type=OrderPolicy, choices=list(OrderPolicy),
+                        default=OrderPolicy.FIXED,
+                        metavar='|'.join(order.value for order in OrderPolicy),
                         help='how the order of robots on shared places changes while robots are '
                              'late (fixed)')
     parser.add_argument('--proposals', type=int, default=0, metavar='N',
@@ -134,7 +135,7 @@ def _whole(text: str) -> int:
 
 
 def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
-          docks: FrozenSet[int] = frozenset()) -> Site:
+          docks: FrozenSet[int] = frozenset()) -> StudiedSite:
     """Returns the site of the files; with `graph` given, the same site with that graph and docks.
     """
     if graph is None:
@@ -147,15 +148,15 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
     return replace(site, order=options.order)
 
 
-def _runs(site: Site, counts: Sequence[int],
+def _runs(site: StudiedSite, counts: Sequence[int],
           options: argparse.Namespace) -> Tuple[List[Figures], bool]:
     jobs = [Job(0, count, seed, options.hours)
             for seed in range(1, options.seeds + 1) for count in counts]
-    done, ended = run_all([site], jobs, options.jobs, Progress('runs'))
+    done, ended = run_all([site], jobs, options.jobs, ProgressBar('runs'))
     return [figures for _, figures in done], ended
 
 
-def _try_proposals(site: Site, runs: Sequence[Figures],
+def _try_proposals(site: StudiedSite, runs: Sequence[Figures],
                    options: argparse.Namespace) -> Tuple[List[Proposed], bool]:
     """Simulates changes of the graph, with the fleet size at the knee and the same seeds.
 
@@ -164,7 +165,7 @@ def _try_proposals(site: Site, runs: Sequence[Figures],
     best = knee(sizes(runs))
     room = 2.0 * max(kind.reach for kind in site.fleet.types) + site.fleet.clearance
     edges = list(waiting_by_edge(best))[:_PROPOSED_EDGES]
-    tried: List[Tuple[Proposal, Site]] = []
+    tried: List[Tuple[Proposal, StudiedSite]] = []
     docks_in_use = max(run.docks for run in best.runs)
     for proposal in proposals(site.graph, edges, room, docks_in_use):
         try:
@@ -183,12 +184,12 @@ def _try_proposals(site: Site, runs: Sequence[Figures],
     jobs = [Job(number, best.robots, run.seed, options.hours)
             for run in best.runs for number in range(len(tried))]
     done, ended = run_all([changed for _, changed in tried], jobs, options.jobs,
-                          Progress('proposals'))
+                          ProgressBar('proposals'))
     return _ranked(tried, done, {run.seed: run.per_hour for run in best.runs},
                    options.output), ended
 
 
-def _ranked(tried: Sequence[Tuple[Proposal, Site]], done: Sequence[Done],
+def _ranked(tried: Sequence[Tuple[Proposal, StudiedSite]], done: Sequence[Done],
             before: Dict[int, float], folder: Path) -> List[Proposed]:
     folder.mkdir(parents=True, exist_ok=True)
     found = []

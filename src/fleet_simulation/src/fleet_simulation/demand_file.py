@@ -18,13 +18,13 @@ import difflib
 import math
 import os
 from pathlib import Path
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import yaml
 
 from fleet_core.files.errors import FileError
 from fleet_simulation.demand import Demand, Flow, Recorded, Saturated, Shift
-from fleet_simulation.driven_robot import Delays, Standstill
+from fleet_simulation.driven_robot import Delays, RandomStops
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -168,10 +168,10 @@ def _delays(fields: Dict[str, yaml.Node]) -> Delays:
     known = _known(fields['delays'], 'delays', ('slower', 'stall', 'people'))
     usual = Delays()
 
-    def standstill(one: Field) -> Standstill:
+    def standstill(one: Field) -> RandomStops:
         entry = _known(one[1], one[0], ('every', 'seconds'))
-        return Standstill(*(_number(1e6)(strict_yaml.field(entry, key, one[1]))
-                            for key in ('every', 'seconds')))
+        return RandomStops(*(_number(1e6)(strict_yaml.field(entry, key, one[1]))
+                             for key in ('every', 'seconds')))
     slower = strict_yaml.optional(known, 'slower', _number(100.0), usual.slower)
     if slower < 1.0:
         raise WrongYaml(f'slower is {slower:g}, but must be 1 or more', known['slower'])
@@ -205,24 +205,27 @@ def _recorded(path: Path, graph: Graph) -> Dict[int, Recorded]:
                               f'{", ".join(_COLUMNS)}, the last two of them optional', 1)
     found: Dict[int, Recorded] = {}
     for row in rows:
-        line = rows.line_num
-
-        def number(name: str, row: Dict[str, Optional[str]] = row, line: int = line) -> float:
-            value = row.get(name) or '0'
-            try:
-                parsed = float(value)
-            except ValueError:
-                parsed = math.nan
-            if not 0.0 <= parsed < 1e8:
-                raise FileError(path, f'{name} is {value!r}, but must be a number from 0 to 1e8',
-                                line)
-            return parsed
-        places = (row['destinations'] or '').split()
-        for place in places:
-            if not place.isdigit() or int(place) not in graph.vertices:
-                raise FileError(path, f'the graph has no vertex {place}', line)
-        if not places:
-            raise FileError(path, 'the mission has no destinations: give vertex ids', line)
-        vertices = tuple(map(int, places))
-        found[line] = Recorded(number('time'), vertices, int(number('priority')), number('stay'))
+        found[rows.line_num] = _recorded_mission(row, path, rows.line_num, graph)
     return found
+
+
+def _recorded_mission(row: Mapping[str, Optional[str]], path: Path, line: int,
+                      graph: Graph) -> Recorded:
+    places = (row['destinations'] or '').split()
+    for place in places:
+        if not place.isdigit() or int(place) not in graph.vertices:
+            raise FileError(path, f'the graph has no vertex {place}', line)
+    if not places:
+        raise FileError(path, 'the mission has no destinations: give vertex ids', line)
+
+    def number(name: str) -> float:
+        value = row.get(name) or '0'
+        try:
+            parsed = float(value)
+        except ValueError:
+            parsed = math.nan
+        if not 0.0 <= parsed < 1e8:
+            raise FileError(path, f'{name} is {value!r}, but must be a number from 0 to 1e8', line)
+        return parsed
+    return Recorded(number('time'), tuple(map(int, places)), int(number('priority')),
+                    number('stay'))

@@ -16,7 +16,7 @@ _NANO = 1e9
 
 
 @dataclass(frozen=True)
-class Standstill:
+class RandomStops:
     """Random stops of a robot.
 
     every   -- mean s of driving between two stops; 0: the robot never stops
@@ -37,8 +37,8 @@ class Delays:
     """
 
     slower: float = 1.1
-    stall: Standstill = Standstill(3600.0, 20.0)
-    people: Standstill = Standstill(900.0, 5.0)
+    stall: RandomStops = RandomStops(3600.0, 20.0)
+    people: RandomStops = RandomStops(900.0, 5.0)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ class Use(Enum):
     OUT = 'out of order'
 
 
-class Cause(Enum):
+class WaitingCause(Enum):
     """The reason why a robot waits."""
 
     ROBOT = 'another robot'
@@ -60,7 +60,7 @@ class Figures:
     waits: List[float] = field(default_factory=list)
     leads: List[float] = field(default_factory=list)
     use: Dict[Use, float] = field(default_factory=lambda: dict.fromkeys(Use, 0.0))
-    waiting: Dict[Tuple[int, Cause], float] = field(default_factory=dict)
+    waiting: Dict[Tuple[int, WaitingCause], float] = field(default_factory=dict)
     docks: int = 0
     parked: int = 0
     travelled: float = 0.0

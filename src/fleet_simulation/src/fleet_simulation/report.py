@@ -11,11 +11,11 @@ from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
 from file_replacement import replace_file
 from fleet_simulation import svg
-from fleet_simulation.figures import Cause, Figures, Use
-from fleet_simulation.site import Site
+from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.site import StudiedSite
 from fleet_simulation.statistics import (
     Band,
-    Size,
+    SizeResults,
     keeps_up,
     knee,
     quantile,
@@ -66,7 +66,7 @@ class Study(NamedTuple):
     proposals   -- simulated changes of the graph, the best first
     """
 
-    site: Site
+    site: StudiedSite
     runs: Sequence[Figures]
     hours: float
     command: str
@@ -109,39 +109,63 @@ def in_words(study: Study) -> str:
     if not found:
         return 'No run was completed.'
     best = knee(found)
-    told = [f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
-            f'{best.per_hour} missions per hour'
-            + (f', 95 % of them with a lead time of up to {_time(quantile(best.leads, 0.95))}'
-               if best.leads else '') + '.']
-    if not study.site.demand.saturated:
-        if keeps_up(best):
-            told.append(f'This serves the demand of {best.requested:.0f} missions per hour.')
-        else:
-            told.append(f'The demand is {best.requested:.0f} missions per hour: '
-                        f'{100 * (1 - best.served):.0f} % of it is not served.')
-    following = [size for size in found if size.robots > best.robots]
-    if following:
-        more, number = following[0], following[0].robots - best.robots
-        gain = 100 * (more.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
-        these = 'One more' if number == 1 else f'{_count(number, "more")}'
-        told.append(f'{these} {"adds" if number == 1 else "add"} {gain:.0f} %.' if gain >= 0.5 else
-                    f'{these} {"adds" if number == 1 else "add"} nothing.')
-    elif len(found) > 1:
-        told.append('This is the largest simulated fleet: a larger one may serve more.')
+    sentences = (_throughput_in_words(best), _demand_in_words(study, best),
+                 _more_robots_in_words(found, best), _waiting_in_words(study, best),
+                 _proposal_in_words(study), _failures_in_words(best))
+    return ' '.join(filter(None, sentences))
+
+
+def _throughput_in_words(best: SizeResults) -> str:
+    lead_time = ''
+    if best.leads:
+        lead_time = (', 95 % of them with a lead time of up to '
+                     f'{_time(quantile(best.leads, 0.95))}')
+    return (f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
+            f'{best.per_hour} missions per hour{lead_time}.')
+
+
+def _demand_in_words(study: Study, best: SizeResults) -> str:
+    if study.site.demand.saturated:
+        return ''
+    if keeps_up(best):
+        return f'This serves the demand of {best.requested:.0f} missions per hour.'
+    return (f'The demand is {best.requested:.0f} missions per hour: '
+            f'{100 * (1 - best.served):.0f} % of it is not served.')
+
+
+def _more_robots_in_words(found: Sequence[SizeResults], best: SizeResults) -> str:
+    """Returns what the next larger simulated fleet adds to the best one."""
+    larger = next((size for size in found if size.robots > best.robots), None)
+    if larger is None:
+        return ('This is the largest simulated fleet: a larger one may serve more.'
+                if len(found) > 1 else '')
+    number = larger.robots - best.robots
+    gain = 100 * (larger.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
+    subject = 'One more adds' if number == 1 else f'{_count(number, "more")} add'
+    return f'{subject} {gain:.0f} %.' if gain >= 0.5 else f'{subject} nothing.'
+
+
+def _waiting_in_words(study: Study, best: SizeResults) -> str:
     edges = list(waiting_by_drawn_edge(best, study.site.graph).items())[:2]
-    if edges and best.use[Use.WAITING] > 0.01:
-        share = 100 * sum(part for _, part in edges)
-        ids = ' and '.join(str(id) for id, _ in edges)
-        told.append(f'A robot spends {100 * best.use[Use.WAITING]:.0f} % of its time waiting; '
-                    f'{"edges" if len(edges) > 1 else "edge"} {ids} '
-                    f'{"cause" if len(edges) > 1 else "causes"} {share:.0f} % of this waiting.')
+    if not edges or best.use[Use.WAITING] <= 0.01:
+        return ''
+    share = 100 * sum(part for _, part in edges)
+    ids = ' and '.join(str(id) for id, _ in edges)
+    subject, verb = ('edges', 'cause') if len(edges) > 1 else ('edge', 'causes')
+    return (f'A robot spends {100 * best.use[Use.WAITING]:.0f} % of its time waiting; '
+            f'{subject} {ids} {verb} {share:.0f} % of this waiting.')
+
+
+def _proposal_in_words(study: Study) -> str:
     good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
-    if good:
-        told.append(f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.')
+    if not good:
+        return ''
+    return f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.'
+
+
+def _failures_in_words(best: SizeResults) -> str:
     failed = sum(sum(run.failures.values()) for run in best.runs)
-    if failed:
-        told.append(f'{_count(failed, "mission")} failed in the runs of this fleet.')
-    return ' '.join(told)
+    return f'{_count(failed, "mission")} failed in the runs of this fleet.' if failed else ''
 
 
 def _count(number: int, what: str) -> str:
@@ -183,7 +207,7 @@ def _warnings(study: Study) -> str:
     return ''.join(f'<p class="warning">{escape(one)}</p>' for one in told)
 
 
-def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
+def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -> str:
     lines = [svg.Line('missions per hour, with 95 % band',
                       [(size.robots, size.per_hour.mean) for size in found],
                       [size.per_hour.half for size in found])]
@@ -203,7 +227,7 @@ def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
             + (f'<p>{told}</p>' if len(found) > 1 else ''))
 
 
-def _times(found: Sequence[Size]) -> str:
+def _times(found: Sequence[SizeResults]) -> str:
     lines = [svg.Line(f'{name}, {label}',
                       [(size.robots, quantile(getattr(size, field), share)) for size in found])
              for name, field in (('request to success', 'leads'), ('request to start', 'waits'))
@@ -216,7 +240,7 @@ def _times(found: Sequence[Size]) -> str:
                      rows))
 
 
-def _use(found: Sequence[Size]) -> str:
+def _use(found: Sequence[SizeResults]) -> str:
     names = [use.value for use in Use]
     columns = {size.robots: [size.use[use] for use in Use] for size in found}
     return ("<h2>Where a robot's time goes</h2>"
@@ -226,7 +250,7 @@ def _use(found: Sequence[Size]) -> str:
                 for size in found]))
 
 
-def _waiting(study: Study, best: Size) -> str:
+def _waiting(study: Study, best: SizeResults) -> str:
     graph, edges = study.site.graph, waiting_by_drawn_edge(best, study.site.graph)
     told = list(edges)[:_TOLD_EDGES]
     rows = []
@@ -252,7 +276,7 @@ def _proposals(study: Study) -> str:
          for one in study.proposals])
 
 
-def _needs(found: Sequence[Size]) -> str:
+def _needs(found: Sequence[SizeResults]) -> str:
     return '<h2>Docks and parking vertices in use</h2>' + _table(
         ('robots', 'most robots at docks at the same time',
          'most idle robots elsewhere at the same time', 'km per hour and robot'),
@@ -262,7 +286,7 @@ def _needs(found: Sequence[Size]) -> str:
          for size in found])
 
 
-def _planner(found: Sequence[Size]) -> str:
+def _planner(found: Sequence[SizeResults]) -> str:
     rows = []
     for size in found:
         times = [1e3 * one for run in size.runs for one in run.planning]
@@ -274,7 +298,7 @@ def _planner(found: Sequence[Size]) -> str:
          'times real time, per core'), rows)
 
 
-def _failures(found: Sequence[Size]) -> str:
+def _failures(found: Sequence[SizeResults]) -> str:
     rows = []
     for size in found:
         why: Dict[str, int] = {}
@@ -354,6 +378,6 @@ def _drawn(graph: Graph, edge: int) -> int:
     return graph.edges[edge].drawn_id if edge in graph.edges else edge
 
 
-def _by_edge(item: Tuple[Tuple[int, Cause], float]) -> Tuple[int, str]:
+def _by_edge(item: Tuple[Tuple[int, WaitingCause], float]) -> Tuple[int, str]:
     (edge, cause), _ = item
     return edge, cause.value

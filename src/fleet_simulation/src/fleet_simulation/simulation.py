@@ -10,20 +10,20 @@ from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
-from fleet_simulation.figures import Cause, Figures, Use
-from fleet_simulation.site import Order, Site
+from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
 _LOOK = 10          # steps between two samples of what the robots do
 _BATTERY = 100      # steps between two battery reports
-_REPLANNING = 50    # steps between two complete new plans, with Order.REPLANNING
+_REPLANNING = 50    # steps between two complete new plans, with OrderPolicy.REPLANNING
 _CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
 _FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 
-def simulate(site: Site, robots: int, seed: int, hours: float) -> Figures:
+def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures:
     """Returns the figures of one run; if the run failed, `Figures.trouble` is the reason."""
     return Run(site, robots, seed).run(hours)
 
@@ -31,7 +31,7 @@ def simulate(site: Site, robots: int, seed: int, hours: float) -> Figures:
 class Run:
     """One fleet that works in virtual time. It watches the virtual world and counts."""
 
-    def __init__(self, site: Site, robots: int, seed: int) -> None:
+    def __init__(self, site: StudiedSite, robots: int, seed: int) -> None:
         self._site = site
         self._random = Random(f'run {seed}')
         fleet = site.robots(robots)
@@ -41,8 +41,8 @@ class Run:
             self._make, site.fleet.clearance, seed, planning=site.latency,
             settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
-            switches=site.order is Order.SWITCHING, check_every=_CHECK_EVERY)
-        self.world.rounds = site.rounds
+            switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY)
+        self.world.planner.rounds = site.rounds
         self.figures = Figures(robots, seed)
         self._seed = seed
         self._warm_up = 0.0
@@ -76,7 +76,7 @@ class Run:
         figures.seconds = max(world.now - self._warm_up, 0.0)
         figures.open_at_end = len(world.supervisor.book.open)
         figures.travelled = sum(robot.travelled for robot in world.agvs.values())
-        figures.planning = world.plans
+        figures.planning = world.planner.plans
         figures.spent, figures.simulated = world.spent, world.now
         world.end()
         return figures
@@ -133,7 +133,7 @@ class Run:
     def stepped(self) -> None:
         """Does what is due after one time step: new plans, battery reports, samples."""
         self._steps += 1
-        if self._site.order is Order.REPLANNING and self._steps % _REPLANNING == 0:
+        if self._site.order is OrderPolicy.REPLANNING and self._steps % _REPLANNING == 0:
             self.world.supervisor.plan_executor.plan_anew()
         if self._steps % _BATTERY == 0:
             self._tell_batteries()
@@ -172,16 +172,16 @@ class Run:
             return Use.CHARGING if body.vehicle.battery.charging else Use.WAITING
         return Use.CHARGING if body.vehicle.battery.charging else Use.IDLE
 
-    def _cause(self, name: str) -> Cause:
+    def _cause(self, name: str) -> WaitingCause:
         executor = self.world.supervisor.plan_executor
         waits_for = executor.waits_for.get(name, '')
         if executor.plan is not None and name in executor.plan.unserved:
-            return Cause.NO_PLAN
+            return WaitingCause.NO_PLAN
         if waits_for in self.world.agvs:
-            return Cause.ROBOT
+            return WaitingCause.ROBOT
         if waits_for.startswith('edge '):
-            return Cause.CLOSED
-        return Cause.PLANNER if executor.is_planning else Cause.OWN
+            return WaitingCause.CLOSED
+        return WaitingCause.PLANNER if executor.is_planning else WaitingCause.OWN
 
     def _wanted_edge(self, name: str, robot: ManagedRobot) -> int:
         """Returns the id of the robot's next edge by plan, or of the edge on which it stands."""

@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Set, Tuple
 
 from fleet_core.files.errors import FileError
 from fleet_core.fleet import Fleet, Robot, RobotType
-from fleet_core.planning.parking import Parking
+from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.site.survey import parking_for_all
 from fleet_core.supervision.settings import RobotSettings
@@ -23,7 +23,7 @@ class WrongSite(Exception):
     """The site cannot be simulated; the text is one sentence that says why and what to do."""
 
 
-class Order(Enum):
+class OrderPolicy(Enum):
     """How the order in which robots use shared places changes while robots are late."""
 
     FIXED = 'fixed'
@@ -32,7 +32,7 @@ class Order(Enum):
 
 
 @dataclass(frozen=True)
-class Site:
+class StudiedSite:
     """All inputs of a run, except the number of robots and the seed.
 
     settings -- of each robot in the fleet file, by its name
@@ -53,7 +53,7 @@ class Site:
     parking: Tuple[int, ...]
     latency: float = 0.1
     rounds: int = 0
-    order: Order = Order.FIXED
+    order: OrderPolicy = OrderPolicy.FIXED
 
     def robots(self, count: int) -> Dict[str, Robot]:
         """Returns `count` robots by name.
@@ -90,7 +90,7 @@ class Site:
 
 
 def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], wanted: Wanted,
-            latency: float = 0.1, rounds: int = 0) -> Site:
+            latency: float = 0.1, rounds: int = 0) -> StudiedSite:
     """Returns the site; raises WrongSite or FileError if the demand cannot be served."""
     network = RoadNetwork(graph, (), fleet.dock_approach)
     for robot in fleet.robots:
@@ -108,8 +108,8 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
         if not origins(place) & (begin - {place} or begin):
             raise FileError(file, f'vertex {place} is not reachable: no robot can drive there from '
                                   'its start; connect it in the graph, or remove it here', line)
-    return Site(graph, fleet, settings, wanted.demand, wanted.delays, starts,
-                tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
+    return StudiedSite(graph, fleet, settings, wanted.demand, wanted.delays, starts,
+                       tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
@@ -136,5 +136,5 @@ def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:
     """Returns the most vertices on which robots of all types may stand for ever, without docks."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     kind = RobotType('any', largest.radius, largest.speed, largest.play, False)
-    found = Parking(network, kind, fleet.clearance).largest()
+    found = WellFormedSets(network, kind, fleet.clearance).largest()
     return tuple(sorted(network.vertex_ids[vertex] for vertex in found))

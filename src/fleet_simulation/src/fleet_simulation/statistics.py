@@ -7,7 +7,7 @@ from typing import Container, Dict, Iterable, List, NamedTuple, Optional, Sequen
 import numpy as np
 from scipy.stats import t as students_t
 
-from fleet_simulation.figures import Cause, Figures, Use
+from fleet_simulation.figures import Figures, Use, WaitingCause
 from trajectory_graph import Graph
 
 _WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
@@ -37,7 +37,7 @@ def quantile(values: Sequence[float], share: float) -> float:
     return float(np.quantile(values, share)) if values else math.nan
 
 
-class Size(NamedTuple):
+class SizeResults(NamedTuple):
     """The results of one fleet size over all seeds. Times are in s; `requested` is per hour."""
 
     robots: int
@@ -55,7 +55,7 @@ class Size(NamedTuple):
         return min(self.per_hour.mean / self.requested, 1.0) if self.requested else 1.0
 
 
-def sizes(runs: Iterable[Figures]) -> List[Size]:
+def sizes(runs: Iterable[Figures]) -> List[SizeResults]:
     """Groups the runs by fleet size, the smallest first; runs that broke off are ignored."""
     by_size: Dict[int, List[Figures]] = {}
     for run in runs:
@@ -64,7 +64,7 @@ def sizes(runs: Iterable[Figures]) -> List[Size]:
     found = []
     for robots, group in sorted(by_size.items()):
         whole = sum(sum(run.use.values()) for run in group) or 1.0
-        found.append(Size(
+        found.append(SizeResults(
             robots, group, band([run.per_hour for run in group]),
             float(np.mean([3600.0 * run.requested / run.seconds for run in group])),
             [wait for run in group for wait in run.waits],
@@ -73,7 +73,7 @@ def sizes(runs: Iterable[Figures]) -> List[Size]:
     return found
 
 
-def knee(all_sizes: Sequence[Size]) -> Size:
+def knee(all_sizes: Sequence[SizeResults]) -> SizeResults:
     """Returns the smallest fleet to which a further robot adds less than 5 %, else the largest."""
     for size, following in zip(all_sizes, all_sizes[1:]):
         more = following.robots - size.robots
@@ -83,24 +83,25 @@ def knee(all_sizes: Sequence[Size]) -> Size:
     return all_sizes[-1]
 
 
-def keeps_up(size: Size) -> bool:
+def keeps_up(size: SizeResults) -> bool:
     """Whether the fleet serves at least 97 % of the requested missions."""
     return size.served >= _KEPT_UP
 
 
-def waiting_by_edge(size: Size) -> Dict[int, float]:
+def waiting_by_edge(size: SizeResults) -> Dict[int, float]:
     """Returns the share (0..1) of all waiting by edge, the highest first."""
     return _shares((edge, seconds) for run in size.runs
                    for (edge, _), seconds in run.waiting.items())
 
 
-def waiting_by_drawn_edge(size: Size, graph: Graph) -> Dict[int, float]:
+def waiting_by_drawn_edge(size: SizeResults, graph: Graph) -> Dict[int, float]:
     """Returns the same with all sections of an edge that was cut as one edge, by its drawn id."""
     return _shares((graph.edges[edge].drawn_id if edge in graph.edges else edge, seconds)
                    for run in size.runs for (edge, _), seconds in run.waiting.items())
 
 
-def waiting_by_cause(size: Size, edges: Optional[Container[int]] = None) -> Dict[Cause, float]:
+def waiting_by_cause(size: SizeResults,
+                     edges: Optional[Container[int]] = None) -> Dict[WaitingCause, float]:
     """Returns the share (0..1) of all waiting by cause, the highest first.
 
     edges -- ids of the edges whose waiting counts; None: of all edges

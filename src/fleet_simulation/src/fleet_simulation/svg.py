@@ -43,37 +43,56 @@ def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -
     halves = [half for line in lines for half in line.halves if half < math.inf]
     scale = ticks(max((y for line in lines for _, y in line.points if y == y), default=1.0)
                   + max(halves, default=0.0))
-    low, high = xs[0], xs[-1] if xs[-1] > xs[0] else xs[0] + 1
-
-    def x_of(x: float) -> float:
-        return _LEFT + (x - low) / (high - low) * (WIDTH - _LEFT - _RIGHT)
-
-    def y_of(y: float) -> float:
-        return HEIGHT - _BOTTOM - max(y, 0.0) / scale[-1] * (HEIGHT - _TOP - _BOTTOM)
-    parts = [_frame(up, scale, y_of)]
+    axes = _Axes(xs[0], xs[-1] if xs[-1] > xs[0] else xs[0] + 1, scale[-1])
+    parts = [_frame(up, scale, axes.height)]
     every = max(1, math.ceil(len(xs) / 16))
-    parts += [_text(x_of(x), HEIGHT - _BOTTOM + 16, f'{x:g}', 'middle') for x in xs[::every]]
+    parts += [_text(axes.across(x), HEIGHT - _BOTTOM + 16, f'{x:g}', 'middle')
+              for x in xs[::every]]
     parts.append(_text((_LEFT + WIDTH) / 2, HEIGHT - 8, across, 'middle'))
     if mark == mark:
-        parts.append(f'<line x1="{x_of(mark):.1f}" x2="{x_of(mark):.1f}" y1="{_TOP}" '
+        x = axes.across(mark)
+        parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{_TOP}" '
                      f'y2="{HEIGHT - _BOTTOM}" stroke="#cc4433" stroke-dasharray="4 3"/>')
     for number, line in enumerate(lines):
-        colour = COLOURS[(0, 4, 2, 3)[number % 4]]
-        points = [(x, y) for x, y in line.points if y == y]
-        known = [(x, y, half) for (x, y), half in zip(line.points, line.halves) if half < math.inf]
-        if known:
-            outline = [(x_of(x), y_of(y + half)) for x, y, half in known] + [
-                (x_of(x), y_of(y - half)) for x, y, half in reversed(known)]
-            parts.append(f'<polygon points="{_points(outline)}" fill="{colour}" '
-                         'fill-opacity="0.18"/>')
-        drawn = [(x_of(x), y_of(y)) for x, y in points]
-        parts.append(f'<polyline points="{_points(drawn)}" fill="none" stroke="{colour}" '
-                     'stroke-width="2"/>')
-        parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in drawn]
-        parts.append(f'<rect x="{_LEFT + 12}" y="{_TOP + 6 + 18 * number}" width="12" height="4" '
-                     f'fill="{colour}"/>')
-        parts.append(_text(_LEFT + 30, _TOP + 12 + 18 * number, line.name, 'start'))
+        parts += _drawn_line(line, number, axes)
     return _svg(WIDTH, HEIGHT, parts)
+
+
+class _Axes(NamedTuple):
+    """Where the points of a line chart lie in the picture."""
+
+    low: float
+    high: float
+    top: float
+
+    def across(self, x: float) -> float:
+        return _LEFT + (x - self.low) / (self.high - self.low) * (WIDTH - _LEFT - _RIGHT)
+
+    def height(self, y: float) -> float:
+        return HEIGHT - _BOTTOM - max(y, 0.0) / self.top * (HEIGHT - _TOP - _BOTTOM)
+
+    def place(self, x: float, y: float) -> Tuple[float, float]:
+        return self.across(x), self.height(y)
+
+
+def _drawn_line(line: Line, number: int, axes: _Axes) -> List[str]:
+    """Returns one line of a chart with its band and its entry in the legend."""
+    colour = COLOURS[(0, 4, 2, 3)[number % 4]]
+    parts = []
+    known = [(x, y, half) for (x, y), half in zip(line.points, line.halves) if half < math.inf]
+    if known:
+        outline = [axes.place(x, y + half) for x, y, half in known] + [
+            axes.place(x, y - half) for x, y, half in reversed(known)]
+        parts.append(f'<polygon points="{_points(outline)}" fill="{colour}" '
+                     'fill-opacity="0.18"/>')
+    drawn = [axes.place(x, y) for x, y in line.points if y == y]
+    parts.append(f'<polyline points="{_points(drawn)}" fill="none" stroke="{colour}" '
+                 'stroke-width="2"/>')
+    parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in drawn]
+    parts.append(f'<rect x="{_LEFT + 12}" y="{_TOP + 6 + 18 * number}" width="12" height="4" '
+                 f'fill="{colour}"/>')
+    parts.append(_text(_LEFT + 30, _TOP + 12 + 18 * number, line.name, 'start'))
+    return parts
 
 
 def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across: str,

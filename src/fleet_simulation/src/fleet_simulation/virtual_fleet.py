@@ -7,16 +7,12 @@ run depends only on its seed, not on the speed of the computer.
 from __future__ import annotations
 
 import math
-import os
-import tempfile
 import time
-from itertools import chain
 from random import Random
 from typing import (
     Callable,
     Dict,
     Generic,
-    Iterable,
     List,
     Mapping,
     NamedTuple,
@@ -39,7 +35,6 @@ from fleet_core.interlocking.conformance import (
 )
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import ME
-from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision.actions import (
     Action,
@@ -48,29 +43,18 @@ from fleet_core.supervision.actions import (
     SendRoute,
     TellStatus,
 )
-from fleet_core.supervision.journal import Journal, RobotMemory
-from fleet_core.supervision.missions import Mission, Status
+from fleet_core.supervision.missions import Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
+from fleet_simulation.virtual_disk import VirtualDisk
+from fleet_simulation.virtual_network import VirtualNetwork
+from fleet_simulation.virtual_planner import VirtualPlanner
 from route_protocol.master import Order
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 STEP = 0.1  # s
-
-
-class _CountingJournal(Journal):
-    """A journal that counts its completed writes."""
-
-    commits = 0
-
-    def store(self, missions: Iterable[Mission] = (),
-              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
-              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None) -> None:
-        super().store(missions, robots, values, graph, stays)
-        self.commits += 1
 
 
 class Watcher(Protocol):
@@ -145,6 +129,17 @@ class Rhythm(NamedTuple):
     room: float = 0.0
 
 
+class Crash(NamedTuple):
+    """A death of the supervisor.
+
+    commit  -- number of the write to the journal at which it dies
+    actions -- number of the actions after this write that are still performed
+    """
+
+    commit: int
+    actions: int = 0
+
+
 class Spent(NamedTuple):
     """Seconds of processor time, by the part that used them."""
 
@@ -154,12 +149,14 @@ class Spent(NamedTuple):
 
 
 Body = TypeVar('Body', bound=VirtualRobot)
-_PLANNERS_KEPT = 4  # one planner per set of closed edges and learned driving times is kept
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
 
 class VirtualFleet(Generic[Body]):
     """A fleet on a graph, with its supervisor and planner.
+
+    It joins the parts of the world (network, planner, disk, robots and their clocks) and keeps what
+    happened, so that a test reads and disturbs each of them at one place.
 
     robots   -- by name: type, and id of the vertex on which the robot begins
     make     -- creates a robot from its name, type and vertex
@@ -192,36 +189,22 @@ class VirtualFleet(Generic[Body]):
             dict(settings) if isinstance(settings, Mapping) else
             {name: settings or RobotSettings(release_ahead=0.0) for name in robots})
         self.rhythm = rhythm or Rhythm()
-        self.random = Random(seed)
-        self.loss, self.repeats, self.planning = loss, repeats, planning
-        self.rounds = 0
-        """Rounds in which the planner improves each plan."""
-        self._parking = None if parking is None else tuple(parking)
-        self._folder = tempfile.TemporaryDirectory()
-        self.journal_path = os.path.join(self._folder.name, 'journal.sqlite')
         self.now = 0.0
-        self.silent: Dict[str, float] = {}
-        """By robot: time until which no report comes from it and no order reaches it."""
-        self.deaf: Dict[str, float] = {}
-        """By robot: time until which no order reaches it. It still reports."""
-        self.late: Dict[str, float] = {}
-        """By robot: s by which its reports and refusals are delayed."""
+        self.random = Random(seed)
+        self.network = VirtualNetwork(self.random, loss, repeats)
+        self.planner = VirtualPlanner(self.fleet, planning, parking)
+        self.disk = VirtualDisk(lambda: 1e9 + self.now)
         self.clocks: Dict[str, float] = {}
         """By robot: s by which its clock is ahead."""
         self.ages: Dict[str, float] = {}
         """By robot: age of its last report on arrival, in s; negative if its clock is ahead."""
-        self.orders_late: Dict[str, float] = {}
-        """By robot: s by which orders to it are delayed. No order overtakes another."""
         self.lost: Dict[str, LinkedRobot] = {}
         """By robot: its computer, if this has lost the link to the robot."""
         self.closed: Tuple[int, ...] = ()
-        self.crash_at: Optional[int] = None
-        """Number of the commit at which the supervisor dies, before the actions that follow it."""
-        self.dies_after = 0
-        """Number of the actions after that commit that are performed before the supervisor dies."""
+        self.crash: Optional[Crash] = None
+        """The next death of the supervisor."""
         self.hangs = False
         """Whether the supervisor hangs. Messages to it wait until it continues."""
-        self.commits = 0
         self.watcher: Optional[Watcher] = None
         self.statuses: List[Status] = []
         self.notes: List[str] = []
@@ -230,15 +213,7 @@ class VirtualFleet(Generic[Body]):
         """By robot: number of orders that it refused."""
         self.nearest = math.inf
         """Smallest free space (m) between two robots so far, minus the clearance."""
-        self.to_robots: List[SendRoute] = []
-        """Orders that leave the supervisor's computer in the next step."""
-        self._under_way: List[Tuple[float, SendRoute]] = []
-        self._reports: List[Tuple[float, str, RouteReport]] = []
-        self._answers: List[Tuple[float, int, Outcome]] = []
-        self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
-        self.plans: List[float] = []
-        """s of processor time that each plan took."""
-        self._supervising = self._stepping = self._planning_time = 0.0
+        self._supervising = self._stepping = 0.0
         self._told: Dict[str, Tuple[float, object]] = {}
         self._ticks_at = self._looks_at = 0.0
         self._switches, self._check_every = switches, check_every
@@ -248,25 +223,16 @@ class VirtualFleet(Generic[Body]):
         return f'<a fleet: {self._described}>'
 
     def _begin(self) -> None:
-        self.journal = _CountingJournal(self.journal_path, lambda: 1e9 + self.now)
-        self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
-        self.is_disk_full = False
         # No time limit for switching: the speed of the computer must not change the results.
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
-        self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now,
-                                     switching=switching,
+        self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.disk.journal,
+                                     self.now, switching=switching,
                                      conformance=StrictConformance(self._check_every))
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:
         """Ends the world and deletes its journal."""
-        self.journal.close()
-        self._folder.cleanup()
-
-    def disk_fails(self, fails: bool = True) -> None:
-        """Makes the journal read-only, as on a full disk; with `fails` False, writable again."""
-        self.is_disk_full = fails
-        self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
+        self.disk.end()
 
     def restart(self, graph: Optional[Graph] = None) -> None:
         """Kills the supervisor, loses all messages to and from it, and starts it again.
@@ -278,27 +244,23 @@ class VirtualFleet(Generic[Body]):
         """
         if graph is not None:
             self.graph = graph
-            self._planners.clear()
-        self.commits += self.journal.commits
-        self.journal.close()
-        self.to_robots, self._answers, self._reports = [], [], []
+            self.planner.forget_graph()
+        self.disk.reopen()
+        self.network.lose_messages()
+        self.planner.lose_answers()
         self.hangs = False
         self._begin()
         if self.watcher is not None:
             self.watcher.restarted()
 
-    def under_way(self, name: str) -> List[SendRoute]:
-        """Returns the orders to a robot that have not arrived yet and may still arrive."""
-        return [order for order in (*(late for _, late in self._under_way), *self.to_robots)
-                if order.robot == name]
-
     # -- time -------------------------------------------------------------------------------------
 
     def step(self) -> None:
         """Simulates one time step: robots, messages, supervisor and planner."""
-        begun, before = time.thread_time(), self._supervising + self._planning_time
+        begun, before = time.thread_time(), self._supervising + self.planner.spent
         self.now += STEP
-        self._deliver_orders()
+        for order in self.network.arrived_orders(self.now):
+            self._deliver(order)
         for name, agv in self.agvs.items():
             agv.drive(STEP)
             for refusal in agv.late_refusals():
@@ -307,21 +269,20 @@ class VirtualFleet(Generic[Body]):
             self._looks_at = self.now + self.rhythm.room - _TOGETHER
             self._check_room()
         for name, agv in self.agvs.items():
-            if self.silent.get(name, 0.0) <= self.now and self._has_to_tell(name, agv):
-                at = self.now + self.late.get(name, 0.0)
+            if not self.network.is_silent(name, self.now) and self._has_to_tell(name, agv):
                 told = self.lost.get(name, agv).report(self.now + self.clocks.get(name, 0.0))
-                self._reports += [(at, name, told)] * self._copies()
+                self.network.carry_report(name, told, self.now)
         if not self.hangs:
             self._supervise()
         if self.watcher is not None:
             self.watcher.stepped()
         self._stepping += (time.thread_time() - begun) - (
-            self._supervising + self._planning_time - before)
+            self._supervising + self.planner.spent - before)
 
     @property
     def spent(self) -> Spent:
         """The processor time of the run so far."""
-        return Spent(self._stepping, self._supervising, self._planning_time)
+        return Spent(self._stepping, self._supervising, self.planner.spent)
 
     def _has_to_tell(self, name: str, robot: Body) -> bool:
         """Returns whether a robot reports now: its report changed, or the period is over."""
@@ -338,53 +299,25 @@ class VirtualFleet(Generic[Body]):
 
         Does nothing if no message has arrived and the next tick is not due.
         """
-        arrivals = chain((at for at, *_ in self._reports), (at for at, *_ in self._answers))
-        if self.now < self._ticks_at and all(at > self.now for at in arrivals):
+        if self.now < self._ticks_at and not (self.network.has_reports(self.now)
+                                              or self.planner.has_answers(self.now)):
             return
         self._ticks_at = self.now + self.rhythm.supervisor - _TOGETHER
-        begun, planning = time.thread_time(), self._planning_time
-        reports, self._reports = self._reports, []
-        for at, name, report in reports:
-            if at <= self.now:
-                aged = Report(report, self.now - report.stamp / 1e9)
-                self.ages[name] = aged.age
-                self.do(self.supervisor.report(name, aged, self.now))
-            else:
-                self._reports.append((at, name, report))
-        answers, self._answers = self._answers, []
-        for at, number, outcome in answers:
-            if at <= self.now:
-                self.do(self.supervisor.plan_made(number, outcome, self.now))
-            else:
-                self._answers.append((at, number, outcome))
+        begun, planning = time.thread_time(), self.planner.spent
+        for name, report in self.network.arrived_reports(self.now):
+            aged = Report(report, self.now - report.stamp / 1e9)
+            self.ages[name] = aged.age
+            self.do(self.supervisor.report(name, aged, self.now))
+        for number, outcome in self.planner.arrived_answers(self.now):
+            self.do(self.supervisor.plan_made(number, outcome, self.now))
         self.do(self.supervisor.tick(self.now))
-        self._supervising += time.thread_time() - begun - (self._planning_time - planning)
-
-    def _copies(self) -> int:
-        if self.random.random() < self.loss:
-            return 0
-        return 2 if self.random.random() < self.repeats else 1
-
-    def _deliver_orders(self) -> None:
-        orders, self.to_robots = self.to_robots, []
-        under_way, self._under_way = self._under_way, []
-        last: Dict[str, float] = {}
-        for at, order in [*under_way, *((self.now + self.orders_late.get(o.robot, 0.0), o)
-                                        for o in orders)]:
-            at = last[order.robot] = max(at, last.get(order.robot, 0.0))
-            if at > self.now:
-                self._under_way.append((at, order))
-            else:
-                self._deliver(order)
+        self._supervising += time.thread_time() - begun - (self.planner.spent - planning)
 
     def _deliver(self, order: SendRoute) -> None:
-        if max(self.silent.get(order.robot, 0.0), self.deaf.get(order.robot, 0.0)) > self.now:
-            return
         robot = self.lost.get(order.robot, self.agvs[order.robot])
-        for _ in range(self._copies()):
-            refusal = robot.receive(route_order(order.order))
-            if refusal is not None:
-                self._refuse(order.robot, refusal)
+        refusal = robot.receive(route_order(order.order))
+        if refusal is not None:
+            self._refuse(order.robot, refusal)
 
     def _refuse(self, name: str, refusal: RouteRefusal) -> None:
         """Counts a refusal. The supervisor learns of it by the next report."""
@@ -392,9 +325,10 @@ class VirtualFleet(Generic[Body]):
 
     def do(self, actions: Sequence[Action]) -> None:
         """Performs the supervisor's actions, unless the supervisor is to die at this commit."""
-        if self.crash_at is not None and self.commits + self.journal.commits >= self.crash_at:
-            self.crash_at = None
-            self._perform(actions[:self.dies_after])
+        crash = self.crash
+        if crash is not None and self.disk.commits >= crash.commit:
+            self.crash = None
+            self._perform(actions[:crash.actions])
             self.restart()
         else:
             self._perform(actions)
@@ -405,7 +339,7 @@ class VirtualFleet(Generic[Body]):
                 if self.watcher is not None:
                     self.watcher.sends(action)
                 self.sent.append(action)
-                self.to_robots.append(action)
+                self.network.to_robots.append(action)
             elif isinstance(action, TellStatus):
                 if self.watcher is not None:
                     self.watcher.tells(action.status)
@@ -413,25 +347,10 @@ class VirtualFleet(Generic[Body]):
             elif isinstance(action, Note):
                 self.notes.append(action.text)
             elif isinstance(action, AskPlanner):
-                self._answers.append((self.now + self.planning, action.number, self._plan(action)))
+                self.planner.send_answer(action.number, self._plan(action), self.now)
 
     def _plan(self, question: AskPlanner) -> Outcome:
-        begun = time.thread_time()
-        networks = question.closed, frozenset(question.edge_times.items())
-        planner = self._planners.pop(networks, None)
-        if planner is None:
-            planner = FleetPlanner(
-                self.supervisor.network.with_closed(question.closed, question.edge_times),
-                self.clearance, self.fleet.types,
-                tuple(self.graph.vertices) if self._parking is None else self._parking)
-            while len(self._planners) >= _PLANNERS_KEPT:
-                del self._planners[next(iter(self._planners))]
-        self._planners[networks] = planner
-        outcome = planner.plan(question.tasks, question.obstacles, rounds=self.rounds,
-                               seed=question.seed)
-        self.plans.append(time.thread_time() - begun)
-        self._planning_time += self.plans[-1]
-        return outcome
+        return self.planner.plan(question, self.supervisor.network)
 
     def _check_room(self) -> None:
         robots = list(self.agvs.items())

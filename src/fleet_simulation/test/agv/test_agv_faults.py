@@ -9,8 +9,8 @@ from agv_builders import GRAPH, Conversation, numbers_of_epochs
 from fleet_builders import AGV
 
 from fleet_core.fleet import Robot
-from fleet_simulation.agv.control_socket import LONGEST_LINE, ControlServer
-from fleet_simulation.agv.faults import FAULTS, UnknownFault, help_text, inject
+from fleet_simulation.agv.control_socket import LONGEST_LINE, AgvControlServer
+from fleet_simulation.agv.faults import FAULTS, UnknownAgvFault, help_text, inject
 from fleet_simulation.agv.simulation import Simulation
 from route_protocol.values import Location
 
@@ -113,7 +113,7 @@ def test_a_battery_is_charged_at_a_charger_only() -> None:
     ('stall nan', 'SECONDS must be a number'), ('battery', 'PERCENT must be a number'),
     ('battery 101', 'PERCENT must be a number from 0 to 100'), ('place 99', 'no vertex 99')])
 def test_a_wrong_fault_is_told(line: str, problem: str) -> None:
-    with pytest.raises(UnknownFault, match=problem):
+    with pytest.raises(UnknownAgvFault, match=problem):
         inject(Conversation().vehicle, line)
 
 
@@ -128,7 +128,7 @@ def ask():
     simulation = Simulation(GRAPH, [Robot('agv_1', AGV, 1), Robot('agv_2', AGV, 3)],
                             numbers_of_epochs(), lambda: 0, speed=2.0)
     simulation.advance(0.5, 1)
-    server = ControlServer(0, simulation.inject, simulation.where)
+    server = AgvControlServer(0, simulation.inject, simulation.where)
     connection = socket.create_connection(('127.0.0.1', server.port), timeout=20.0)
     stream = connection.makefile('rwb', 0)
 

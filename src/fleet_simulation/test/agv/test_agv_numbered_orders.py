@@ -6,7 +6,7 @@ from typing import Optional
 import pytest
 from agv_builders import TICK, Conversation
 
-from fleet_simulation.agv.faults import UnknownFault, inject
+from fleet_simulation.agv.faults import UnknownAgvFault, inject
 from route_protocol.values import (
     EdgeState,
     EpochCause,
@@ -223,7 +223,7 @@ def test_a_stop_ends_the_drive_of_another_program() -> None:
 
 
 def test_an_edge_that_begins_elsewhere_cannot_be_driven_by_hand() -> None:
-    with pytest.raises(UnknownFault, match='edge 2 does not start where the vehicle is'):
+    with pytest.raises(UnknownAgvFault, match='edge 2 does not start where the vehicle is'):
         inject(NumberedConversation().vehicle, 'drive_by_hand 2')
 
 

@@ -102,7 +102,7 @@ def test_a_robot_pushed_back_in_an_emergency_stop_is_not_sent_through_places_of_
     fleet.run(1.0)
     a.arc = 11.5  # a person pushes it back along its edge, behind the crossing
     fleet.run(2.0)
-    fleet.late['a'] = fleet.late['b'] = late
+    fleet.network.late['a'] = fleet.network.late['b'] = late
     a.emergency = False
     fleet.run_until(lambda: fleet.agvs['a'].is_driving or outages(fleet)['a'] is None, limit=60.0)
     fleet.run_until_done(1, 2, limit=120.0)
@@ -153,7 +153,7 @@ def test_a_robot_driven_on_by_hand_without_new_locations_is_not_met_by_others(fa
         a.arc += 0.1
         fleet.step()
     if fault == 'silent':
-        fleet.silent['a'] = math.inf
+        fleet.network.silent['a'] = math.inf
     elif fault == 'link lost':
         fleet.lose_link('a')
     elif fault == 'clock set back':
@@ -208,7 +208,7 @@ class Copied:
 
     def __init__(self, fleet: SupervisedFleet) -> None:
         self._fleet = fleet
-        self._path = fleet.journal_path
+        self._path = fleet.disk.journal_path
         with sqlite3.connect(self._path) as journal, sqlite3.connect(f'{self._path}.old') as copy:
             journal.backup(copy)
         journal.close()
@@ -217,12 +217,12 @@ class Copied:
     def put_back(self) -> None:
         """Ends the supervisor, puts the copy in the place of the journal, and starts it again."""
         fleet = self._fleet
-        fleet.journal.close()
+        fleet.disk.journal.close()
         for end in ('-wal', '-shm'):
             if os.path.exists(self._path + end):
                 os.remove(self._path + end)
         shutil.copy(f'{self._path}.old', self._path)
-        fleet.journal = type(fleet.journal)(self._path)  # `restart` closes it
+        fleet.disk.journal = type(fleet.disk.journal)(self._path)  # `restart` closes it
         fleet.restart()
 
 
@@ -239,7 +239,7 @@ def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, 
     fleet.request(1, 3, robot='c')
     fleet.request(2, 2, robot='a')
     fleet.run_until_done(1, 2)
-    fleet.silent['c'] = math.inf  # it is switched off in the middle of the lower row
+    fleet.network.silent['c'] = math.inf  # it is switched off in the middle of the lower row
     fleet.run(7.0)
     if drives:
         fleet.request(3, 1, robot='a')
@@ -253,11 +253,11 @@ def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, 
     fleet.restart()  # a restart does not make the old place of c right
     fleet.run(20.0)
     assert fleet.supervisor.unknown == ['c'] and not fleet.agvs['a'].is_driving
-    del fleet.silent['c']
+    del fleet.network.silent['c']
     fleet.run_until_done(7)
     assert fleet.state(7) is MissionState.SUCCEEDED
     fleet.restart()
-    fleet.silent['c'] = fleet.now + 3.0
+    fleet.network.silent['c'] = fleet.now + 3.0
     fleet.run(1.0)
     assert not fleet.supervisor.unknown, 'the journal is believed again'
 
@@ -268,7 +268,7 @@ def test_by_an_older_journal_a_person_may_say_that_a_robot_is_not_on_the_site():
     old = Copied(fleet)
     fleet.restart()
     fleet.run(2.0)
-    fleet.silent['c'] = math.inf
+    fleet.network.silent['c'] = math.inf
     old.put_back()
     fleet.run(7.0)
     fleet.request(1, 5, robot='a')
@@ -285,7 +285,7 @@ def test_a_restart_with_the_same_journal_believes_it():
     fleet.run(2.0)
     fleet.request(1, 3, robot='a')
     fleet.run(2.0)
-    fleet.silent['c'] = math.inf
+    fleet.network.silent['c'] = math.inf
     for _ in range(3):
         fleet.restart()
         fleet.run(0.5)
@@ -338,13 +338,14 @@ def test_a_robot_that_restarts_and_drives_a_loop_again_does_not_meet_others(stal
     fleet.run(2.0)
     fleet.request(1, 2, 3, 4, robot='a')
     fleet.run_until(lambda: a.is_driving and a.edge == 3 and a.arc > 3.0)
-    fleet.deaf['a'] = math.inf
+    fleet.network.deaf['a'] = math.inf
     fleet.run_until(lambda: not a.is_driving)
     fleet.request(2, 6, robot='b')
     fleet.run(0.4)
     b.stalled = stall
-    fleet.late['a'] = 0.4  # the order comes again before its report without a route is heard
-    fleet.run_until(lambda: any(o.robot == 'a' and o.edges for o in fleet.to_robots), 3.0)
+    # the order comes again before its report without a route is heard
+    fleet.network.late['a'] = 0.4
+    fleet.run_until(lambda: any(o.robot == 'a' and o.edges for o in fleet.network.to_robots), 3.0)
     a.forget()
-    fleet.deaf['a'] = 0.0
+    fleet.network.deaf['a'] = 0.0
     fleet.run(10.0)

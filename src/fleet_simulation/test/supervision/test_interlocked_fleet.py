@@ -57,7 +57,7 @@ def test_a_place_where_a_robot_was_driven_while_the_planner_thought_is_given_to_
 
 def test_nothing_is_granted_before_every_robot_was_heard_or_declared_absent():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
-    fleet.silent['b'] = 1e9
+    fleet.network.silent['b'] = 1e9
     fleet.request(1, 4, robot='a')
     fleet.run(20.0)
     assert not any(order.edges for order in fleet.sent)
@@ -73,7 +73,7 @@ def test_nothing_is_granted_before_every_robot_was_heard_or_declared_absent():
 def test_a_robot_that_is_absent_blocks_nothing_until_it_reports_a_later_location():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)})
     fleet.run(1.0)
-    fleet.silent['b'] = 1e9
+    fleet.network.silent['b'] = 1e9
     fleet.run(8.0)
     fleet.do(fleet.supervisor.declare_absent('b', fleet.now)[1])
     robot = fleet.supervisor.robots['b']
@@ -82,7 +82,7 @@ def test_a_robot_that_is_absent_blocks_nothing_until_it_reports_a_later_location
     assert robot.knowledge is Knowledge.ABSENT, 'this location is older than the declaration'
     fleet.restart()
     assert fleet.supervisor.robots['b'].knowledge is Knowledge.ABSENT
-    fleet.silent.clear()
+    fleet.network.silent.clear()
     fleet.run(1.0)
     assert fleet.supervisor.robots['b'].works and blocked(fleet, 'b') == ((4,), ())
 
@@ -100,7 +100,7 @@ def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_e
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 105)}, settings=FAR)
     fleet.request(1, 5, robot='a')
     fleet.run(2.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     held = set(blocked(fleet, 'a')[1])
     assert {1, 2, 3, 4} & held
     restart(fleet, without(graph, 2))
@@ -131,7 +131,7 @@ def test_a_robot_that_left_the_fleet_file_keeps_its_place_until_it_is_declared_a
 def test_nothing_is_sent_to_a_robot_that_left_the_fleet_file_not_even_the_stop_it_has_not_heard():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)})
     fleet.run(1.0)
-    fleet.deaf['b'] = 1e9
+    fleet.network.deaf['b'] = 1e9
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(1.0)
     fleet.sent.clear()
@@ -159,7 +159,7 @@ def test_what_was_not_yet_left_stays_blocked_after_a_restart():
     fleet.run_until(lambda: fleet.supervisor.robots['a'].record.done == 2)
     before = blocked(fleet, 'a')[1]
     assert 2 in before, 'with this slack the robot may still be on its last edge'
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.restart()
     assert 2 in blocked(fleet, 'a')[1]
 
@@ -202,7 +202,7 @@ def test_a_robot_that_a_person_drives_and_that_falls_silent_may_be_anywhere_near
     for arc in (0.3, 0.6, 0.9):
         put(fleet.agvs['a'], 3, arc)
         fleet.step()
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.run(4.0)
     areas = fleet.supervisor.robots['a'].master.allocation.areas
     assert max(area.radius for area in areas) >= 4.0
@@ -221,7 +221,7 @@ def test_a_restart_stops_no_robot_because_another_robot_that_a_person_drives_has
     for step in range(20):
         put(fleet.agvs['a'], 1, 0.1 * step)
         fleet.run(0.1)
-    fleet.silent['a'] = fleet.now + 2.0
+    fleet.network.silent['a'] = fleet.now + 2.0
     restart(fleet)
     fleet.run(1.0)
     robots = fleet.supervisor.robots
@@ -233,7 +233,7 @@ def test_a_restart_stops_no_robot_because_another_robot_that_a_person_drives_has
 def test_a_robot_last_seen_standing_does_not_grow_while_it_is_silent():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(2.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.run(60.0)
     assert blocked(fleet, 'a') == ((3,), ()) and not fleet.supervisor.robots[
         'a'].master.allocation.areas
@@ -244,7 +244,7 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
     fleet.request(1, 8)
     fleet.run(3.0)
     used = {order.order.number for order in fleet.sent}
-    with sqlite3.connect(fleet.journal_path) as journal:
+    with sqlite3.connect(fleet.disk.journal_path) as journal:
         for table in ('robot', 'mission', 'value'):
             journal.execute(f'DELETE FROM {table}')
     journal.close()

@@ -226,9 +226,9 @@ def test_edges_of_version_1_0_are_held_until_the_robot_was_stopped_and_stands():
     """Its programs were replaced as well: it has no route any more, and may still roll."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 2)})
     fleet.run(1.0)
-    write_1_0(fleet.journal._path, {**MEMORY_1_0, 'evidence': None})
+    write_1_0(fleet.disk.journal._path, {**MEMORY_1_0, 'evidence': None})
     fleet.agvs['a'].obey_another((2, 3))
-    fleet.silent['a'] = fleet.now + 2.0
+    fleet.network.silent['a'] = fleet.now + 2.0
     fleet.restart()
     assert blocked(fleet, 'a')[1] == (2, 3, 4, 5)
     fleet.run(2.5)

@@ -230,14 +230,14 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, planning=0.1)
     fleet.request(1, 8)
     fleet.run(3.0)
-    fleet.planning = 1e9
+    fleet.planner.latency = 1e9
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.step()
     fleet.step()
     stopped = fleet.agvs['a'].travelled
     fleet.run(20.0)
     assert fleet.agvs['a'].travelled == stopped
-    fleet.planning = 0.1
+    fleet.planner.latency = 0.1
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run_until_done(1)
 
@@ -301,25 +301,25 @@ def test_a_silent_robot_keeps_its_places_and_others_go_round_it():
     fleet = SupervisedFleet(corridor(6, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 6)})
     fleet.request(1, 4, robot='a')
     fleet.run(1.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.run(8.0)
     fleet.request(2, 2, robot='b')
     fleet.run(30.0)
     assert fleet.supervisor.robots['a'].outage is Outage.SILENT
     assert fleet.state(2) is MissionState.ACTIVE, 'robot a may be anywhere on its edge'
-    fleet.silent.clear()
+    fleet.network.silent.clear()
     fleet.run_until_done(1)
 
 
 def test_others_go_round_a_robot_that_reports_but_answers_no_order():
     fleet = SupervisedFleet(ladder(8), {'a': (AGV, 1), 'b': (AGV, 4)}, parking=(1, 4, 8, 108))
-    fleet.deaf['b'] = 1e9
+    fleet.network.deaf['b'] = 1e9
     fleet.request(1, 4, 8, robot='b')
     fleet.request(2, 8, robot='a')
     fleet.run_until_done(2)
     assert fleet.supervisor.robots['b'].outage is Outage.DEAF
     assert fleet.agvs['b'].travelled == 0.0
-    fleet.deaf.clear()
+    fleet.network.deaf.clear()
     fleet.request(3, 1, robot='a')
     fleet.run_until_done(1, 3)
 
@@ -327,7 +327,7 @@ def test_others_go_round_a_robot_that_reports_but_answers_no_order():
 def test_who_waits_for_a_robot_that_answers_no_order_is_told_so_and_goes_on_once_it_does():
     fleet = SupervisedFleet(corridor(6, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 3)},
                             parking=(1, 6, 100))
-    fleet.deaf['b'] = 1e9
+    fleet.network.deaf['b'] = 1e9
     fleet.request(1, 5, robot='a')
     fleet.run(30.0)
     views = {view.name: view for view in robot_views(fleet.supervisor, fleet.now)}
@@ -335,18 +335,18 @@ def test_who_waits_for_a_robot_that_answers_no_order_is_told_so_and_goes_on_once
     assert views['b'].state is RobotState.OFFLINE
     assert 'reports, but has not answered an order for' in views['b'].waits_for
     assert any('b cannot work' in note for note in fleet.notes)
-    fleet.deaf.clear()
+    fleet.network.deaf.clear()
     fleet.run_until_done(1)
 
 
 def test_a_robot_that_answers_no_stop_is_named():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
-    fleet.deaf['a'] = 1e9
+    fleet.network.deaf['a'] = 1e9
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.DEAF
-    fleet.deaf.clear()
+    fleet.network.deaf.clear()
     fleet.run(5.0)
     assert fleet.supervisor.robots['a'].outage is None
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
@@ -357,10 +357,10 @@ def test_a_robot_that_answers_no_stop_is_named():
 def test_a_robot_whose_reports_are_back_before_its_answer_is_not_called_deaf():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
-    fleet.silent['a'] = 21.0
+    fleet.network.silent['a'] = 21.0
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.now >= 21.0)
-    fleet.deaf['a'] = 24.0
+    fleet.network.deaf['a'] = 24.0
     fleet.run_until_done(1)
     assert not any('answered' in note for note in fleet.notes)
 

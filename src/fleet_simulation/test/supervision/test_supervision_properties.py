@@ -20,6 +20,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
+from fleet_simulation.virtual_fleet import Crash
 from world.chaos import (
     DOCKS,
     PARKING,
@@ -126,7 +127,7 @@ def swap(crash_at: int) -> SupervisedFleet:
     """Two robots swap places in a corridor while the supervisor dies at one commit."""
     fleet = SupervisedFleet(corridor(5, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 5)},
                             settings=RobotSettings(release_ahead=3.0))
-    fleet.crash_at = crash_at
+    fleet.crash = Crash(crash_at)
     for id, (vertex, robot) in enumerate(((5, 'a'), (1, 'b')), 1):
         fleet.request(id, vertex, robot=robot)
         if fleet.supervisor.book.find(id) is None:
@@ -139,7 +140,7 @@ def swap(crash_at: int) -> SupervisedFleet:
 
 def test_the_supervisor_may_die_at_every_single_commit() -> None:
     whole = swap(crash_at=10 ** 6)
-    for commit in range(1, whole.journal.commits + 1, 1 if LONG else 3 if WHOLE else 9):
+    for commit in range(1, whole.disk.journal.commits + 1, 1 if LONG else 3 if WHOLE else 9):
         fleet = swap(commit)
         for name, agv in fleet.agvs.items():
             assert agv.visited[-1] == whole.agvs[name].visited[-1], f'death at commit {commit}'

@@ -50,7 +50,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     fleet.request(1, 6, robot='a')
     fleet.run(2.0)
     agv, last = fleet.agvs['a'], fleet.agvs['a'].report(fleet.now)
-    fleet.deaf['a'] = 1e9
+    fleet.network.deaf['a'] = 1e9
     last = replace(last, motion=Motion.COMING_TO_REST)
     if how == 'lost link':
         told = replace(last, states=(EdgeState.FAILED,) * len(last.edges),
@@ -76,7 +76,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     agv.report = report
     if how != 'lost link':
         agv.receive(route_order(owed))  # its computer has kept the stop for it
-    fleet.deaf.clear()
+    fleet.network.deaf.clear()
     fleet.run(15.0)
     assert not fleet.bring_in('a')
     fleet.run(2.0)
@@ -91,7 +91,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mi
     """The plan in force also leads there, but through the place that was cancelled."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, parking=(1,),
                             settings=RobotSettings(release_ahead=ahead))
-    fleet.rounds = 5
+    fleet.planner.rounds = 5
     fleet.request(1, 8)
     fleet.request(2, 2, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].visited[-1] == 3)
@@ -106,7 +106,8 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)
     fleet.run_until(lambda: len(robot(fleet).record.ahead) > 1)
-    fleet.to_robots, orders = [], fleet.to_robots  # the order that makes the route longer
+    # the order that makes the route longer
+    fleet.network.to_robots, orders = [], fleet.network.to_robots
     assert len(orders[-1].edges) == 2 and fleet.agvs['a'].current == 0
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.do(fleet.supervisor.report('a', Report(fleet.agvs['a'].report(fleet.now)), fleet.now))
@@ -117,14 +118,14 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
 def test_what_a_robot_has_not_heard_yet_is_not_ordered_after_a_cancel(command):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
     fleet.run(1.0)
-    fleet.deaf['a'] = 1e9
+    fleet.network.deaf['a'] = 1e9
     fleet.request(1, 8)
     fleet.run(8.0)
     assert robot(fleet).outage is Outage.DEAF
     fleet.do(fleet.supervisor.command(1, command, fleet.now))
     fleet.run(2.0)
     sent = len(fleet.sent)
-    fleet.deaf.clear()
+    fleet.network.deaf.clear()
     fleet.run(20.0)
     assert all(len(order.edges) <= 1 for order in fleet.sent[sent:]), fleet.sent[sent:]
     assert fleet.agvs['a'].travelled <= 2.0
@@ -135,14 +136,14 @@ def test_a_restart_orders_nothing_again_that_was_cancelled_while_the_robot_was_s
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 7, robot='a')
     fleet.run_until(lambda: len(robot(fleet).record.ahead) > 1)
-    fleet.silent['a'] = fleet.silent['b'] = 1e9
+    fleet.network.silent['a'] = fleet.network.silent['b'] = 1e9
     fleet.agvs['a'].stalled = 1e9
     fleet.run(8.0)
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.run(2.0)
     sent = len(fleet.sent)
     fleet.restart()
-    fleet.silent.pop('a')
+    fleet.network.silent.pop('a')
     fleet.run(3.0)
     fleet.agvs['a'].stalled = 0.0
     fleet.run(20.0)
@@ -156,13 +157,13 @@ def test_a_restart_orders_nothing_again_that_was_cancelled_while_the_robot_was_s
 def test_who_was_given_a_route_by_somebody_else_is_not_ordered_what_he_has_not_heard():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 4)}, settings=FAR)
     fleet.run(1.0)
-    fleet.deaf['a'] = 1e9
+    fleet.network.deaf['a'] = 1e9
     fleet.request(1, 8)
     fleet.run(2.0)
     fleet.agvs['a'].obey_another((4,))
     fleet.run(0.5)
     assert robot(fleet).outage is Outage.TAKEN_OVER
-    fleet.deaf.clear()
+    fleet.network.deaf.clear()
     fleet.run(20.0)
     assert fleet.agvs['a'].visited == [4, 5]
     assert not fleet.bring_in('a')
@@ -175,8 +176,8 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     agv = fleet.agvs['a']
     fleet.request(2, 8, robot='a')
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    fleet.run_until(lambda: any(o.order.number > agv.taken for o in fleet.to_robots))
-    order = fleet.to_robots.pop()
+    fleet.run_until(lambda: any(o.order.number > agv.taken for o in fleet.network.to_robots))
+    order = fleet.network.to_robots.pop()
     agv.fail(TAKEN_OVER)
     fleet.run(0.1)
     assert robot(fleet).outage is Outage.TAKEN_OVER
@@ -190,7 +191,7 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
     fleet.request(1, 8)
     fleet.run(2.0)
-    fleet.deaf['a'] = fleet.now + 3.0
+    fleet.network.deaf['a'] = fleet.now + 3.0
     fleet.agvs['a'].fail(LOST_LINK)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
@@ -205,7 +206,7 @@ def taken_over_as_it_was_let_go_on():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 6, robot='a')
-    fleet.run_until(lambda: bool(fleet.to_robots) and fleet.agvs['a'].arc > 0.5)
+    fleet.run_until(lambda: bool(fleet.network.to_robots) and fleet.agvs['a'].arc > 0.5)
     fleet.agvs['a'].fail(TAKEN_OVER)
     fleet.run(2.0)
     assert robot(fleet).outage is Outage.TAKEN_OVER
@@ -224,7 +225,7 @@ def test_where_a_person_drives_who_refused_more_is_known():
 def test_who_refused_more_as_it_was_taken_over_keeps_its_edge_after_a_restart(is_silent):
     fleet = taken_over_as_it_was_let_go_on()
     if is_silent:
-        fleet.silent['a'] = 1e9
+        fleet.network.silent['a'] = 1e9
     fleet.restart()
     fleet.run(1.0)
     assert abs(fleet.agvs['a'].edge) in blocked(fleet, 'a')[1]
@@ -245,12 +246,12 @@ def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():
 def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
     """Robot b is switched on in the middle of the path while that path is planned."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)}, settings=FAR)
-    fleet.silent['b'] = 1e9
+    fleet.network.silent['b'] = 1e9
     fleet.run(6.0)
-    fleet.planning = 1.0
+    fleet.planner.latency = 1.0
     fleet.request(1, 6, robot='a')
     fleet.run(0.5)
-    fleet.silent.clear()
+    fleet.network.silent.clear()
     fleet.run(10.0)
 
 
@@ -262,13 +263,13 @@ def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(to
     fleet.request(1, 7, robot='a')
     fleet.run(4.5)
     if told == 'not of the last edges':
-        fleet.deaf['a'] = fleet.now + 2.0
+        fleet.network.deaf['a'] = fleet.now + 2.0
         fleet.run_until(lambda: robot(fleet).master.order is not None)
     assert len(fleet.agvs['a'].visited) > 2 and fleet.agvs['a'].is_driving
     ahead = robot(fleet).record.ahead
     fleet.agvs['a'].stalled = 10.0
     if told == 'no longer':
-        fleet.silent['a'] = fleet.now + 15.0
+        fleet.network.silent['a'] = fleet.now + 15.0
     fleet.restart(Graph([v for v in fleet.graph.vertices.values() if v.id > 1],
                         [e for e in fleet.graph.edges.values() if e.id > 1]))
     fleet.run(1.0)
@@ -404,7 +405,7 @@ def test_a_restart_does_not_end_the_charging_half_way():
 
 def test_a_short_silence_does_not_end_the_charging_half_way():
     fleet = charging_at_6()
-    fleet.silent['a'] = fleet.now + 8.0
+    fleet.network.silent['a'] = fleet.now + 8.0
     fleet.run(20.0)
     assert_charges_before_it_works(fleet)
 
@@ -453,7 +454,7 @@ def test_with_what_its_battery_told_last_a_robot_may_work():
 
 def test_a_long_silence_does_not_end_the_charging_half_way():
     fleet = charging_at_6()
-    fleet.silent['a'] = fleet.now + 2.0 * MUTE
+    fleet.network.silent['a'] = fleet.now + 2.0 * MUTE
     fleet.run(2.0 * MUTE + 5.0)
     assert view_of(fleet, 'a').state is RobotState.CHARGING
     charge(fleet, a=0.5)

@@ -106,14 +106,14 @@ def test_nobody_is_sent_to_where_a_robot_comes_back_into_service_without_a_plann
     fleet.run(1.0)
     fleet.request(1, 6, robot='a')
     fleet.run(1.0)
-    fleet.planning = 1e9
+    fleet.planner.latency = 1e9
     fleet.agvs['b'].be_carried(4, 1.0)
     fleet.run(3.0)
     problem, actions = fleet.supervisor.bring_in('b', fleet.now)
     fleet.do(actions)
     assert not problem
     fleet.run(30.0)
-    fleet.planning = 0.1
+    fleet.planner.latency = 0.1
     fleet.run_until_done(1)
 
 
@@ -124,10 +124,10 @@ def test_a_lost_link_gives_nothing_to_others_when_it_is_back_before_a_new_plan()
     fleet.request(1, 8, robot='a')
     fleet.request(2, 6, robot='b')
     fleet.run(2.5)
-    fleet.planning = 1e9
+    fleet.planner.latency = 1e9
     fleet.agvs['a'].fail(LOST_LINK)
     fleet.run(20.0)
-    fleet.planning = 0.1
+    fleet.planner.latency = 0.1
     fleet.run_until_done(1)
 
 
@@ -137,7 +137,7 @@ def test_a_planner_that_does_not_answer_is_told_of_where_robots_wait():
     fleet.run(25.0)
     view, = robot_views(fleet.supervisor, fleet.now)
     assert view.waits_for == 'a plan: the planner does not answer'
-    fleet.planning = 0.1
+    fleet.planner.latency = 0.1
     fleet.run_until_done(1)
     assert fleet.supervisor.plan_executor.trouble == ''
 
@@ -246,7 +246,7 @@ def test_an_emergency_stop_makes_orders_void_and_what_they_gave_is_held_until_th
     if how == 'it reports':
         fleet.run(2.0)
     else:
-        fleet.run_until(lambda: bool(fleet.to_robots))
+        fleet.run_until(lambda: bool(fleet.network.to_robots))
     held = robot.master.protocol.may_be_on
     agv.emergency = True
     fleet.step()
@@ -267,7 +267,7 @@ def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1)}, planning=2.0)
     fleet.request(1, 12)
     fleet.run(5.0)
-    fleet.deaf['a'] = 1e9
+    fleet.network.deaf['a'] = 1e9
     fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)
     held = fleet.supervisor.robots['a'].record.held
     fleet.run(5.0)
@@ -301,7 +301,7 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
         agv.forget()
         fleet.run(1.0)
         assert fleet.supervisor.robots['a'].works, 'it had no route'
-    fleet.deaf['a'] = fleet.now + deafness
+    fleet.network.deaf['a'] = fleet.now + deafness
     fleet.request(2, 1, robot='b')
     fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].record.ahead))
     agv.forget()
@@ -317,7 +317,7 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
 def test_who_is_silent_is_ordered_nothing_new_but_to_stop():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.request(1, 8)
     fleet.run(6.0)
     sent, last = len(fleet.sent), fleet.sent[-1].order
@@ -328,7 +328,7 @@ def test_who_is_silent_is_ordered_nothing_new_but_to_stop():
     fleet.run(3.5)
     assert [sending.edges for sending in fleet.sent[sent:]] == [()] * 4
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
-    fleet.silent.clear()
+    fleet.network.silent.clear()
     fleet.run_until_done(1)
 
 
@@ -336,13 +336,13 @@ def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_
     """It is an order for the time before: the robot may have been moved since then."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.request(1, 8)
     fleet.run(6.0)
     fleet.agvs['a'].forget()
-    fleet.deaf['a'], fleet.silent['a'] = 0.0, 0.0
+    fleet.network.deaf['a'], fleet.network.silent['a'] = 0.0, 0.0
     fleet.hangs = True  # the repetition comes before the supervisor hears of the restart
-    fleet.to_robots = fleet.sent[-1:]
+    fleet.network.to_robots = fleet.sent[-1:]
     fleet.step()
     fleet.hangs = False
     fleet.run(10.0)
@@ -456,7 +456,8 @@ def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_e
     stopped.emergency = True
     fleet.run(0.5)
     stopped.emergency = False
-    fleet.run_until(lambda: any(order.robot == 'a' and order.edges for order in fleet.to_robots))
+    fleet.run_until(lambda: any(order.robot == 'a' and order.edges
+                                for order in fleet.network.to_robots))
     fleet.lose_link('a')
     fleet.run(1.6)
     fleet.find_link('a')
@@ -555,7 +556,7 @@ def test_one_location_elsewhere_ends_no_mission_but_blocks_that_place_until_two_
 def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
     fleet.run_until_done(1)
     agv = fleet.agvs['a']
-    fleet.silent['a'] = fleet.now + 2.0
+    fleet.network.silent['a'] = fleet.now + 2.0
     for later in (0.1, 0.2):
         hear(fleet, at_place(agv.report(fleet.now + later), fleet.graph, 2, 0.5))
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER

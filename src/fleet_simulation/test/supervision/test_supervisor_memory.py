@@ -65,8 +65,8 @@ def test_allocations_in_the_journal_never_exclude_each_other():
         fleet.request(id, vertex, robot=robot)
     while fleet.supervisor.book.open:
         fleet.step()
-        robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.journal.robots(), None, fleet.now,
-                           int, Changes())
+        robots = robots_of(fleet.fleet, {}, fleet.graph, fleet.disk.journal.robots(), None,
+                           fleet.now, int, Changes())
         stored = Interlocking(fleet.supervisor.network.geometry, fleet.clearance, robots)
         assert [stored.excluding(name) for name in robots] == [(), (), ()], fleet.picture()
 
@@ -100,7 +100,7 @@ def test_a_robot_whose_place_the_graph_lost_stays_out_of_service():
     fleet.run(1.0)
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.run(1.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.restart(cut_short(fleet.graph, 4))
     fleet.request(1, 3)
     fleet.run_until_done(1)
@@ -124,12 +124,12 @@ def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)}, settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 6)
     fleet.run(2.0)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.agvs['a'].stalled = 10.0
     fleet.restart(cut_short(fleet.graph, 4))
     fleet.run(1.0)
-    fleet.silent.clear()
+    fleet.network.silent.clear()
     fleet.run(3.0)
     assert fleet.agvs['a'].edges == () and not fleet.supervisor.robots['a'].master.is_stopping
 
@@ -141,7 +141,7 @@ def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, s
     motion = Motion.ON_ROUTE if state is EdgeState.PROCESSING else Motion.STANDING
     foreign = replace(fleet.agvs['a'].report(fleet.now), edges=edges, states=(state,) * len(edges),
                       master='another', order=7, motion=motion)
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.do(fleet.supervisor.report('a', Report(foreign), fleet.now))
     fleet.request(1, 11, robot='b')  # far from the robot that may be driving unseen
     fleet.run_until_done(1)
@@ -157,7 +157,7 @@ def test_who_drives_a_route_of_another_master_may_be_far_from_its_last_place_aft
     fleet.agvs['a'].obey_another((1, 2))
     fleet.run(1.0)
     x, y = fleet.agvs['a'].position
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.restart(whole)
     allocation = fleet.supervisor.robots['a'].master.allocation
     assert any(area.radius >= MANUAL_REACH and math.dist(area.line[0], (x, y)) <= 1.0
@@ -172,9 +172,10 @@ def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
     fleet.request(1, 8)
     fleet.run(3.0)
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    orders, fleet.to_robots = fleet.to_robots, []
+    orders, fleet.network.to_robots = fleet.network.to_robots, []
     fleet.restart()
-    fleet.to_robots = orders if crash else []  # the order may or may not have reached the robot
+    # the order may or may not have reached the robot
+    fleet.network.to_robots = orders if crash else []
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.CANCELLED
     assert fleet.agvs['a'].travelled < 6.1
@@ -234,7 +235,7 @@ def test_after_a_restart_only_what_needs_a_person_is_still_wrong_with_an_unseen_
     if outage is not None:
         fleet.supervisor.robots['a'].notice(SIGNS[outage], 'for a reason')
         fleet.step()
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.restart()
     assert fleet.supervisor.robots['a'].outage is after
     assert not fleet.supervisor.robots['a'].works
@@ -246,10 +247,10 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
     fleet.run(1.0)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(4.0)
     assert fleet.agvs['a'].edge == 3
-    fleet.silent['a'] = 1e9
+    fleet.network.silent['a'] = 1e9
     fleet.restart(Graph(fleet.graph.vertices.values(),
                             [e for e in fleet.graph.edges.values() if e.id not in (1, 2)]))
     held = blocked(fleet, 'a')[1]
@@ -292,7 +293,7 @@ def travelled(fleet: SupervisedFleet) -> float:
 
 def test_stop_all_is_sent_and_the_robots_stand_although_nothing_can_be_stored():
     fleet = driving(to=6, b=8)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.sent.clear()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     assert {(order.robot, order.edges) for order in fleet.sent} == {('a', ()), ('b', ())}
@@ -304,16 +305,16 @@ def test_stop_all_is_sent_and_the_robots_stand_although_nothing_can_be_stored():
 
 def test_a_stop_that_gets_lost_is_repeated_although_nothing_can_be_stored():
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
-    fleet.to_robots.clear()
+    fleet.network.to_robots.clear()
     fleet.run(2.0)
     assert not fleet.agvs['a'].is_driving
 
 
 def test_after_the_stop_the_mission_goes_on_once_the_disk_has_room_and_people_say_so():
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
     problem, actions = fleet.supervisor.resume_fleet(fleet.now)
@@ -322,17 +323,17 @@ def test_after_the_stop_the_mission_goes_on_once_the_disk_has_room_and_people_sa
     stood = travelled(fleet)
     fleet.run(10.0)
     assert travelled(fleet) == stood, 'the robot drives on although its order is not stored'
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].visited[-1] == 8
 
 
 def test_a_stop_that_was_stored_later_outlives_a_restart():
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(3.0)
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(3.0)
     fleet.restart()
     assert fleet.supervisor.is_stopped
@@ -341,13 +342,13 @@ def test_a_stop_that_was_stored_later_outlives_a_restart():
 @pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
 def test_a_mission_is_cancelled_or_paused_although_that_cannot_be_stored(command):
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.do(fleet.supervisor.command(1, command, fleet.now))
     fleet.run(20.0)
     assert fleet.agvs['a'].visited == [1, 2], 'the robot must stop at the end of its edge'
     assert fleet.told(1)[-1] is MissionState.ACTIVE, 'nothing may be published that is not stored'
     assert f'{command.name} is carried out, but will be lost' in fleet.statuses[-1].reason
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(5.0)
     assert fleet.told(1)[-1] is (MissionState.CANCELLED if command is Command.CANCEL
                                  else MissionState.PAUSED)
@@ -358,11 +359,11 @@ def test_who_cancels_what_no_robot_was_told_of_moves_no_robot():
     fleet.run(1.0)
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
-    fleet.disk_fails()  # before the plan comes, so that its first edges are not sent
+    fleet.disk.fails()  # before the plan comes, so that its first edges are not sent
     fleet.run(5.0)
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.run(5.0)
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(10.0)
     assert fleet.state(1) is MissionState.CANCELLED and travelled(fleet) == 0.0
 
@@ -372,7 +373,7 @@ def test_what_would_let_a_robot_drive_on_is_not_done_and_that_is_said(command):
     fleet = driving()
     fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
     fleet.run(5.0)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.close(7)  # something must be stored, so the fault shows
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.do(fleet.supervisor.command(1, command, fleet.now))
@@ -382,7 +383,7 @@ def test_what_would_let_a_robot_drive_on_is_not_done_and_that_is_said(command):
 def test_a_mission_that_cannot_be_stored_is_refused_and_leaves_nothing_behind():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
     fleet.run(1.0)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.request(1, 8)
     fleet.run(1.0)
     fleet.request(2, 5)
@@ -391,7 +392,7 @@ def test_a_mission_that_cannot_be_stored_is_refused_and_leaves_nothing_behind():
     assert 'free space on its disk' in fleet.statuses[-1].reason
     fleet.run(10.0)
     assert travelled(fleet) == 0.0
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(10.0)
     assert fleet.supervisor.book.find(1) is None and travelled(fleet) == 0.0
     fleet.request(1, 3)
@@ -402,9 +403,9 @@ def test_a_refusal_for_the_disk_leaves_the_ended_mission_with_that_id_known():
     fleet = SupervisedFleet(corridor(4), {'a': (AGV, 1)})
     fleet.request(1, 2, stamp=5.0)
     fleet.run_until_done(1)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.request(1, 3, stamp=6.0)
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(3.0)
     fleet.request(1, 2, stamp=5.0)  # a late repeat
     assert fleet.statuses[-1].state is MissionState.SUCCEEDED
@@ -413,7 +414,7 @@ def test_a_refusal_for_the_disk_leaves_the_ended_mission_with_that_id_known():
 def test_robots_drive_to_the_end_of_what_they_have_and_go_on_when_the_disk_has_room():
     fleet = driving()
     fleet.run(1.0)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.sent.clear()
     fleet.run(60.0)
     assert not fleet.agvs['a'].is_driving and 8 not in fleet.agvs['a'].visited
@@ -421,7 +422,7 @@ def test_robots_drive_to_the_end_of_what_they_have_and_go_on_when_the_disk_has_r
     view, = robot_views(fleet.supervisor, fleet.now)
     assert 'cannot be written' in view.waits_for
     assert [note for note in fleet.notes if 'cannot be written' in note] != []
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
     assert fleet.notes[-1] == 'The journal can be written again.'
@@ -431,10 +432,10 @@ def test_robots_drive_to_the_end_of_what_they_have_and_go_on_when_the_disk_has_r
 def test_an_end_that_cannot_be_stored_is_told_once_it_is():
     fleet = driving()
     fleet.run_until(lambda: fleet.agvs['a'].edge == 7)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(20.0)
     assert fleet.agvs['a'].visited[-1] == 8 and fleet.told(1)[-1] is MissionState.ACTIVE
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(3.0)
     assert fleet.told(1)[-1] is MissionState.SUCCEEDED
 
@@ -443,7 +444,7 @@ def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
     fleet.request(1, 3, 8)
     fleet.run(2.0)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run_until(lambda: fleet.reached(1) == 1)
     fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
     assert fleet.statuses[-1].reason.startswith('PAUSE is carried out, but will be lost')
@@ -454,17 +455,17 @@ def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
 
 def test_who_comes_late_is_told_of_an_end_only_once_it_is_stored():
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     assert [status.state for status in fleet.supervisor.book.stored_open] == [MissionState.ACTIVE]
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(3.0)
     assert fleet.supervisor.book.stored_open == []
 
 
 def test_a_death_while_nothing_could_be_stored_loses_and_repeats_nothing():
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(7.0)
     fleet.restart()
     fleet.run_until_done(1)
@@ -474,7 +475,7 @@ def test_a_death_while_nothing_could_be_stored_loses_and_repeats_nothing():
 
 def test_no_number_of_a_stop_that_was_on_no_disk_is_given_again_after_a_death():
     fleet = driving()
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(2.0)
     stopped = {order.order.number for order in fleet.sent}
@@ -490,12 +491,12 @@ def test_no_number_of_a_stop_that_was_on_no_disk_is_given_again_after_a_death():
 def test_a_robot_that_was_moved_meanwhile_is_not_ordered_on_as_from_where_it_was():
     fleet = driving()
     fleet.agvs['a'].emergency = True
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(5.0)
     fleet.agvs['a'].edge, fleet.agvs['a'].arc = 7, 1.0
     fleet.sent.clear()
     fleet.run(1.0)
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(5.0)
     assert fleet.supervisor.robots['a'].why == (
         'it was moved without a route: it was expected on edge 1 at 85 %, but is on edge 7 at 50 %')
@@ -507,13 +508,13 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
     fleet.run(1.0)
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(10.0)
     robot = fleet.supervisor.robots['a']
     assert robot.master.is_new_motion, 'an edge was granted although the grant is not stored'
     view, = robot_views(fleet.supervisor, fleet.now)
     assert robot.outage is None and view.waits_for.startswith('the disk: the journal')
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run(1.0)
     assert robot.outage is None
     fleet.run_until_done(1)
@@ -522,12 +523,12 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
 def test_a_robot_that_does_not_answer_is_deaf_5_s_after_its_order_was_sent():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
     fleet.run(1.0)
-    fleet.deaf['a'] = 1e9
+    fleet.network.deaf['a'] = 1e9
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.run(10.0)
-    fleet.disk_fails(False)
+    fleet.disk.fails(False)
     fleet.run_until(lambda: any(order.edges for order in fleet.sent))
     sent = fleet.now
     fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)

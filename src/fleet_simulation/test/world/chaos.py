@@ -8,7 +8,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tu
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.missions import Command, Mission, MissionState, Request
 from fleet_core.supervision.outbox import AGAIN
-from fleet_simulation.virtual_fleet import STEP
+from fleet_simulation.virtual_fleet import STEP, Crash
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
 from trajectory_graph import Edge, Graph, Vertex
 from world.promises import Promises
@@ -108,7 +108,7 @@ class Chaos:
             agv = fleet.agvs[name]
             if not agv.is_driving and agv.visited[-1] in DOCKS:
                 charge = self._charges[name] = min(charge + _CHARGING * STEP, 1.0)
-            if not fleet.hangs and fleet.silent.get(name, 0.0) <= fleet.now:
+            if not fleet.hangs and fleet.network.silent.get(name, 0.0) <= fleet.now:
                 fleet.do(fleet.supervisor.battery(name, charge, fleet.now))
 
     def _later(self, number: int, what: Callable[[], None]) -> None:
@@ -120,8 +120,8 @@ class Chaos:
         if event.robot != SAME:
             self._robot = sorted(ROBOTS, key=lambda r: not fleet.agvs[r].is_driving)[event.robot]
         if event.moment == 'order':
-            self._until(lambda: bool(fleet.to_robots), 3.0)
-            self._robot = next((order.robot for order in fleet.to_robots), self._robot)
+            self._until(lambda: bool(fleet.network.to_robots), 3.0)
+            self._robot = next((order.robot for order in fleet.network.to_robots), self._robot)
         elif event.moment == 'plan':
             self._until(lambda: fleet.supervisor.plan_executor.is_planning, 1.5)
         ACTS[event.act](self, self._robot, event.number)
@@ -157,7 +157,7 @@ class Chaos:
         fleet.do(fleet.supervisor.request(request, fleet.now))
         after = self.promises.accepted(request.id, request.stamp)
         assert after <= 1, f'{request} became {after} missions'
-        assert before == after or not fleet.is_disk_full
+        assert before == after or not fleet.disk.is_full
 
     def cancel(self, robot: str, number: int) -> None:
         """Cancels the robot's mission; without one, an open mission."""
@@ -268,8 +268,8 @@ class Chaos:
         edges = sorted(fleet.graph.edges)
         edge, share = edges[number % len(edges)], (0.0, 0.4)[number % 2]
         outage = fleet.supervisor.robots[robot].outage
-        is_quiet = (agv.off_graph or robot in fleet.lost or fleet.late.get(robot, 0.0) > 0.0
-                    or fleet.silent.get(robot, 0.0) > fleet.now)
+        is_quiet = (agv.off_graph or robot in fleet.lost or fleet.network.late.get(robot, 0.0) > 0.0
+                    or fleet.network.silent.get(robot, 0.0) > fleet.now)
         if outage is None or not outage.needs_person or is_quiet or agv.is_driving:
             return
         x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
@@ -286,11 +286,11 @@ class Chaos:
     def reports_come_late(self, robot: str, number: int) -> None:
         """Sets the delay of the robot's reports. If it gets shorter, new reports overtake old ones.
         """
-        self.fleet.late[robot] = _DELAYS[number % 4]
+        self.fleet.network.late[robot] = _DELAYS[number % 4]
 
     def orders_come_late(self, robot: str, number: int) -> None:
         """Sets the delay of orders to the robot."""
-        self.fleet.orders_late[robot] = _DELAYS[number % 4]
+        self.fleet.network.orders_late[robot] = _DELAYS[number % 4]
 
     def set_clock(self, robot: str, number: int) -> None:
         """Sets the clock of the robot's computer ahead for a while."""
@@ -299,11 +299,11 @@ class Chaos:
 
     def silence(self, robot: str, number: int) -> None:
         """Cuts all messages to and from the robot for a while."""
-        self.fleet.silent[robot] = self.fleet.now + _seconds(number)
+        self.fleet.network.silent[robot] = self.fleet.now + _seconds(number)
 
     def deafness(self, robot: str, number: int) -> None:
         """Loses all orders to the robot for a while; its reports still arrive."""
-        self.fleet.deaf[robot] = self.fleet.now + _seconds(number)
+        self.fleet.network.deaf[robot] = self.fleet.now + _seconds(number)
 
     def lose_link(self, robot: str, number: int) -> None:
         """Cuts the link between the robot and its computer for a while; the robot drives on."""
@@ -338,7 +338,7 @@ class Chaos:
         for name, agv in fleet.agvs.items():
             used.update((agv.edge, agv.report(0.0).pose.edge, *agv.edges[agv.current:],
                          *fleet.supervisor.robots[name].record.ahead))
-            used.update(edge for order in fleet.under_way(name) for edge in order.edges)
+            used.update(edge for order in fleet.network.under_way(name) for edge in order.edges)
         return set(map(abs, used))
 
     def use(self, graph: Graph) -> None:
@@ -378,8 +378,7 @@ class Chaos:
 
     def die(self, _: str, number: int) -> None:
         """Lets the supervisor die at one of its next commits, after 0 to 2 of its actions."""
-        self.fleet.dies_after = number // 6 % 3
-        self.fleet.crash_at = self.fleet.commits + self.fleet.journal.commits + number % 6
+        self.fleet.crash = Crash(self.fleet.disk.commits + number % 6, number // 6 % 3)
 
     def restart(self, _: str, __: int) -> None:
         """Lets the supervisor die and start again now."""
@@ -392,14 +391,13 @@ class Chaos:
         the supervisor. Afterwards the supervisor is killed or continues.
         """
         fleet, is_stopped, is_killed = self.fleet, number % 4 > 0, number % 4 > 1
-        hears = not fleet.loss and not any(
-            until > fleet.now for until in (*fleet.deaf.values(), *fleet.silent.values())
-        ) and not fleet.lost and all(
+        hears = not fleet.network.loss and not fleet.lost and all(
             # Without an epoch in the journal, an old stop and a new one cannot be told apart.
-            robot.master.protocol.epoch for robot in fleet.supervisor.robots.values())
+            fleet.network.hears(name, fleet.now) and robot.master.protocol.epoch
+            for name, robot in fleet.supervisor.robots.items())
         fleet.hangs = True
         if is_stopped:
-            fleet.to_robots += EarlyStop(ROBOTS).stop(fleet.now)
+            fleet.network.to_robots += EarlyStop(ROBOTS).stop(fleet.now)
         self.run(2.0)
         fleet.hangs = False
         if is_killed:
@@ -411,8 +409,8 @@ class Chaos:
 
     def fill_disk(self, _: str, number: int) -> None:
         """Lets all writes to the disk fail for a while, or until the supervisor is restarted."""
-        self.fleet.disk_fails()
-        self._later(number, lambda: self.fleet.disk_fails(False))
+        self.fleet.disk.fails()
+        self._later(number, lambda: self.fleet.disk.fails(False))
 
     # -- the end ----------------------------------------------------------------------------------
 
@@ -422,15 +420,15 @@ class Chaos:
         It also checks that the state in which each mission ended is true.
         """
         fleet, limit = self.fleet, self.fleet.now + 100.0
-        fleet.disk_fails(False)
-        for at_end in (fleet.silent, fleet.deaf, fleet.late, fleet.orders_late, fleet.clocks):
-            at_end.clear()
+        fleet.disk.fails(False)
+        fleet.network.end_faults()
+        fleet.clocks.clear()
         for name, agv in fleet.agvs.items():
             fleet.find_link(name)
             agv.pace, agv.refusing, agv.emergency, agv.braking = 1.0, 0, False, 0.0
             agv.off_graph = False
         self._ends.clear()
-        fleet.loss, fleet.crash_at = 0.0, None
+        fleet.crash = None
         if len(fleet.graph.edges) < len(YARD.edges):
             self.use(YARD)
         fleet.close()

@@ -74,7 +74,7 @@ class Promises:
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
         self._told: Dict[Tuple[int, float], Status] = {}
         self._well_since = dict.fromkeys(fleet.agvs, 0.0)
-        self._db = sqlite3.connect(fleet.journal_path)
+        self._db = sqlite3.connect(fleet.disk.journal_path)
         fleet.watcher = self
 
     # -- commands of people -----------------------------------------------------------------------
@@ -122,7 +122,7 @@ class Promises:
             assert len(self._left_of(order)) <= 2 + fleet.refused[name] - rest.refused, (
                 f'{order} though its mission is cancelled or paused: {fleet.picture()}')
         more = [edge for edge in self._left_of(order) if edge not in had]
-        if fleet.is_disk_full:
+        if fleet.disk.is_full:
             assert is_repeated or not more, f'{order} is not stored: {fleet.picture()}'
         if fleet.closed:
             inside = {abs(fleet.agvs[name].edge)}  # a robot inside a closed edge may leave it
@@ -216,14 +216,14 @@ class Promises:
         if self.stopped is not None and fleet.supervisor.is_stopped:
             self.stopped.is_past = False
         self._check_excluding_ones_stand()
-        if not fleet.is_disk_full and not fleet.supervisor.trouble:
+        if not fleet.disk.is_full and not fleet.supervisor.trouble:
             for word in (*([self.stopped] if self.stopped else []), *self.out.values(),
                          *(rest.word for rest in self.resting.values())):
                 word.is_stored |= fleet.now - word.since > STEP
         for name in fleet.agvs:
-            self._look_at(name)
+            self._check_robot(name)
 
-    def _look_at(self, name: str) -> None:
+    def _check_robot(self, name: str) -> None:
         fleet, agv, robot = self.fleet, self.fleet.agvs[name], self.fleet.supervisor.robots[name]
         vertices, edges = blocked(fleet, name)
         believed = {abs(edge) for edge in robot.record.held} | set(edges)
@@ -240,8 +240,8 @@ class Promises:
                 f'{fleet.picture()}')
         if robot.needs_person and name not in self.blamed:
             self._check_blame(name)
-        is_well = not (fleet.loss or fleet.hangs or name in fleet.lost
-                       or max(fleet.deaf.get(name, 0.0), fleet.silent.get(name, 0.0)) > fleet.now)
+        is_well = not (fleet.network.loss or fleet.hangs or name in fleet.lost
+                       or not fleet.network.hears(name, fleet.now))
         if not is_well:
             self._well_since[name] = fleet.now
         since = max([self._well_since[name], *([self.stopped.since] if self.stopped else [])])
@@ -275,7 +275,7 @@ class Promises:
         is under way to it."""
         agv = self.fleet.agvs[name]
         edges = set(agv.ahead)
-        for order in self.fleet.under_way(name):
+        for order in self.fleet.network.under_way(name):
             edges.update(self._left_of(order))
         return edges
 

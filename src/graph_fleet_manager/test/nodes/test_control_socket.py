@@ -7,7 +7,7 @@ from typing import List
 
 import pytest
 
-from fleet_simulation.agv.control_socket import ControlServer
+from fleet_simulation.agv.control_socket import AgvControlServer
 from node_lifecycle.watchdog import ThreadWatch
 
 SILENT = 2.0  # s
@@ -15,7 +15,7 @@ SILENT = 2.0  # s
 
 def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
     """A silent client once blocked the node: the watchdog told people to restart the simulator."""
-    server = ControlServer(0, lambda line: None, dict)
+    server = AgvControlServer(0, lambda line: None, dict)
     with socket.create_connection(('127.0.0.1', server.port), timeout=20.0) as connection:
         connection.sendall(b'where\n')
         assert connection.recv(100) == b'{}\n'
@@ -31,7 +31,7 @@ def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
                                    b'POST /' + 2000 * b'a' + b' HTTP/1.1'], ids=len)
 def test_a_request_of_a_web_browser_carries_out_none_of_its_lines(first) -> None:
     injected: List[str] = []
-    server = ControlServer(0, injected.append, dict)
+    server = AgvControlServer(0, injected.append, dict)
     with socket.create_connection(('127.0.0.1', server.port), timeout=20.0) as page:
         page.sendall(first + b'\r\nHost: 127.0.0.1\r\nOrigin: null\r\n\r\nlose r1\nwhere\n')
         assert ends_without_an_answer(page)

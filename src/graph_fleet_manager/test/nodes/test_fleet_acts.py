@@ -9,14 +9,14 @@ import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.nodes import fleet_acts
-from graph_fleet_manager.nodes.rviz.menus import EDGE_MENU, ROBOT_MENU, Act, Subject
+from graph_fleet_manager.nodes.rviz.menus import EDGE_MENU, ROBOT_MENU, MenuAct, Subject
 from itrci_nav_msgs.msg import EdgeCommand
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
 
 
 @pytest.mark.parametrize('act, service, kind', [
-    (Act.ABSENT, '/a/declare_absent', DeclareAbsent), (Act.OUT, '/a/leave_fleet', Trigger),
-    (Act.IN, '/a/join_fleet', Trigger)])
+    (MenuAct.ABSENT, '/a/declare_absent', DeclareAbsent), (MenuAct.OUT, '/a/leave_fleet', Trigger),
+    (MenuAct.IN, '/a/join_fleet', Trigger)])
 def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service, kind):
     called, said = [], queue.Queue()
     monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
@@ -35,13 +35,13 @@ def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service
     (TriggerResponse(True, 'The fleet goes on, except b: emergency stop.'),
      'The fleet goes on, except b: emergency stop.'),
     (TriggerResponse(False, 'the fleet was stopped again meanwhile'),
-     f'{Act.RESUME_ALL.value}: NOT DONE: the fleet was stopped again meanwhile')])
+     f'{MenuAct.RESUME_ALL.value}: NOT DONE: the fleet was stopped again meanwhile')])
 def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected):
     said = queue.Queue()
     monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
     monkeypatch.setattr(fleet_acts.rospy, 'wait_for_service', lambda *_: None)
     monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', lambda *_: lambda: answer)
-    fleet_acts.FleetActs(said.put).act(Act.RESUME_ALL, Subject())
+    fleet_acts.FleetActs(said.put).act(MenuAct.RESUME_ALL, Subject())
     assert said.get(timeout=10.0) == expected
 
 
@@ -68,8 +68,8 @@ def menu(monkeypatch, publisher: Publisher, said: List[str], *closed: int) -> fl
 
 
 @pytest.mark.parametrize('act, code, edges', [
-    (Act.CLOSE, EdgeCommand.CLOSE, [3]), (Act.OPEN, EdgeCommand.OPEN, [3]),
-    (Act.OPEN_ALL, EdgeCommand.OPEN, [3, 4])])
+    (MenuAct.CLOSE, EdgeCommand.CLOSE, [3]), (MenuAct.OPEN, EdgeCommand.OPEN, [3]),
+    (MenuAct.OPEN_ALL, EdgeCommand.OPEN, [3, 4])])
 def test_a_choice_in_the_menu_of_an_edge_is_an_operation_on_edges(monkeypatch, act, code, edges):
     publisher, said = Publisher(), []
     menu(monkeypatch, publisher, said, 3, 4).act(act, Subject(edge=3))
@@ -80,7 +80,7 @@ def test_a_choice_in_the_menu_of_an_edge_is_an_operation_on_edges(monkeypatch, a
 
 def test_without_closed_edges_or_graph_server_the_menu_says_so(monkeypatch):
     said = []
-    menu(monkeypatch, Publisher(), said).act(Act.OPEN_ALL, Subject(edge=3))
-    menu(monkeypatch, Publisher(0), said).act(Act.CLOSE, Subject(edge=3))
+    menu(monkeypatch, Publisher(), said).act(MenuAct.OPEN_ALL, Subject(edge=3))
+    menu(monkeypatch, Publisher(0), said).act(MenuAct.CLOSE, Subject(edge=3))
     assert said == ['No edge is closed',
                     'No program takes commands for edges: is graph_server running?']

@@ -5,7 +5,7 @@ import pytest
 
 from fleet_core.supervision.fleet_view import RobotState
 from graph_fleet_manager.commands import fleet
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandError
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.fleet_client import name_problem
 from itrci_nav_msgs.msg import FleetRobot, FleetState, SymbolicPose
 from itrci_nav_msgs.srv import DeclareAbsent
@@ -45,7 +45,7 @@ def called(monkeypatch):
         assert kind is DeclareAbsent
         called.append(service)
         if service.startswith('/near/'):
-            raise CommandError('near reports: switch it off first', NOT_DONE)
+            raise CommandProblem('near reports: switch it off first', NOT_DONE)
         return 'done'
     monkeypatch.setattr(fleet, 'connect', lambda name: None)
     monkeypatch.setattr(fleet, 'call', call)

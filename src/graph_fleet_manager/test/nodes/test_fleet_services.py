@@ -118,7 +118,7 @@ def test_a_resume_by_which_no_robot_goes_on_says_so():
 
 def test_a_resume_while_a_robot_that_never_reported_holds_all_others_says_so():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
-    fleet.silent['b'] = math.inf
+    fleet.network.silent['b'] = math.inf
     fleet.run(1.0)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     problem, told = resumed(fleet)
@@ -159,7 +159,7 @@ def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.journal.store(values={'fleet_is_stopped': 1})
+    fleet.disk.journal.store(values={'fleet_is_stopped': 1})
     fleet.agvs['a'].receive(route_order(EarlyStop('a').stop(0.0)[0].order))
     fleet.restart()
     if not dies:
@@ -231,7 +231,7 @@ def test_what_else_is_asked_for_without_a_graph_is_not_done(services):
 
 def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
-    fleet.disk_fails()
+    fleet.disk.fails()
     fleet.request(1, 2)
     answer, actions = services.call('/stop_fleet', fleet.supervisor)
     assert answer.success and 'forgotten: the journal' in answer.message

@@ -13,8 +13,8 @@ import rosgraph.network
 from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.commands import direct_stop, stop, stop_address
-from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandError
-from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandProblem
+from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 
 class FleetManager:
@@ -56,7 +56,7 @@ def no_master(monkeypatch, tmp_path):
 
 def test_the_master_tells_where_the_fleet_manager_is(monkeypatch):
     manager = FleetManager(STOPPED)
-    monkeypatch.setattr(Master, 'service_uri', lambda *_: manager.address)
+    monkeypatch.setattr(MasterApi, 'service_uri', lambda *_: manager.address)
     assert stop.stop() == 'Every robot was told to stop.'
     assert manager.asked['service'] == '/stop_fleet'
     assert manager.asked['md5sum'] == Trigger._md5sum
@@ -79,7 +79,7 @@ def test_also_if_the_name_of_this_computer_has_no_address(monkeypatch):
 def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the_stop(monkeypatch):
     def unknown(*_):
         raise NoAnswer('no provider')
-    monkeypatch.setattr(Master, 'service_uri', unknown)
+    monkeypatch.setattr(MasterApi, 'service_uri', unknown)
     stop_address.note('http://127.0.0.1:1', FleetManager(STOPPED).address)
     assert stop.stop().endswith('(no provider). The fleet manager was asked directly. '
                                 'Every robot was told to stop.')
@@ -88,7 +88,7 @@ def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the
 def test_the_fleet_manager_of_another_master_is_left_alone(monkeypatch):
     manager = FleetManager(STOPPED)
     stop_address.note('http://127.0.0.1:2', manager.address)
-    with pytest.raises(CommandError, match='NO ROBOT WAS TOLD TO STOP: .*on this computer[.]'):
+    with pytest.raises(CommandProblem, match='NO ROBOT WAS TOLD TO STOP: .*on this computer[.]'):
         stop.stop()
     assert not manager.asked
 
@@ -98,7 +98,7 @@ def test_the_fleet_manager_of_another_master_is_left_alone(monkeypatch):
 def test_a_fleet_manager_that_hangs_or_is_another_program_is_no_end_of_waiting(
         answer, header, words):
     stop_address.note('http://127.0.0.1:1', FleetManager(answer, header).address)
-    with pytest.raises(CommandError, match=words) as failure:
+    with pytest.raises(CommandProblem, match=words) as failure:
         stop.stop()
     assert failure.value.status == WRONG
 
@@ -106,7 +106,7 @@ def test_a_fleet_manager_that_hangs_or_is_another_program_is_no_end_of_waiting(
 def test_a_stop_that_is_not_done_says_so():
     answer = TriggerResponse(False, 'the disk hangs')
     stop_address.note('http://127.0.0.1:1', FleetManager(answer).address)
-    with pytest.raises(CommandError, match='the disk hangs') as failure:
+    with pytest.raises(CommandProblem, match='the disk hangs') as failure:
         stop.stop()
     assert failure.value.status == NOT_DONE
 
@@ -114,7 +114,7 @@ def test_a_stop_that_is_not_done_says_so():
 @pytest.mark.parametrize('noted', ['', 'http://here', 'rosrpc://127.0.0.1:nothing', '\0'])
 def test_a_damaged_file_is_no_crash(noted):
     stop_address.note('http://127.0.0.1:1', noted)
-    with pytest.raises(CommandError, match='NO ROBOT'):
+    with pytest.raises(CommandProblem, match='NO ROBOT'):
         stop.stop()
 
 
@@ -151,7 +151,7 @@ def hung(monkeypatch):
     """A fleet manager that accepts calls and answers none, and a ROS master that works."""
     monkeypatch.setattr(stop, 'PATIENCE', 0.1)
     stop_address.note('http://127.0.0.1:1', FleetManager().address)
-    monkeypatch.setattr(Master, 'topic_types', lambda *_: TOPICS)
+    monkeypatch.setattr(MasterApi, 'topic_types', lambda *_: TOPICS)
     monkeypatch.setattr(direct_stop, 'init_node', lambda *_, **__: None)
     monkeypatch.setattr(direct_stop, '_fleet', list)
     monkeypatch.setattr(direct_stop, 'REACHED_IN', 0.1)
@@ -179,12 +179,12 @@ def test_the_robots_of_the_fleet_alone_are_told_where_they_are_known(hung, monke
 
 def test_a_robot_that_is_not_connected_is_named(hung, monkeypatch):
     monkeypatch.setattr(Route, 'connected', ('/a/target_route',))
-    with pytest.raises(CommandError, match='to stop: a[.] .*NOT TOLD.* b: press') as failure:
+    with pytest.raises(CommandProblem, match='to stop: a[.] .*NOT TOLD.* b: press') as failure:
         stop.stop()
     assert failure.value.status == NOT_DONE
 
 
 def test_where_no_robot_is_connected_none_was_told(hung, monkeypatch):
     monkeypatch.setattr(Route, 'connected', ())
-    with pytest.raises(CommandError, match='NO ROBOT WAS TOLD TO STOP'):
+    with pytest.raises(CommandProblem, match='NO ROBOT WAS TOLD TO STOP'):
         stop.stop()

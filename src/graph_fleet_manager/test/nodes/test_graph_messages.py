@@ -66,7 +66,7 @@ def test_parking_bears_the_version_of_its_graph():
 
 def test_closures_bear_the_moment_at_which_they_were_said(tmp_path):
     closures = Closures(tmp_path / 'closed.json')
-    closures.take([2], STAMP.to_nsec(), STAMP.to_nsec(), GRAPH.edges)
+    closures.replace([2], STAMP.to_nsec(), STAMP.to_nsec(), GRAPH.edges)
     message = closed_edges_message(closures)
     assert (message.header.stamp, message.edges) == (STAMP, [2])
 

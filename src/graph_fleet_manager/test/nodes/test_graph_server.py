@@ -13,7 +13,7 @@ from fleet_builders import AGV, corridor
 
 from fleet_core.fleet import Fleet
 from fleet_core.site.closures import Closures
-from graph_fleet_manager.commands.command_line import CommandError
+from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.edge import asked_edges
 from graph_fleet_manager.nodes import edge_closures
 from graph_fleet_manager.nodes.edge_closures import EdgeClosures
@@ -93,7 +93,7 @@ def test_the_log_names_the_drawn_edges(closures, monkeypatch):
 
 def test_the_command_edge_takes_drawn_edges(graph):
     assert asked_edges(graph, [7]) == asked_edges(graph, [-10]) == [9, 10, 11]
-    with pytest.raises(CommandError, match='no edge 12'):
+    with pytest.raises(CommandProblem, match='no edge 12'):
         asked_edges(graph, [8, 12])
 
 

@@ -8,7 +8,7 @@ import rospy
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import Command, MissionState, RequestRefused, Status
 from graph_fleet_manager.commands import mission
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem
 from graph_fleet_manager.messages.missions import request_of, status_message
 from itrci_nav_msgs.msg import MissionCommand, MissionRequest, MissionStatus
 
@@ -24,7 +24,7 @@ class Told:
     def wait(self, _: float) -> None:
         assert self.statuses, 'the command still waits after the last message'
 
-    def take(self):
+    def unread(self):
         return [self.statuses.pop(0)] if self.statuses else []
 
     def publishers(self):
@@ -37,7 +37,7 @@ class Nobody:
     def __init__(self, *_):
         self.published = []
 
-    def take(self):
+    def unread(self):
         return []
 
     def send(self, message):
@@ -48,7 +48,7 @@ class Nobody:
 
 @pytest.fixture(autouse=True)
 def no_topics(monkeypatch):
-    monkeypatch.setattr(mission, 'Listener', Nobody)
+    monkeypatch.setattr(mission, 'TopicListener', Nobody)
     monkeypatch.setattr(mission, 'connected_sender', Nobody)
     monkeypatch.setattr(mission, 'ask_for', lambda request: lambda: None)
 
@@ -80,7 +80,7 @@ def test_the_end_of_an_older_mission_is_not_its_end(capsys):
 
 def test_its_own_end_is_told_with_the_reason():
     told = Told(status(MissionState.SUCCEEDED, OTHER), status(MissionState.FAILED, MINE, 'a: lost'))
-    with pytest.raises(CommandError, match='FAILED: a: lost') as failed:
+    with pytest.raises(CommandProblem, match='FAILED: a: lost') as failed:
         mission._follow(request(), status(MissionState.PENDING), told, None)
     assert failed.value.status == NOT_DONE
 
@@ -97,7 +97,7 @@ def test_the_stamp_of_a_request_survives_the_way_through_the_fleet_manager():
 def change(monkeypatch, word: str, *statuses: MissionStatus, more: tuple = ()) -> None:
     """Runs `mission WORD 7 MORE` while these statuses arrive."""
     monkeypatch.setattr(mission, 'connect', lambda name: None)
-    monkeypatch.setattr(mission, 'Listener', lambda *_: Told(*statuses))
+    monkeypatch.setattr(mission, 'TopicListener', lambda *_: Told(*statuses))
     monkeypatch.setattr('rospy.rostime.get_rostime', lambda: rospy.Time(5))
     more = more or (('--priority', '3') if word == 'modify' else ())
     mission._change(word, [word, '7', *more])
@@ -137,7 +137,7 @@ def test_priority_and_destinations_are_changed_on_request_of_a_user(monkeypatch)
 def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
     refused = status_message(not_done(Status(7, MissionState.ACTIVE, stamp=MINE), Command.MODIFY,
                                       'the graph has no vertex 99'), rospy.Time(5))
-    with pytest.raises(CommandError, match='7: MODIFY is not done: .* no vertex 99') as failed:
+    with pytest.raises(CommandProblem, match='7: MODIFY is not done: .* no vertex 99') as failed:
         change(monkeypatch, 'modify', status(MissionState.ACTIVE), refused)
     assert failed.value.status == NOT_DONE
 

@@ -32,7 +32,7 @@ class Fleet:
         self.watch = MissionWatch(request, status(MissionState.PENDING), self, self.ask,
                                   lambda: self.now)
 
-    def take(self) -> List[MissionStatus]:
+    def unread(self) -> List[MissionStatus]:
         told, self.topic = self.topic, []
         return told
 

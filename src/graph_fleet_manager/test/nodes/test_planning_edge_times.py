@@ -39,18 +39,18 @@ class Dialogue:
         message.serialize(buffer)
         return msg.PlanRequest().deserialize(buffer.getvalue())
 
-    def take(self, message: msg.PlanRequest) -> Optional[Table]:
+    def table_of(self, message: msg.PlanRequest) -> Optional[Table]:
         """The times that the planner uses; None if it answers OTHER_TIMES."""
-        found = self.kept.take(message, self.rate)
+        found = self.kept.table_of(message, self.rate)
         return None if found is None else dict(found)
 
     def ask(self, table: Table) -> Table:
         """Asks once, and again with all times if the planner lacks some."""
         message = self.request(table)
-        found = self.take(message)
+        found = self.table_of(message)
         if found is None:
             self.sent.is_lost()
-            found = self.take(self.filled(message, table))
+            found = self.table_of(self.filled(message, table))
         assert found is not None, 'the planner refused a complete table'
         self.sent.answered(message.plan_id)
         return found
@@ -91,7 +91,7 @@ def test_a_supervisor_that_was_restarted_sends_all():
 def test_a_request_by_hand_without_times_goes_by_none():
     dialogue = Dialogue()
     dialogue.ask(WHOLE)
-    assert dialogue.take(msg.PlanRequest()) == {}
+    assert dialogue.table_of(msg.PlanRequest()) == {}
     assert dialogue.ask(WHOLE) == WHOLE
 
 
@@ -122,14 +122,14 @@ class LossesAndRestarts(RuleBasedStateMachine):
 
     @rule()
     def an_answer_is_lost(self):
-        found = self.dialogue.take(self.dialogue.request(self.table))
+        found = self.dialogue.table_of(self.dialogue.request(self.table))
         assert found in (None, self.table)
 
     @rule(count=st.integers(2, 3))
     def requests_are_superseded(self, count):
         messages = [self.dialogue.request(self.table) for _ in range(count)]
         for message in messages:
-            assert self.dialogue.take(message) in (None, self.table)
+            assert self.dialogue.table_of(message) in (None, self.table)
         self.dialogue.sent.answered(messages[0].plan_id)
 
     @rule()

@@ -9,12 +9,12 @@ import pytest
 from simulated_drive import SimulatedDrive
 
 from fleet_core.fleet import RobotType
-from fleet_simulation.driven_robot import LD90, Delays, DrivenRobot, Standstill
+from fleet_simulation.driven_robot import LD90, Delays, DrivenRobot, RandomStops
 from route_protocol.values import RouteOrder
 from trajectory_graph import Graph
 from trajectory_graph.shortest_paths import shortest_route
 
-NEVER = Standstill(0.0, 0.0)
+NEVER = RandomStops(0.0, 0.0)
 KIND = RobotType('ld90', 0.43, 1.35, 0.25, obeys_edge_speed=False)
 STEP = 0.1  # s
 ROUTES = ((14, 40), (39, 8), (24, 41), (33, 42), (40, 4), (41, 1), (33, 18), (39, 14), (12, 49),

@@ -36,7 +36,7 @@ text."""
 STROKE = 1.4  # width of a stroke, in eighths of the height
 
 
-class Part(NamedTuple):
+class FlatShape(NamedTuple):
     """A flat shape in one colour."""
 
     corners: np.ndarray
@@ -45,7 +45,7 @@ class Part(NamedTuple):
     paint: ColorRGBA
 
 
-def flat(parts: Iterable[Part], at: Tuple[float, float] = (0.0, 0.0)) -> Marker:
+def flat(parts: Iterable[FlatShape], at: Tuple[float, float] = (0.0, 0.0)) -> Marker:
     """Returns one marker of all parts, with its origin at `at`."""
     marker = Marker(type=Marker.TRIANGLE_LIST, pose=pose_at(at), color=colour(1.0, 1.0, 1.0))
     marker.scale.x = marker.scale.y = marker.scale.z = 1.0
@@ -55,15 +55,15 @@ def flat(parts: Iterable[Part], at: Tuple[float, float] = (0.0, 0.0)) -> Marker:
     return marker
 
 
-def disc(diameter: float, z: float, paint: ColorRGBA) -> Part:
+def disc(diameter: float, z: float, paint: ColorRGBA) -> FlatShape:
     """Returns a disc around the origin."""
     angles = np.linspace(0.0, 2.0 * np.pi, DISC_CORNERS + 1)
     rim = diameter / 2.0 * np.column_stack((np.cos(angles), np.sin(angles)))
     triangles = np.stack((np.zeros((DISC_CORNERS, 2)), rim[:-1], rim[1:]), axis=1)
-    return Part(triangles.reshape(-1, 2), z, paint)
+    return FlatShape(triangles.reshape(-1, 2), z, paint)
 
 
-def moved(part: Part, to: Tuple[float, float]) -> Part:
+def moved(part: FlatShape, to: Tuple[float, float]) -> FlatShape:
     """Returns the part with its origin moved to another place."""
     return part._replace(corners=part.corners + np.array(to))
 
@@ -77,7 +77,7 @@ def together(markers: Iterable[Marker]) -> Marker:
     return whole
 
 
-def strip(points: np.ndarray, width: float, z: float, paint: ColorRGBA) -> Part:
+def strip(points: np.ndarray, width: float, z: float, paint: ColorRGBA) -> FlatShape:
     """Returns a line of the given width through points (N,2)."""
     along = np.diff(points, axis=0)
     along = along / np.maximum(np.hypot(*along.T), 1e-9)[:, None]
@@ -86,17 +86,17 @@ def strip(points: np.ndarray, width: float, z: float, paint: ColorRGBA) -> Part:
     aside = width / 2.0 * np.column_stack((-along[:, 1], along[:, 0]))
     left, right = points + aside, points - aside
     pieces = np.stack((left[:-1], right[:-1], left[1:], left[1:], right[:-1], right[1:]), axis=1)
-    return Part(pieces.reshape(-1, 2), z, paint)
+    return FlatShape(pieces.reshape(-1, 2), z, paint)
 
 
-def arrow(yaw: float, length: float, width: float, z: float, paint: ColorRGBA) -> Part:
+def arrow(yaw: float, length: float, width: float, z: float, paint: ColorRGBA) -> FlatShape:
     """Returns a triangle with its tip at the distance `length` from the origin."""
     ahead = np.array((math.cos(yaw), math.sin(yaw)))
     aside = width / 2.0 * np.array((-ahead[1], ahead[0]))
-    return Part(np.stack((length * ahead, aside, -aside)), z, paint)
+    return FlatShape(np.stack((length * ahead, aside, -aside)), z, paint)
 
 
-def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[Part]:
+def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[FlatShape]:
     """Returns the digits of a number, from the origin to the right."""
     unit, parts = height / 8.0, []
     for place, digit in enumerate(str(value)):

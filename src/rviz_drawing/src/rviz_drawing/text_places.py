@@ -24,7 +24,7 @@ _CELL = 1.0   # m; cell size of the grid for finding neighbouring texts
 _SIDES = ((0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0))
 
 
-class Text(NamedTuple):
+class VertexText(NamedTuple):
     """A text beside a vertex, m.
 
     size  -- width and height of the text
@@ -40,7 +40,7 @@ class TextPlaces:
     """The places of all texts; each text has a unique key."""
 
     def __init__(self) -> None:
-        self._texts: Dict[Key, Text] = {}
+        self._texts: Dict[Key, VertexText] = {}
         self._middles: Dict[Key, Optional[Point]] = {}
         self._boxes: Dict[Key, Box] = {}
         self._cells: Dict[Cell, Set[Key]] = {}
@@ -49,7 +49,7 @@ class TextPlaces:
         """Returns the middle of a text (m); None if there is no free place for it."""
         return self._middles[key]
 
-    def show(self, texts: Mapping[Key, Text]) -> None:
+    def show(self, texts: Mapping[Key, VertexText]) -> None:
         """Places these texts; the first ones choose first."""
         for key, text in list(self._texts.items()):
             if texts.get(key) != text or self._middles[key] != _usual(text):
@@ -64,7 +64,7 @@ class TextPlaces:
         for cell in () if box is None else _cells(box):
             self._cells[cell].discard(key)
 
-    def _place(self, key: Key, text: Text) -> None:
+    def _place(self, key: Key, text: VertexText) -> None:
         self._texts[key], self._middles[key] = text, None
         for middle in _places(text):
             box = _box(middle, text.size)
@@ -90,11 +90,11 @@ def overlap(one: Box, other: Box) -> bool:
     return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
-def _usual(text: Text) -> Point:
+def _usual(text: VertexText) -> Point:
     return text.vertex[0] + text.usual[0], text.vertex[1] + text.usual[1]
 
 
-def _places(text: Text) -> Iterator[Point]:
+def _places(text: VertexText) -> Iterator[Point]:
     """Yields possible middles, the best first: the usual one, then outwards on all sides."""
     yield _usual(text)
     (x, y), (width, height) = text.vertex, text.size

@@ -93,7 +93,8 @@ _Element = TypeVar('_Element', Vertex, Edge)
 class Graph:
     """A valid trajectory graph: ids are unique, edges join two vertices, every vertex has edges.
 
-    Raises GraphError with the wrong element if the graph is not valid. A graph never changes.
+    Raises GraphError with the wrong element if the graph is not valid. A graph never changes. Its
+    many methods only answer questions; each one is a question that several packages ask.
     """
 
     def __init__(self, vertices: Iterable[Vertex], edges: Iterable[Edge]) -> None:

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Union
 
 import yaml
 
@@ -88,14 +88,11 @@ def _list_edits(text: str, root: yaml.MappingNode, key: str, fields: Callable[[E
                 old: Mapping[int, Element], new: Mapping[int, Element]) -> List[Edit]:
     name, node = next(pair for pair in root.value if pair[0].value == key)
     edits: List[Edit] = []
-    stays: Optional[yaml.MappingNode] = None
     for record in node.value:
         id = _id_of(record)
         if id not in new:
             edits.append((*_lines_of(text, record), ''))
-            continue
-        stays = record
-        if old[id] != new[id]:
+        elif old[id] != new[id]:
             edits += _record_edits(text, record, _values(fields(old[id]), old[id]),
                                    _values(fields(new[id]), new[id]))
     added = [fields(element) for id, element in new.items() if id not in old]
@@ -107,13 +104,18 @@ def _list_edits(text: str, root: yaml.MappingNode, key: str, fields: Callable[[E
         behind_colon = text.index(':', _end_of(name)) + 1
         return [*edits, (behind_colon, behind_colon, ' []')]
     if added:
-        like = stays or node.value[-1]
-        _, end = _lines_of(text, like)
-        lines = ''.join(_like(text, like, values) for values in added)
-        if not text[:end].endswith('\n'):
-            lines = _line_end(text) + lines[:-len(_line_end(text))]
-        edits.append((end, end, lines))
+        staying = [record for record in node.value if _id_of(record) in new]
+        edits.append(_new_records(text, (staying or node.value)[-1], added))
     return edits
+
+
+def _new_records(text: str, like: yaml.MappingNode, added: Sequence[Fields]) -> Edit:
+    """Returns the edit that adds records behind another record, in its layout."""
+    _, end = _lines_of(text, like)
+    lines = ''.join(_like(text, like, values) for values in added)
+    if not text[:end].endswith('\n'):
+        lines = _line_end(text) + lines[:-len(_line_end(text))]
+    return end, end, lines
 
 
 def _id_of(record: yaml.MappingNode) -> int:

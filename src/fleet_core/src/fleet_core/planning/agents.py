@@ -18,6 +18,8 @@ LATER = 1e-4
 class Errand:
     """What one robot has to do, with all data that a search for its path needs.
 
+    The searches read each attribute in their inner loops, so nothing is derived there.
+
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: where it can go on from, and the time to get there; for a
                     robot between two vertices these are the vertices to which it may drive

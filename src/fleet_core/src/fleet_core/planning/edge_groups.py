@@ -24,7 +24,7 @@ from fleet_core.planning.road_network import RoadNetwork
 _TOUCHING = (0, 1), (1, -1), (1, 0), (1, 1)  # steps from a mark to the later marks that touch it
 
 
-class Progress(NamedTuple):
+class RobotProgress(NamedTuple):
     """The progress of a robot on its plan. Drives are counted from 0.
 
     released   -- number of its first drives that are granted
@@ -77,7 +77,7 @@ class _Marks(NamedTuple):
 
 
 def edge_groups(network: RoadNetwork, clearance: float,
-              fleet: Mapping[str, Progress]) -> List[EdgeGroup]:
+              fleet: Mapping[str, RobotProgress]) -> List[EdgeGroup]:
     """All groups of the remaining plans. Their constraints are as safe as `precedence`."""
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
@@ -92,7 +92,7 @@ def edge_groups(network: RoadNetwork, clearance: float,
     return _groups(names, drives, marks)
 
 
-def _rest(fleet: Sequence[Progress]) -> _Drives:
+def _rest(fleet: Sequence[RobotProgress]) -> _Drives:
     rows = [(robot, k, drive.drive, drive.start, drive.end,
              one.cleared[1] if k == one.cleared[0] else 0.0, k < one.released, k == one.released,
              k == one.released and one.is_between, k == len(one.plan) - 1)

@@ -21,19 +21,25 @@ def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
         name: plan for name, agent in agents.items()
         for plan in (tasks[name].kept,)
         if plan is not None and _can_be_driven(reservations, agent, plan)}
-    strangers = [agent for name, agent in agents.items() if name not in kept]
-    while strangers:  # a plan that leads past a robot without a plan cannot be kept
-        passing = [name for name, plan in kept.items() if any(
-            _passes(reservations, agents[name], plan, stranger) for stranger in strangers)]
-        strangers = [agents[name] for name in passing]
-        for name in passing:
-            del kept[name]
+    _drop_passing(kept, reservations, agents)
     order: List[Tuple[float, float, str, int]] = sorted(
         (drive.start, drive.end, name, k) for name, plan in kept.items()
         for k, drive in enumerate(plan))
     plans = schedule(reservations, agents, (
         (name, reservations.network.drive(kept[name][k].edge)) for _, _, name, k in order))
     return {name: plans[name] for name in kept}
+
+
+def _drop_passing(kept: Dict[str, Sequence[PlannedDrive]], reservations: ReservationTable,
+                  agents: Mapping[str, Agent]) -> None:
+    """Drops the plans that lead past a robot without a plan."""
+    strangers = [agent for name, agent in agents.items() if name not in kept]
+    while strangers:
+        passing = [name for name, plan in kept.items() if any(
+            _passes(reservations, agents[name], plan, stranger) for stranger in strangers)]
+        strangers = [agents[name] for name in passing]
+        for name in passing:
+            del kept[name]
 
 
 def _can_be_driven(reservations: ReservationTable, agent: Agent,

@@ -51,8 +51,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
     if rests is None:
         return None
     pibt = Pibt(reservations, given, rests, random)
-    if (any(any(slots.bookings) for slots in reservations.slots.values())
-            and not all(agent.has_path(deadline) for agent in pibt.agents)):
+    if not _have_paths(reservations, pibt.agents, deadline):
         return None  # a robot blocks the only path for ever
     agents = pibt.agents
     first = tuple(agent.begin for agent in agents)
@@ -72,8 +71,8 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
         forced = node.tree.popleft()
         if len(forced) < len(agents):
             robot = node.order[len(forced)]
-            for move in pibt.choices(robot, node.configuration[robot]):
-                node.tree.append((*forced, (robot, move)))
+            node.tree.extend((*forced, (robot, move))
+                             for move in pibt.choices(robot, node.configuration[robot]))
         step = pibt.step(node.configuration, node.order, dict(forced))
         if step is None:
             continue
@@ -88,6 +87,14 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
         known[configuration] = child
         stack.append(child)
     return None
+
+
+def _have_paths(reservations: ReservationTable, agents: Sequence[PibtAgent],
+                deadline: float) -> bool:
+    """Has each robot a path past all that is booked?"""
+    if not any(any(slots.bookings) for slots in reservations.slots.values()):
+        return True
+    return all(agent.has_path(deadline) for agent in agents)
 
 
 def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) -> List[float]:

@@ -34,7 +34,7 @@ def layered(seconds: float) -> Search:
 
 def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
                arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
-    targets, dwells, rests = errand.destinations, errand.dwells, errand.rests
+    targets, rests = errand.destinations, errand.rests
     legs = len(targets)
     best: Dict[Tuple[int, int, int], float] = {}
     nodes: List[Tuple] = []
@@ -49,23 +49,13 @@ def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
         for drive, begin, end, arrival in arrivals:
             until = _free_until(slots.busy(slots.drives + end), arrival)
             new_leg, new_served, leaves = leg, served, arrival
-            while new_leg < legs and targets[new_leg] == end:
-                done = leaves + dwells[new_leg]
-                if done > until or (rests is None and new_leg == legs - 1 and until < inf):
-                    break
-                leaves = new_served = done
-                new_leg += 1
+            if leg < legs and targets[leg] == end:
+                new_leg, new_served, leaves = _serve(errand, leg, served, arrival, until)
             k = ceil(leaves / layer - _ROUNDING)
             time = max(k * layer, leaves)
             if time > until:
                 continue
-            if new_leg < legs:
-                cost = time + errand.to_go[new_leg][end]
-            elif rests is None:
-                cost = new_served
-            else:
-                cost = new_served + errand.later * (
-                    time - new_served + errand.to_go[new_leg][end])
+            cost = _estimate(errand, end, new_leg, new_served, time)
             # After the horizon nothing changes, so that of all later layers only the first counts.
             key = (end, k if time <= slots.horizon else -1, new_leg)
             if cost <= latest and cost < inf and cost < best.get(key, inf):
@@ -79,12 +69,43 @@ def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
         vertex, now, leg, served, until, k = nodes[node][:6]
         if leg == legs and (rests is None or (until == inf and vertex in rests)):
             return cost, plan_from(nodes, node)
-        arrivals = [(drive, now, end, now + seconds)
-                    for drive, end, seconds in errand.roads[vertex]
-                    if _free_until(slots.busy(drive), now) >= now]
-        # after the horizon nothing changes any more
-        if (k + 1) * layer <= until and now <= slots.horizon:
-            arrivals.append((-1, now, vertex, (k + 1) * layer))
+        arrivals = _moves(errand, slots, vertex, now, (k + 1) * layer, until)
+
+
+def _serve(errand: Errand, leg: int, served: float, arrival: float,
+           until: float) -> Tuple[int, float, float]:
+    """Serves the destination of a leg, and each later one at the same vertex, which is free
+    `until` then. Returns the next leg, the time of the last service, and when the robot may leave.
+    """
+    targets, leaves = errand.destinations, arrival
+    here, last = targets[leg], len(targets) - 1
+    while leg <= last and targets[leg] == here:
+        done = leaves + errand.dwells[leg]
+        if done > until or (errand.rests is None and leg == last and until < inf):
+            break
+        leaves = served = done
+        leg += 1
+    return leg, served, leaves
+
+
+def _estimate(errand: Errand, vertex: int, leg: int, served: float, time: float) -> float:
+    """The cost of the errand at least, if the robot may leave a vertex at this time."""
+    if leg < len(errand.destinations):
+        return time + errand.to_go[leg][vertex]
+    if errand.rests is None:
+        return served
+    return served + errand.later * (time - served + errand.to_go[leg][vertex])
+
+
+def _moves(errand: Errand, slots: Slots, vertex: int, now: float, next_layer: float,
+           until: float) -> List[Arrival]:
+    """The drives that the robot may begin now, and waiting until the next layer."""
+    moves = [(drive, now, end, now + seconds) for drive, end, seconds in errand.roads[vertex]
+             if _free_until(slots.busy(drive), now) >= now]
+    # after the horizon nothing changes any more
+    if next_layer <= until and now <= slots.horizon:
+        moves.append((-1, now, vertex, next_layer))
+    return moves
 
 
 def _free_until(busy: Busy, time: float) -> float:

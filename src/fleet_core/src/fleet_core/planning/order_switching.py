@@ -26,7 +26,7 @@ _LATER = 1e-4  # weight of a second after the errand; a second before its end we
 _EPSILON = 1e-6  # s
 
 
-class Course(NamedTuple):
+class RemainingDrives(NamedTuple):
     """The remaining drives of a robot and their times, in s from now.
 
     first   -- number of the first of these drives in its plan
@@ -64,7 +64,7 @@ class Switched(NamedTuple):
                                         else group.constraints))
 
 
-def switch_order(courses: Mapping[str, Course], groups: Sequence[EdgeGroup],
+def switch_order(courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGroup],
                  gain: float = GAIN, trials: int = TRIALS,
                  deadline: float = inf) -> Optional[Switched]:
     """A better order if a robot is so late that it holds up another one; None: there is none.
@@ -113,10 +113,13 @@ class _Arc(NamedTuple):
 
 
 class _Orders:
-    """All orders of the groups. The nodes are the beginnings of drives, robot by robot."""
+    """All orders of the groups. The nodes are the beginnings of drives, robot by robot.
 
-    def __init__(self, courses: Mapping[str, Course], groups: Sequence[EdgeGroup], trials: int,
-                 deadline: float) -> None:
+    Nodes and arcs are one network, kept as lists by number because each trial walks through them.
+    """
+
+    def __init__(self, courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGroup],
+                 trials: int, deadline: float) -> None:
         self._groups = groups
         self._left, self._deadline = trials, deadline
         self._nodes: Dict[str, range] = {}
@@ -135,7 +138,7 @@ class _Orders:
                     self._add_constraint(courses, constraint, number, bool(is_reverse))
         self._open = [sum(not arc.is_reverse for arc in arcs) for arcs in self._before]
 
-    def _add_course(self, name: str, course: Course) -> None:
+    def _add_course(self, name: str, course: RemainingDrives) -> None:
         first, count = len(self._earliest), len(course.seconds)
         self._nodes[name] = range(first, first + count)
         self._earliest += [course.begins] * min(count, 1) + [-inf] * (count - 1)
@@ -151,8 +154,8 @@ class _Orders:
             k = course.done - course.first - 1
             self._ends.append((first + k, course.seconds[k], 1.0))
 
-    def _add_constraint(self, courses: Mapping[str, Course], constraint: Constraint, group: int,
-                        is_reverse: bool) -> None:
+    def _add_constraint(self, courses: Mapping[str, RemainingDrives], constraint: Constraint,
+                        group: int, is_reverse: bool) -> None:
         before, then = courses.get(constraint.first), courses.get(constraint.then)
         if before is None or then is None:
             return

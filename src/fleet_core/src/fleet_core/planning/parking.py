@@ -34,7 +34,7 @@ _FRUITLESS = 4
 _LARGE = 300  # number of vertices from which on there is only one trial
 
 
-class Parking:
+class WellFormedSets:
     """Well-formed sets of one robot type on one graph.
 
     candidates -- vertices that may be used; empty: the vertices that the graph names as parking,

@@ -96,7 +96,8 @@ class PibtAgent:
 class Pibt:
     """Makes steps for robots on a graph; `rests` are the vertices where they are to end.
 
-    Robots booked in the reservation table stand there for ever. The agents are not booked.
+    Robots booked in the reservation table stand there for ever. The agents are not booked. Most
+    attributes are tables of neighbours and of the present step, which each choice of a robot reads.
     """
 
     def __init__(self, reservations: ReservationTable, agents: Sequence[Agent],

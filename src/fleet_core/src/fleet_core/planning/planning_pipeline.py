@@ -44,6 +44,8 @@ _MOST_STEPS = 3000
 class PlanningPipeline:
     """One run of the planner.
 
+    The steps of a run hand each other the same plans, bookings and reasons; these are its state.
+
     reservations -- the reservation table, in which nothing is booked yet
     tasks, obstacles, parking -- the planner's input
     search     -- the search for one robot's path
@@ -141,34 +143,39 @@ class PlanningPipeline:
 
     def _serve(self, missing: Sequence[Agent], deadline: float) -> None:
         """Finds paths for these robots. A robot without one is unserved, and keeps any old plan."""
-        failed = list(missing)
-        if self._old:
-            for agent in missing:
-                if agent.name not in self._old:
-                    self._tea_star.book_present(agent)
-            failed = [t for t in missing
-                      if t.name not in self._paths and not self._serve_one(t, deadline)]
-            # another robot's search may have given it a path
-            failed = [t for t in failed if t.name not in self._paths]
+        failed = self._serve_each(missing, deadline) if self._old else list(missing)
         if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
             return
         failed = self._serve_somebody(failed, deadline)
         if self._unfinished and not self._paths:
-            failed = self._take_unfinished()
+            failed = self._use_unfinished()
         standing = [t for t in failed if t.name not in self._old]
         self._tea_star.forget(standing)
         for agent in standing:
             self._book_standing(agent)
         for agent in failed:
             if agent.name not in self._unserved:
-                self._tea_star.forget((agent,))
-                self._unserved[agent.name] = why_not(self._reservations, agent,
-                                                     deadline + _TO_EXPLAIN)
-                if agent.name in self._old:
-                    self._book_again(agent)
-                else:
-                    self._book_standing(agent)
+                self._explain(agent, deadline)
         self._stand(standing)
+
+    def _explain(self, agent: Agent, deadline: float) -> None:
+        """Keeps the reason why a robot has no path."""
+        self._tea_star.forget((agent,))
+        self._unserved[agent.name] = why_not(self._reservations, agent, deadline + _TO_EXPLAIN)
+        if agent.name in self._old:
+            self._book_again(agent)
+        else:
+            self._book_standing(agent)
+
+    def _serve_each(self, missing: Sequence[Agent], deadline: float) -> List[Agent]:
+        """Finds paths one by one, past the plans of the others. Returns the robots without one."""
+        for agent in missing:
+            if agent.name not in self._old:
+                self._tea_star.book_present(agent)
+        failed = [t for t in missing
+                  if t.name not in self._paths and not self._serve_one(t, deadline)]
+        # another robot's search may have given it a path
+        return [t for t in failed if t.name not in self._paths]
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
         """Finds a path past all plans, or past plans changed to make room. Returns success."""
@@ -252,8 +259,8 @@ class PlanningPipeline:
                 self._book_again(agent)
         return list(failed)
 
-    def _take_unfinished(self) -> List[Agent]:
-        """Takes the unfinished paths: better for some robots than for none. Returns the others."""
+    def _use_unfinished(self) -> List[Agent]:
+        """Uses the unfinished paths: better for some robots than for none. Returns the others."""
         self._old.clear()  # of each robot it says only that it stands
         self._paths.update(self._unfinished)
         mobile = self._mobile()

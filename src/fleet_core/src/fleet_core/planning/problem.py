@@ -201,28 +201,38 @@ def _held_by(agent: Agent, network: RoadNetwork) -> List[_Held]:
 def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
     """Raises CannotPlan for ids that the graph lacks, and for robots without a place."""
     for task in tasks:
-        places = (task.vertex is not None, bool(task.released), task.mid_edge is not None)
-        if places not in ((True, False, False), (True, True, False), (False, True, False),
-                          (False, False, True)):
-            raise CannotPlan(f'Robot {task.name} must stand on one vertex, drive, or stand on one '
-                             'edge; say which.')
-        for id in (*task.destinations, *(() if task.vertex is None else (task.vertex,))):
-            if id not in network.index:
-                raise CannotPlan(f'Robot {task.name}: the graph has no vertex {id}; choose '
-                                 'another.')
-        for id in (*task.released, *(() if task.mid_edge is None else task.mid_edge[:1])):
-            if abs(id) not in network.edge_index:
-                raise CannotPlan(f'Robot {task.name}: the graph has no edge {id}; choose another.')
-        for first, second in zip(task.released, task.released[1:]):
-            if (network.destination(network.drive(first))
-                    != network.origin[network.drive(second)]):
-                raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
-                                 f'{first} ends; correct its route.')
-        numbers = (task.begun, task.ready, *task.dwells,
-                   *(() if task.mid_edge is None else task.mid_edge[1:]))
-        if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:
-            raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers from 0 on, '
-                             'fractions below 1.')
-        if task.dwells and len(task.dwells) != len(task.destinations):
-            raise CannotPlan(f'Robot {task.name} has {len(task.destinations)} destinations but '
-                             f'{len(task.dwells)} dwells; give one for each.')
+        _check_place(task)
+        _check_ids(network, task)
+        _check_numbers(task)
+
+
+def _check_place(task: Task) -> None:
+    places = (task.vertex is not None, bool(task.released), task.mid_edge is not None)
+    if places not in ((True, False, False), (True, True, False), (False, True, False),
+                      (False, False, True)):
+        raise CannotPlan(f'Robot {task.name} must stand on one vertex, drive, or stand on one '
+                         'edge; say which.')
+
+
+def _check_ids(network: RoadNetwork, task: Task) -> None:
+    for id in (*task.destinations, *(() if task.vertex is None else (task.vertex,))):
+        if id not in network.index:
+            raise CannotPlan(f'Robot {task.name}: the graph has no vertex {id}; choose another.')
+    for id in (*task.released, *(() if task.mid_edge is None else task.mid_edge[:1])):
+        if abs(id) not in network.edge_index:
+            raise CannotPlan(f'Robot {task.name}: the graph has no edge {id}; choose another.')
+    for first, second in zip(task.released, task.released[1:]):
+        if network.destination(network.drive(first)) != network.origin[network.drive(second)]:
+            raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
+                             f'{first} ends; correct its route.')
+
+
+def _check_numbers(task: Task) -> None:
+    numbers = (task.begun, task.ready, *task.dwells,
+               *(() if task.mid_edge is None else task.mid_edge[1:]))
+    if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:
+        raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers from 0 on, '
+                         'fractions below 1.')
+    if task.dwells and len(task.dwells) != len(task.destinations):
+        raise CannotPlan(f'Robot {task.name} has {len(task.destinations)} destinations but '
+                         f'{len(task.dwells)} dwells; give one for each.')

@@ -36,6 +36,9 @@ def estimated(seconds: np.ndarray) -> Sequence[float]:
 class RoadNetwork:
     """A graph, and the edges of it that are closed now.
 
+    All searches read this one form of the graph. Half of its attributes are numbers that they read
+    in their inner loops; the others keep what was computed for each robot type.
+
     graph         -- the trajectory graph
     closed        -- ids of edges that no robot may use
     dock_approach -- m before a dock that belong to a robot that docks or leaves
@@ -144,9 +147,7 @@ class RoadNetwork:
         known = self._paths.setdefault(kind, {})
         missing = [t for t in dict.fromkeys(targets) if t not in known]
         if missing:
-            docks = {dock: [(self.origin[drive], seconds)
-                            for drive, seconds in enumerate(self.times(kind))
-                            if self.destination(drive) == dock and self._open(drive, seconds)]
+            docks = {dock: self._roads_into(kind, dock)
                      for dock in self.docks.intersection(missing)}
             plain = dict.fromkeys(
                 vertex for vertex in (*missing, *(begin for roads in docks.values()
@@ -185,6 +186,11 @@ class RoadNetwork:
             paths.append(self.prepared(kind).to_nearest(sorted(targets - self.docks)))
         nearest: np.ndarray = np.minimum.reduce(paths)
         return nearest
+
+    def _roads_into(self, kind: RobotType, dock: int) -> List[Tuple[int, float]]:
+        """The open roads that end at a dock: the vertex where each begins, and its seconds."""
+        return [(self.origin[drive], seconds) for drive, seconds in enumerate(self.times(kind))
+                if self.destination(drive) == dock and self._open(drive, seconds)]
 
     def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
                        roads: Sequence[Tuple[int, float]]) -> np.ndarray:

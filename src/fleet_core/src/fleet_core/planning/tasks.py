@@ -22,6 +22,8 @@ class PlannedDrive(NamedTuple):
 class Task:
     """The task of one robot: where it is, what is released, and what it is to do next.
 
+    It is the planner's whole input about one robot, one field for each fact.
+
     name, type    -- of the robot
     vertex        -- the vertex on which it stands; None: it is on an edge
     released      -- signed ids of the edges that it drives under each plan, in order

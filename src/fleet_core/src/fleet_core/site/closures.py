@@ -43,6 +43,10 @@ class EdgeOperation:
 class Closures:
     """The closed edges in force and the time of their last change. The file need not exist yet.
 
+    State: edges, stamp and the identities of the last operations. Events: an operation, a list of
+    all closed edges, a new graph. Invariants: the file is written before the state changes; the
+    stamp grows unless the clock was set back; no operation is carried out twice.
+
     edges -- ids of the edges
     stamp -- ns of the ROS clock; 0: no edge was ever closed or opened
 
@@ -87,8 +91,8 @@ class Closures:
         self._save(edges, max(now, 0), carried_out)
         return unknown
 
-    def take(self, edges: Iterable[int], stamp: int, now: int,
-             known: Optional[Container[int]]) -> FrozenSet[int]:
+    def replace(self, edges: Iterable[int], stamp: int, now: int,
+                known: Optional[Container[int]]) -> FrozenSet[int]:
         """Replaces the closed edges, on disk first. Returns the ids that the graph does not have.
 
         stamp -- ns of the ROS clock at which the list was sent; 0: now

@@ -2,6 +2,10 @@
 
 A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
 changed meanwhile; the copy is the graph on which they drive.
+
+States: no graph, or one graph in force. Events: a file is loaded, a robot reports its route.
+Invariants: a graph that is put in force is valid, breaks no running route, and is on the disk
+before; once a graph is in force, there always is one.
 """
 from __future__ import annotations
 

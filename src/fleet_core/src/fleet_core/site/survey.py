@@ -8,7 +8,7 @@ from typing import Dict, FrozenSet, List, Optional, Sequence, Set, Tuple
 import networkx as nx
 
 from fleet_core.fleet import Fleet, RobotType
-from fleet_core.planning.parking import Parking, named_parking
+from fleet_core.planning.parking import WellFormedSets, named_parking
 from fleet_core.planning.road_network import RoadNetwork
 
 LONG = 3.0
@@ -105,7 +105,7 @@ def _parking(network: RoadNetwork, fleet: Fleet,
     less there.
     """
     anywhere = _anywhere(network, fleet)
-    for_all = Parking(network, largest, fleet.clearance, anywhere).largest()
+    for_all = WellFormedSets(network, largest, fleet.clearance, anywhere).largest()
     known: Dict[Tuple[float, FrozenSet[int], Tuple[bool, ...]], FrozenSet[int]] = {}
     capacities = []
     for kind in fleet.types:
@@ -113,7 +113,8 @@ def _parking(network: RoadNetwork, fleet: Fleet,
                 tuple(map(isfinite, network.times(kind))))
         if same not in known:
             alone = kind is largest and same[1] == anywhere
-            known[same] = for_all if alone else Parking(network, kind, fleet.clearance).largest()
+            known[same] = for_all if alone else WellFormedSets(
+                network, kind, fleet.clearance).largest()
         docks = known[same] & network.docks
         capacities.append(Capacity(kind.name, len(known[same] - docks), len(docks)))
     return frozenset(network.vertex_ids[vertex] for vertex in for_all), tuple(capacities)
@@ -122,7 +123,7 @@ def _parking(network: RoadNetwork, fleet: Fleet,
 def parking_for_all(network: RoadNetwork, fleet: Fleet) -> FrozenSet[int]:
     """Only `Survey.parking`, for the closed edges of `network`."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
-    parking = Parking(network, largest, fleet.clearance, _anywhere(network, fleet))
+    parking = WellFormedSets(network, largest, fleet.clearance, _anywhere(network, fleet))
     return frozenset(network.vertex_ids[vertex] for vertex in parking.largest())
 
 

@@ -9,8 +9,8 @@ import math
 import time
 from typing import List, Optional, Tuple
 
-from fleet_core.planning.edge_groups import Progress, edge_groups
-from fleet_core.planning.order_switching import LATE, Course, switch_order
+from fleet_core.planning.edge_groups import RobotProgress, edge_groups
+from fleet_core.planning.order_switching import LATE, RemainingDrives, switch_order
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.tasks import Outcome, PlannedDrive
 from fleet_core.supervision.assumptions import World
@@ -64,7 +64,7 @@ class OrderSwitching:
                            plan.assumptions)
 
 
-def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> Progress:
+def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> RobotProgress:
     record = robot.record
     number, fraction = record.cleared
     released = record.end - own.base
@@ -74,11 +74,12 @@ def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> Progress:
         number, fraction = record.end, record.begun(
             own.drives[released].edge, record.position)
     plan = [Drive(world.network.drive(edge), start, end) for edge, start, end in own.drives]
-    return Progress(robot.type, plan, released, (max(number - own.base, 0), fraction), is_between)
+    return RobotProgress(robot.type, plan, released, (max(number - own.base, 0), fraction),
+                         is_between)
 
 
 def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, now: float,
-            at: float) -> Course:
+            at: float) -> RemainingDrives:
     """The remaining drives of a robot.
 
     delay -- s for which it will stand where it is
@@ -95,8 +96,8 @@ def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, n
             begins -= record.pose.fraction * seconds[0]
     elif errand.mission is not None and errand.mission.dwell_until is not None:
         begins = min(max(errand.mission.dwell_until - now, 0.0), UNTIL_RELEASED)
-    return Course(first, begins, tuple(seconds), tuple(pauses),
-                  tuple([drive.start - at for drive in left]), done)
+    return RemainingDrives(first, begins, tuple(seconds), tuple(pauses),
+                           tuple([drive.start - at for drive in left]), done)
 
 
 def _stays(own: RobotPlan, first: int, robot: ManagedRobot,
@@ -119,7 +120,7 @@ def _stays(own: RobotPlan, first: int, robot: ManagedRobot,
     return pauses, done
 
 
-def _retimed(own: RobotPlan, course: Course, starts: Tuple[float, ...],
+def _retimed(own: RobotPlan, course: RemainingDrives, starts: Tuple[float, ...],
              at: float) -> Tuple[PlannedDrive, ...]:
     """The plan with the times of the new order."""
     left = [PlannedDrive(drive.edge, at + start, at + start + seconds) for drive, start, seconds

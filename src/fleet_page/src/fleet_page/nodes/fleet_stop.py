@@ -6,7 +6,7 @@ import sys
 import rospy
 
 from fleet_page.core.acts import Outcome
-from graph_fleet_manager.commands.command_line import CommandError
+from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.stop import stop
 
 
@@ -26,5 +26,5 @@ def stop_fleet() -> Outcome:
     """
     try:
         return Outcome(True, stop())
-    except CommandError as error:
+    except CommandProblem as error:
         return Outcome(False, str(error))

@@ -13,7 +13,7 @@ LONGEST_LINE = 1000  # bytes
 QUIET = 60.0         # s without a line after which the connection is closed
 
 
-class ControlServer(socketserver.ThreadingTCPServer):
+class AgvControlServer(socketserver.ThreadingTCPServer):
     """Answers each line with `ok`, `error: <sentence>`, or one line of JSON.
 
     Threads of the server call `inject` and `where`.
@@ -46,7 +46,7 @@ class _Conversation(socketserver.StreamRequestHandler):
     rbufsize = 0  # without a buffer, so that `select` sees each line that was received
 
     def handle(self) -> None:
-        assert isinstance(self.server, ControlServer)
+        assert isinstance(self.server, AgvControlServer)
         waiting = selectors.DefaultSelector()  # the watchdog does not take this wait for a hang
         waiting.register(self.connection, selectors.EVENT_READ)
         try:

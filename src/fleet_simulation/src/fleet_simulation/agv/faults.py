@@ -12,11 +12,11 @@ from trajectory_graph import UnknownVertex
 ON_DEMAND = Reason(ReasonCode.OTHER, 'fault on demand')
 
 
-class UnknownFault(ValueError):
+class UnknownAgvFault(ValueError):
     """A line is not a valid fault. The text is a sentence that says why."""
 
 
-class Argument(NamedTuple):
+class FaultArgument(NamedTuple):
     """A number that a fault takes."""
 
     name: str
@@ -25,55 +25,55 @@ class Argument(NamedTuple):
     default: float
 
 
-class Fault(NamedTuple):
+class AgvFault(NamedTuple):
     """The effect of a word; `act` gets the vehicle and the arguments as numbers."""
 
     meaning: str
-    arguments: Sequence[Argument]
+    arguments: Sequence[FaultArgument]
     act: Callable[..., None]
 
 
-_SECONDS = Argument('SECONDS', 0.0, 1e6, math.inf)
+_SECONDS = FaultArgument('SECONDS', 0.0, 1e6, math.inf)
 
-FAULTS: Dict[str, Fault] = {
-    'stall': Fault('brakes and stands still for SECONDS (10); its route stays active',
-                   [_SECONDS._replace(default=10.0)], AgvVehicle.stall),
-    'slow': Fault('drives with FACTOR of its speed for SECONDS (for ever)',
-                  [Argument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], AgvVehicle.slow_down),
-    'silence': Fault('neither receives nor reports for SECONDS (for ever); 0 ends it',
-                     [_SECONDS], AgvVehicle.fall_silent),
-    'leave': Fault('is switched off', [], AgvVehicle.leave),
-    'join': Fault('is switched on, without memory of its route', [], AgvVehicle.join),
-    'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
-    'takeover': Fault('another program drives it: its route fails with "taken over"', [],
-                      AgvVehicle.take_over),
-    'drive_by_hand': Fault('another program drives it to the end of EDGE; its route fails',
-                           [Argument('EDGE', -2 ** 31, 2 ** 31, math.nan)],
-                           lambda vehicle, edge: vehicle.drive_by_hand(int(edge))),
-    'estop': Fault('emergency stop: brakes hard, the route fails', [],
-                   AgvVehicle.press_emergency_stop),
-    'release': Fault('ends the emergency stop', [], AgvVehicle.release_emergency_stop),
-    'offgraph': Fault('is pushed METRES (1) to its left, off every edge; its route fails',
-                      [Argument('METRES', -100.0, 100.0, 1.0)], AgvVehicle.push_off_graph),
-    'place': Fault('is put onto VERTEX', [Argument('VERTEX', 1, 2 ** 31, math.nan)],
-                   lambda vehicle, vertex: vehicle.put_on(int(vertex))),
-    'battery': Fault('has PERCENT of charge', [Argument('PERCENT', 0.0, 100.0, math.nan)],
-                     lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
+FAULTS: Dict[str, AgvFault] = {
+    'stall': AgvFault('brakes and stands still for SECONDS (10); its route stays active',
+                      [_SECONDS._replace(default=10.0)], AgvVehicle.stall),
+    'slow': AgvFault('drives with FACTOR of its speed for SECONDS (for ever)',
+                     [FaultArgument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], AgvVehicle.slow_down),
+    'silence': AgvFault('neither receives nor reports for SECONDS (for ever); 0 ends it',
+                        [_SECONDS], AgvVehicle.fall_silent),
+    'leave': AgvFault('is switched off', [], AgvVehicle.leave),
+    'join': AgvFault('is switched on, without memory of its route', [], AgvVehicle.join),
+    'fail': AgvFault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
+    'takeover': AgvFault('another program drives it: its route fails with "taken over"', [],
+                         AgvVehicle.take_over),
+    'drive_by_hand': AgvFault('another program drives it to the end of EDGE; its route fails',
+                              [FaultArgument('EDGE', -2 ** 31, 2 ** 31, math.nan)],
+                              lambda vehicle, edge: vehicle.drive_by_hand(int(edge))),
+    'estop': AgvFault('emergency stop: brakes hard, the route fails', [],
+                      AgvVehicle.press_emergency_stop),
+    'release': AgvFault('ends the emergency stop', [], AgvVehicle.release_emergency_stop),
+    'offgraph': AgvFault('is pushed METRES (1) to its left, off every edge; its route fails',
+                         [FaultArgument('METRES', -100.0, 100.0, 1.0)], AgvVehicle.push_off_graph),
+    'place': AgvFault('is put onto VERTEX', [FaultArgument('VERTEX', 1, 2 ** 31, math.nan)],
+                      lambda vehicle, vertex: vehicle.put_on(int(vertex))),
+    'battery': AgvFault('has PERCENT of charge', [FaultArgument('PERCENT', 0.0, 100.0, math.nan)],
+                        lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
 }
 
 
 def inject(vehicle: AgvVehicle, line: str) -> None:
-    """Injects the fault that a line describes, e.g. `stall 20`. Raises UnknownFault."""
+    """Injects the fault that a line describes, e.g. `stall 20`. Raises UnknownAgvFault."""
     word, *given = line.split() or ['']
     fault = FAULTS.get(word.lower())
     if fault is None:
-        raise UnknownFault(f"there is no fault '{word[:20]}'; there are: {', '.join(FAULTS)}")
+        raise UnknownAgvFault(f"there is no fault '{word[:20]}'; there are: {', '.join(FAULTS)}")
     if len(given) > len(fault.arguments):
-        raise UnknownFault(f'{word} takes {len(fault.arguments)} numbers, not {len(given)}')
+        raise UnknownAgvFault(f'{word} takes {len(fault.arguments)} numbers, not {len(given)}')
     try:
         fault.act(vehicle, *_numbers(word, fault.arguments, given))
     except (UnknownVertex, RouteRefused) as error:
-        raise UnknownFault(str(error)) from None
+        raise UnknownAgvFault(str(error)) from None
 
 
 def help_text() -> str:
@@ -86,7 +86,7 @@ def help_text() -> str:
     return '\n'.join(lines)
 
 
-def _numbers(word: str, arguments: Sequence[Argument], given: Sequence[str]) -> List[float]:
+def _numbers(word: str, arguments: Sequence[FaultArgument], given: Sequence[str]) -> List[float]:
     numbers = []
     for argument, text in zip(arguments, [*given, *[''] * len(arguments)]):
         try:
@@ -95,7 +95,7 @@ def _numbers(word: str, arguments: Sequence[Argument], given: Sequence[str]) -> 
             value = math.nan
         if not (argument.minimum <= value <= argument.maximum
                 or (not text and value == argument.default)):
-            raise UnknownFault(f'{word}: {argument.name} must be a number from '
-                               f'{argument.minimum:g} to {argument.maximum:g}')
+            raise UnknownAgvFault(f'{word}: {argument.name} must be a number from '
+                                  f'{argument.minimum:g} to {argument.maximum:g}')
         numbers.append(value)
     return numbers

@@ -5,7 +5,7 @@ import math
 from typing import Callable, Dict, Iterable
 
 from fleet_core.fleet import Robot
-from fleet_simulation.agv.faults import UnknownFault, inject
+from fleet_simulation.agv.faults import UnknownAgvFault, inject
 from fleet_simulation.agv.speed_limits import DriveLimits
 from fleet_simulation.agv.vehicle import AgvVehicle
 from trajectory_graph import Graph
@@ -48,10 +48,10 @@ class Simulation:
         return {'time': self.time, 'robots': robots}
 
     def inject(self, line: str) -> None:
-        """Injects a fault: `@NAME fault`, or `fault` for the first AGV. Raises UnknownFault."""
+        """Injects a fault: `@NAME fault`, or `fault` for the first AGV. Raises UnknownAgvFault."""
         name, _, fault = line[1:].partition(' ') if line.startswith('@') else ('', '', line)
         vehicle = self.vehicles.get(name) if name else next(iter(self.vehicles.values()), None)
         if vehicle is None:
-            raise UnknownFault(f"there is no AGV '{name[:40]}'; there are: "
-                               f"{', '.join(self.vehicles)}")
+            raise UnknownAgvFault(f"there is no AGV '{name[:40]}'; there are: "
+                                  f"{', '.join(self.vehicles)}")
         inject(vehicle, fault)

@@ -28,7 +28,7 @@ from graph_editor.nodes import handles
 from graph_editor.nodes.finding_words import finding_text
 from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
 from node_lifecycle.marker_server import OrderedMarkerServer
-from rviz_drawing.text_places import Text, TextPlaces
+from rviz_drawing.text_places import TextPlaces, VertexText
 from trajectory_graph import CurveType
 
 NAMESPACE = 'graph_editor'
@@ -64,7 +64,7 @@ class Board:
         self._server = OrderedMarkerServer(NAMESPACE)
         self._shown: Dict[str, Shown] = {}
         self._texts = TextPlaces()
-        self._finding_texts: List[Optional[Text]] = []
+        self._finding_texts: List[Optional[VertexText]] = []
         self._severities: Dict[Key, Optional[Severity]] = {}
         self._grabbed: Optional[Grabbed] = None
 

@@ -8,17 +8,17 @@ from visualization_msgs.msg import Marker
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.nodes.handles import AMBER, RED
 from rviz_drawing import drawing, flat
-from rviz_drawing.text_places import Text, text_size
+from rviz_drawing.text_places import VertexText, text_size
 
 HEIGHT, BELOW = 0.26, 0.6  # m; text height, and distance from the finding to the text's middle
 LINE = 40                  # letters in a line
 
 
-def finding_text(finding: Finding) -> Optional[Text]:
+def finding_text(finding: Finding) -> Optional[VertexText]:
     """Returns the text of a finding; None if it has no place."""
     if finding.place is None:
         return None
-    return Text(finding.place, text_size(_in_lines(finding), HEIGHT), (0.0, -BELOW))
+    return VertexText(finding.place, text_size(_in_lines(finding), HEIGHT), (0.0, -BELOW))
 
 
 def finding_markers(findings: Iterable[Tuple[Finding, Optional[Tuple[float, float]]]]

@@ -21,7 +21,7 @@ from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Entry, numbered
 from rviz_drawing import drawing, flat
 from rviz_drawing.drawing import FRAME, colour
-from rviz_drawing.text_places import Text, text_size
+from rviz_drawing.text_places import VertexText, text_size
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
@@ -127,20 +127,20 @@ def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMa
 
 
 @lru_cache(maxsize=KEPT)
-def id_text(vertex: Vertex) -> Text:
+def id_text(vertex: Vertex) -> VertexText:
     """Returns the id of a vertex as a text beside it."""
     width, height = flat.number_size(vertex.id, ID_HEIGHT)
     edge = (height - ID_HEIGHT) / 2.0
-    return Text(vertex.position, (width, height),
-                (ID_PLACE[0] - edge + width / 2.0, ID_PLACE[1] - edge + height / 2.0))
+    return VertexText(vertex.position, (width, height),
+                      (ID_PLACE[0] - edge + width / 2.0, ID_PLACE[1] - edge + height / 2.0))
 
 
 @lru_cache(maxsize=KEPT)
-def label_text(vertex: Vertex) -> Optional[Text]:
+def label_text(vertex: Vertex) -> Optional[VertexText]:
     """Returns the label of a vertex as a text beside it; None if the label is not shown."""
     if vertex.label in UNLABELLED:
         return None
-    return Text(vertex.position, text_size(vertex.label, LABEL_HEIGHT), LABEL_PLACE)
+    return VertexText(vertex.position, text_size(vertex.label, LABEL_HEIGHT), LABEL_PLACE)
 
 
 @lru_cache(maxsize=KEPT)

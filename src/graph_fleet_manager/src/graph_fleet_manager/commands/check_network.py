@@ -12,14 +12,14 @@ import sys
 from typing import List, Optional, Sequence
 
 from fleet_core.files.robot_computers import is_address
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import run
 from graph_fleet_manager.messages.definitions import own_definitions
-from graph_fleet_manager.multimaster.findings import Level
+from graph_fleet_manager.multimaster.findings import Grade
 from graph_fleet_manager.multimaster.network_checks import NetworkChecks
 from graph_fleet_manager.multimaster.peer_master import DISCOVERY_PORT, MASTER_PORT
 
-_WORDS = {Level.OK: 'ok', Level.WARN: 'WARN', Level.WRONG: 'WRONG'}
+_WORDS = {Grade.OK: 'ok', Grade.WARN: 'WARN', Grade.WRONG: 'WRONG'}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -37,13 +37,13 @@ def _check(arguments: List[str]) -> int:
                         help='port of master_discovery there (%(default)s)')
     options = parser.parse_args(arguments)
     if not is_address(options.host):
-        raise CommandError(f'{options.host!r} is neither an IPv4 address nor the name of a '
-                           'computer.')
+        raise CommandProblem(f'{options.host!r} is neither an IPv4 address nor the name of a '
+                             'computer.')
     wrong = False
     for finding in NetworkChecks(options.host, os.environ, own_definitions(), options.master_port,
                                  options.discovery_port).run():
         print(f'{_WORDS[finding.level]:5}  {finding.subject}: {finding.text}', flush=True)
         if finding.advice:
             print(f'       -> {finding.advice}', flush=True)
-        wrong = wrong or finding.level is Level.WRONG
+        wrong = wrong or finding.level is Grade.WRONG
     return NOT_DONE if wrong else OK

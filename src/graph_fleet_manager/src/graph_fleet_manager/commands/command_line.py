@@ -8,7 +8,7 @@ OK, WRONG, NOT_DONE = 0, 1, 2
 """Exit statuses: done; wrong input, or no fleet manager; refused or not succeeded."""
 
 
-class CommandError(Exception):
+class CommandProblem(Exception):
     """A command cannot do its work. The text is one sentence that says what to do."""
 
     def __init__(self, text: str, status: int = WRONG) -> None:

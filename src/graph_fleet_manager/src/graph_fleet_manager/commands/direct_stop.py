@@ -14,7 +14,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Tuple
 import rosgraph
 import rospy
 
-from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 from itrci_nav_msgs.msg import FleetState, TargetRoute
 from node_lifecycle.log_file import init_node
 
@@ -25,17 +25,17 @@ FLUSHED_IN = 0.3  # s for the messages to reach the robots over their connection
 _ROUTE = '/target_route'
 
 
-class Stopped(NamedTuple):
+class StopResult(NamedTuple):
     """Names of the robots that were told to stop, and of the robots without a connection."""
 
     told: Tuple[str, ...]
     missed: Tuple[str, ...]
 
 
-def stop_robots(master_uri: str) -> Stopped:
+def stop_robots(master_uri: str) -> StopResult:
     """Tells every robot to stop. Raises NoAnswer if the ROS master does not answer."""
-    topics = Master(master_uri).topic_types()
-    done: queue.Queue[Stopped] = queue.Queue(1)
+    topics = MasterApi(master_uri).topic_types()
+    done: queue.Queue[StopResult] = queue.Queue(1)
     troubles: List[str] = []
 
     def work() -> None:
@@ -43,7 +43,7 @@ def stop_robots(master_uri: str) -> Stopped:
             done.put(_stop(topics))
         except (OSError, rosgraph.MasterException, rospy.ROSException) as error:
             troubles.append(str(error))
-            done.put(Stopped((), ()))
+            done.put(StopResult((), ()))
     threading.Thread(target=work, name='direct stop', daemon=True).start()
     try:
         result = done.get(timeout=PATIENCE)
@@ -54,7 +54,7 @@ def stop_robots(master_uri: str) -> Stopped:
     return result
 
 
-def _stop(topics: Mapping[str, str]) -> Stopped:
+def _stop(topics: Mapping[str, str]) -> StopResult:
     if not rospy.core.is_initialized():
         init_node('fleet_stop', anonymous=True, disable_signals=True)
     names = _fleet() or robots_of(topics)
@@ -72,7 +72,7 @@ def _stop(topics: Mapping[str, str]) -> Stopped:
     left = missed()
     for route in routes.values():
         route.unregister()  # else a robot that connects later would be stopped too
-    return Stopped(tuple(name for name in routes if name not in left), tuple(left))
+    return StopResult(tuple(name for name in routes if name not in left), tuple(left))
 
 
 def _fleet() -> List[str]:

@@ -4,17 +4,17 @@ Exit status 0: done; 1: wrong input, or no fleet manager.
 """
 from __future__ import annotations
 
-import time
 from typing import Iterable, List, Optional, Sequence
 
 import rospy
 
-from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
+from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
-    Listener,
+    TopicListener,
     connect,
     connected_sender,
+    first_message,
     run,
 )
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
@@ -43,8 +43,8 @@ def _edge(arguments: List[str]) -> int:
                                                           metavar='ID')
     options = parser.parse_args(arguments)
     connect('edge_command')
-    in_force = Listener('/closed_edges_in_force', ClosedEdges)
-    graph = graph_from_message(Listener('/graph', GraphMessage).last())
+    in_force = TopicListener('/closed_edges_in_force', ClosedEdges)
+    graph = graph_from_message(TopicListener('/graph', GraphMessage).last())
     told: ClosedEdges = in_force.last()
     if options.command != 'list':
         command = EdgeCommand(edges=asked_edges(graph, options.edges),
@@ -60,20 +60,18 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
     edges = sorted(graph.whole_edges(ids))
     unknown = [id for id in edges if id not in graph.edges]
     if unknown:
-        raise CommandError(f'The graph has no edge {unknown[0]}.')
+        raise CommandProblem(f'The graph has no edge {unknown[0]}.')
     return edges
 
 
-def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
+def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
     """Sends a command. Returns the closed edges that graph_server publishes after it."""
     sender = connected_sender(EdgeCommand)
-    in_force.take()  # messages from before the command are no answer to it
+    in_force.unread()  # messages from before the command are no answer to it
     sender.send(command)
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        in_force.wait(deadline - time.monotonic())
-        for told in in_force.take():
-            closed = set(command.edges) & set(told.edges)
-            if closed == (set(command.edges) if command.command == EdgeCommand.CLOSE else set()):
-                return told
-    raise CommandError('graph_server did not carry out the command; its log says why.')
+    wanted = set(command.edges) if command.command == EdgeCommand.CLOSE else set()
+    told = first_message(in_force, lambda message: (
+        set(command.edges) & set(message.edges) == wanted), PATIENCE)
+    if told is None:
+        raise CommandProblem('graph_server did not carry out the command; its log says why.')
+    return told

@@ -12,9 +12,9 @@ from typing import List, Optional, Sequence
 import rospy
 
 from fleet_core.supervision.fleet_view import RobotState
-from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
+from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
-    Listener,
+    TopicListener,
     call,
     connect,
     run,
@@ -61,8 +61,8 @@ def _fleet(arguments: List[str]) -> int:
         return OK
     connect('fleet_command')
     if options.command == 'list':
-        graphs = Listener('/graph', GraphMessage)
-        print(_listed(Listener('/fleet_state', FleetState).last(), _graph(graphs)))
+        graphs = TopicListener('/graph', GraphMessage)
+        print(_listed(TopicListener('/fleet_state', FleetState).last(), _graph(graphs)))
     elif options.command == 'resume':
         print(call('/resume_fleet'))
     elif options.command == 'absent':
@@ -74,13 +74,13 @@ def _fleet(arguments: List[str]) -> int:
 
 
 def _robots() -> List[FleetRobot]:
-    return list(Listener('/fleet_state', FleetState).last().robots)
+    return list(TopicListener('/fleet_state', FleetState).last().robots)
 
 
 def _check(robot: str) -> None:
     names = [one.name for one in _robots()]
     if robot not in names:
-        raise CommandError(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
+        raise CommandProblem(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
 
 
 def _unseen() -> List[str]:
@@ -97,13 +97,13 @@ def _absent(robots: Sequence[str]) -> int:
         try:
             _check(robot)
             print(call(f'/{robot}/declare_absent', DeclareAbsent))
-        except CommandError as error:
+        except CommandProblem as error:
             print(f'fleet: {error}', file=sys.stderr)
             status = max(status, error.status)
     return status
 
 
-def _graph(graphs: Listener) -> Optional[Graph]:
+def _graph(graphs: TopicListener) -> Optional[Graph]:
     """The graph in force; None if graph_server does not run. The list is useful without it, too."""
     graphs.wait(GRAPH_PATIENCE)
     return graph_from_message(graphs.messages[-1]) if graphs.messages else None

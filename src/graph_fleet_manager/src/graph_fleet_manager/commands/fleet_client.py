@@ -5,7 +5,7 @@ import socket
 import sys
 import threading
 import time
-from typing import Any, Callable, FrozenSet, List, Optional, Sequence, Type
+from typing import Any, Callable, FrozenSet, List, Optional, Protocol, Sequence, Type
 
 import rosgraph
 import rospy
@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 import fleet_requests
 from fleet_requests import Sender, ServiceRefused, ServiceSilent
-from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
+from graph_fleet_manager.commands.command_line import NOT_DONE, CommandProblem
 from node_lifecycle.log_file import init_node
 
 PATIENCE = 10.0  # s to wait for the fleet manager
@@ -25,7 +25,7 @@ def run(name: str, command: Callable[[List[str]], int],
     given = rospy.myargv()[1:] if arguments is None else list(arguments)
     try:
         return command(given)
-    except CommandError as error:
+    except CommandProblem as error:
         print(f'{name}: {error}', file=sys.stderr)
         return error.status
     except rospy.ROSInterruptException:
@@ -33,28 +33,28 @@ def run(name: str, command: Callable[[List[str]], int],
 
 
 def connect(name: str) -> None:
-    """Makes this process a ROS node. Raises CommandError if there is no ROS master."""
+    """Makes this process a ROS node. Raises CommandProblem if there is no ROS master."""
     if not rosgraph.is_master_online():
-        raise CommandError(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
-                           'fleet manager, or set ROS_MASTER_URI.')
+        raise CommandProblem(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
+                             'fleet manager, or set ROS_MASTER_URI.')
     init_node(name, anonymous=True, disable_signals=True)
 
 
-class Listener:
+class TopicListener:
     """Keeps the messages of a topic, and waits for more."""
 
     def __init__(self, topic: str, kind: Type[Any]) -> None:
         self.topic = topic
         self.messages: List[Any] = []
         self._changed = threading.Condition()
-        self._subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=1000)
+        self._subscriber = rospy.Subscriber(topic, kind, self._on_message, queue_size=1000)
 
-    def _take(self, message: Any) -> None:
+    def _on_message(self, message: Any) -> None:
         with self._changed:
             self.messages.append(message)
             self._changed.notify_all()
 
-    def take(self) -> List[Any]:
+    def unread(self) -> List[Any]:
         """Returns the messages that came since the last call."""
         with self._changed:
             messages, self.messages = self.messages, []
@@ -71,23 +71,44 @@ class Listener:
         return frozenset(id for id, *_ in self._subscriber.impl.get_stats_info())
 
     def last(self) -> Any:
-        """Waits for a message and returns the last one. Raises CommandError if none comes."""
+        """Waits for a message and returns the last one. Raises CommandProblem if none comes."""
         deadline = time.monotonic() + PATIENCE
         while not self.messages:
             if time.monotonic() > deadline:
-                raise CommandError(f'No message comes on {self.topic}: is the fleet manager '
-                                   'running? Start it with fleet_manager.launch.')
+                raise CommandProblem(f'No message comes on {self.topic}: is the fleet manager '
+                                     'running? Start it with fleet_manager.launch.')
             self.wait(0.2)
         return self.messages[-1]
 
 
+class MessageSource(Protocol):
+    """What `first_message` needs of a listener."""
+
+    def wait(self, seconds: float) -> None:
+        """Waits until there is a message, at most this time (s)."""
+
+    def unread(self) -> List[Any]:
+        """Returns the messages that came since the last call."""
+
+
+def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], seconds: float) -> Any:
+    """Waits for a message that is wanted, at most this time (s). None: there was none."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        source.wait(deadline - time.monotonic())
+        for message in source.unread():
+            if is_wanted(message):
+                return message
+    return None
+
+
 def connected_sender(kind: Type[Any]) -> Sender:
-    """A sender that is heard. Raises CommandError if no program listens."""
+    """A sender that is heard. Raises CommandProblem if no program listens."""
     sender = Sender(kind)
     deadline = time.monotonic() + PATIENCE
     while not sender.is_heard:
         if time.monotonic() > deadline:
-            raise CommandError(name_problem(rosgraph.network.get_host_name()) or (
+            raise CommandProblem(name_problem(rosgraph.network.get_host_name()) or (
                 f'No node listens to {sender.topic}: is the fleet manager running? Start it with '
                 'fleet_manager.launch.'))
         time.sleep(0.02)
@@ -107,14 +128,14 @@ def name_problem(host: str) -> str:
 def call(service: str, kind: Type[Any] = Trigger) -> str:
     """Calls a service whose answer has the fields of Trigger. Returns the message of the answer.
 
-    Raises CommandError if the service does not answer or does not succeed.
+    Raises CommandProblem if the service does not answer or does not succeed.
     """
     try:
         return fleet_requests.call(service, kind, wait=PATIENCE)
     except ServiceSilent as error:
-        raise CommandError(f'The service {error}: is the fleet manager running?') from None
+        raise CommandProblem(f'The service {error}: is the fleet manager running?') from None
     except ServiceRefused as reason:
-        raise CommandError(str(reason), NOT_DONE) from None
+        raise CommandProblem(str(reason), NOT_DONE) from None
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:

@@ -27,12 +27,13 @@ from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import Command, MissionState
 from fleet_requests import mission_request
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
-    Listener,
+    TopicListener,
     connect,
     connected_sender,
+    first_message,
     run,
     table,
 )
@@ -114,10 +115,10 @@ def _send(arguments: List[str]) -> int:
     request = mission_request(
         destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
         dwell=dwells, requested_by=_requested_by(), **given)
-    listener = Listener('/mission_status', MissionStatus)
+    listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
-        raise CommandError(f'The mission was refused: {status.reason}.', NOT_DONE)
+        raise CommandProblem(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
     return _follow(request, status, listener, graph) if options.wait else OK
 
@@ -132,7 +133,7 @@ def _requested_by() -> str:
 
 
 def _graph() -> Graph:
-    return graph_from_message(Listener('/graph', GraphMessage).last())
+    return graph_from_message(TopicListener('/graph', GraphMessage).last())
 
 
 def _vertices(words: List[str]) -> List[int]:
@@ -149,33 +150,30 @@ def _vertex(word: str, graph: Graph) -> int:
     if len(found) == 1:
         return found[0]
     if not found:
-        raise CommandError(f'No vertex has the label {word!r}; give the id of a vertex.')
-    raise CommandError(f'Vertices {", ".join(map(str, found))} have the label {word!r}; give the '
-                       'id of one.')
+        raise CommandProblem(f'No vertex has the label {word!r}; give the id of a vertex.')
+    raise CommandProblem(f'Vertices {", ".join(map(str, found))} have the label {word!r}; give the '
+                         'id of one.')
 
 
-def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
+def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionStatus:
     """Sends the request until the fleet manager acknowledges or refuses it. Returns the status."""
     requests = connected_sender(MissionRequest)
     requests.send(request)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
-        again = time.monotonic() + _RESEND
-        while time.monotonic() < again:
-            listener.wait(again - time.monotonic())
-            for status in listener.take():
-                if is_about(status, request):
-                    return status
+        status = first_message(listener, lambda told: is_about(told, request), _RESEND)
+        if status is not None:
+            return status
         requests.repeat(request)
-    raise CommandError('The fleet manager does not answer; it may have no graph, or hang.')
+    raise CommandProblem('The fleet manager does not answer; it may have no graph, or hang.')
 
 
-def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
+def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,
             graph: Graph) -> int:
     """Shows the progress of a mission until it ends. Returns the exit status."""
     destinations = list(request.destination_vertices_id)
-    states = Listener('/fleet_state', FleetState)
-    plans = Listener('/fleet_plan', FleetPlan)
+    states = TopicListener('/fleet_state', FleetState)
+    plans = TopicListener('/fleet_plan', FleetPlan)
     state: Optional[FleetState] = None
     plan: Optional[FleetPlan] = None
     line = ProgressLine()
@@ -183,7 +181,7 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
     watch = MissionWatch(request, status, listener, ask_for(request))
     try:
         while MissionState(status.state).is_open:
-            state, plan = (states.take() or [state])[-1], (plans.take() or [plan])[-1]
+            state, plan = (states.unread() or [state])[-1], (plans.unread() or [plan])[-1]
             about = (status.state, status.robot, status.destinations_reached, status.reason)
             line.show(line_of(status, destinations, state, plan, graph), about)
             status = watch.wait(0.5)
@@ -193,8 +191,8 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
         return 130
     line.end()
     if status.state != MissionStatus.SUCCEEDED:
-        raise CommandError(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
-                           NOT_DONE)
+        raise CommandProblem(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
+                             NOT_DONE)
     print(f'Mission {id} has succeeded: {status.robot} was at '
           f'{", ".join(map(str, destinations))}.')
     return OK
@@ -204,15 +202,15 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
 
 
 def _list() -> int:
-    listener = Listener('/mission_status', MissionStatus)
+    listener = TopicListener('/mission_status', MissionStatus)
     deadline = time.monotonic() + PATIENCE
-    state = Listener('/fleet_state', FleetState)
+    state = TopicListener('/fleet_state', FleetState)
     state.last()  # the fleet manager runs, so it sends the open missions to this new subscriber
     quiet = time.monotonic() + 1.0
     while time.monotonic() < min(quiet, deadline):
         listener.wait(quiet - time.monotonic())
         time.sleep(0.02)
-    latest = {status.request_id: status for status in listener.take()}
+    latest = {status.request_id: status for status in listener.unread()}
     rows = [('mission', 'state', 'robot', 'reached', 'reason')]
     rows += [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
               str(s.destinations_reached), s.reason) for s in latest.values()
@@ -224,38 +222,34 @@ def _list() -> int:
 def _change(word: str, arguments: List[str]) -> int:
     options = _options(word, f'tells the fleet manager to {word} a mission', arguments)
     connect('mission_command')
-    listener = Listener('/mission_status', MissionStatus)
+    listener = TopicListener('/mission_status', MissionStatus)
     commands = connected_sender(MissionCommand)
     message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
                              requested_by=_requested_by())
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)
-    deadline = time.monotonic() + 2.0
-    known: Optional[MissionStatus] = None
-    while time.monotonic() < deadline and not known:  # a new subscriber gets the open missions
-        listener.wait(0.2)
-        known = next((s for s in listener.take()
-                      if s.request_id == options.id and MissionState(s.state).is_open), None)
+    known = first_message(  # a new subscriber gets the open missions
+        listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
     if known is None:
-        raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+        raise CommandProblem(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
     commands.send(message)
     if _is_so(known, _CHANGES[word]):
         print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
               f'{word}.')
         return OK
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        listener.wait(0.2)
-        for status in listener.take():
-            if status.request_id == options.id and status.request_stamp == known.request_stamp and (
-                    _shows(status, _CHANGES[word])):
-                reason = f': {status.reason}' if status.reason else ''
-                if status.command_code == MissionStatus.COMMAND_NOT_DONE:
-                    raise CommandError(f'Mission {options.id}{reason}.', NOT_DONE)
-                print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
-                return OK
-    raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
+    status = first_message(
+        listener, lambda s: (s.request_id == options.id
+                             and s.request_stamp == known.request_stamp
+                             and _shows(s, _CHANGES[word])), PATIENCE)
+    if status is None:
+        raise CommandProblem(f'Nothing changed about mission {options.id}; see mission list.',
+                             NOT_DONE)
+    reason = f': {status.reason}' if status.reason else ''
+    if status.command_code == MissionStatus.COMMAND_NOT_DONE:
+        raise CommandProblem(f'Mission {options.id}{reason}.', NOT_DONE)
+    print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
+    return OK
 
 
 def _is_so(status: MissionStatus, command: Command) -> bool:
@@ -298,7 +292,7 @@ def _history(arguments: List[str]) -> int:
             print(table([[HISTORY_COLUMNS[k] for k in shown],
                          *([row[k] for k in shown] for row in rows)]))
     except JournalError as error:
-        raise CommandError(str(error)) from None
+        raise CommandProblem(str(error)) from None
     return OK
 
 

@@ -3,13 +3,19 @@
 A status is lost if the fleet manager ends before it has sent it, or if a queue overflows. So the
 watch asks the fleet manager for the stored status: at the beginning, after a restart of the fleet
 manager, and after some time without a status.
+
+State: the newest status, when it came, and the connections at that time. Events: a status arrives,
+a connection begins or ends, time passes without a status. Invariants: a status that was asked for
+replaces one that came before it, never one that came after it; each restart is followed by a
+question.
 """
 from __future__ import annotations
 
 import time
-from typing import Callable, FrozenSet, List, Optional, Protocol
+from typing import Callable, FrozenSet, Optional, Protocol
 
 from fleet_requests import SILENCE, stored_status
+from graph_fleet_manager.commands.fleet_client import MessageSource
 from graph_fleet_manager.messages.missions import is_about
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 
@@ -17,14 +23,8 @@ Ask = Callable[[], Optional[MissionStatus]]
 """Returns the stored status; None: the fleet manager does not answer, or has no such mission."""
 
 
-class Statuses(Protocol):
+class Statuses(MessageSource, Protocol):
     """A source of the messages of /mission_status."""
-
-    def take(self) -> List[MissionStatus]:
-        """Returns the messages that came since the last call."""
-
-    def wait(self, seconds: float) -> None:
-        """Waits until there is a message, at most this time (s)."""
 
     def publishers(self) -> FrozenSet[int]:
         """One number for each connection to a publisher; a new connection has a new one."""
@@ -46,7 +46,7 @@ class MissionWatch:
     def wait(self, seconds: float) -> MissionStatus:
         """Waits for a message, at most this time (s), and returns the newest status."""
         self._statuses.wait(seconds)
-        told = [s for s in self._statuses.take() if is_about(s, self._request)]
+        told = [s for s in self._statuses.unread() if is_about(s, self._request)]
         publishers = self._statuses.publishers()
         if told:
             self.status, self._heard = told[-1], self._clock()

@@ -18,9 +18,9 @@ from rospy.core import ParameterInvalid, parse_rosrpc_uri
 from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.commands import stop_address
-from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
+from graph_fleet_manager.commands.command_line import NOT_DONE, CommandProblem
 from graph_fleet_manager.commands.direct_stop import stop_robots
-from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 SERVICE = '/stop_fleet'
 PATIENCE = 1.0    # s for the answer of the fleet manager; one that takes longer hangs
@@ -33,7 +33,7 @@ class NoStop(Exception):
 
 
 def stop() -> str:
-    """Stops every robot. Returns a text for the person; raises CommandError if it did not work."""
+    """Stops every robot. Returns a text for the person; raises CommandProblem if it fails."""
     master_uri = rosgraph.get_master_uri()
     sources: Tuple[Tuple[str, Callable[[str], str]], ...] = (
         ('', _told_by_master), ('The fleet manager was asked directly. ', _noted_here))
@@ -51,7 +51,7 @@ def stop() -> str:
             continue
         told = ''.join(f'{trouble}. ' for trouble in troubles) + said + str(answer.message)
         if not answer.success:
-            raise CommandError(told, NOT_DONE)
+            raise CommandProblem(told, NOT_DONE)
         return told
     return _told_to_robots(master_uri, '. '.join(troubles))
 
@@ -63,20 +63,20 @@ def _told_to_robots(master_uri: str, trouble: str) -> str:
         told, missed = (), ()
         trouble += f'. The ROS master does not give the topics of the robots either ({failure})'
     if not told:
-        raise CommandError(f'NO ROBOT WAS TOLD TO STOP: {trouble}. Is the fleet manager running? '
-                           'Set ROS_MASTER_URI, or press the emergency stops.')
+        raise CommandProblem(f'NO ROBOT WAS TOLD TO STOP: {trouble}. Is the fleet manager running? '
+                             'Set ROS_MASTER_URI, or press the emergency stops.')
     text = (f'{trouble}. So this command told the robots to stop: {", ".join(told)}. If the fleet '
             'manager hangs, it stops the fleet as soon as it continues; end it if it does not '
             'continue')
     if missed:
-        raise CommandError(f'{text}. NOT TOLD, because they are not connected: '
-                           f'{", ".join(missed)}: press their emergency stops.', NOT_DONE)
+        raise CommandProblem(f'{text}. NOT TOLD, because they are not connected: '
+                             f'{", ".join(missed)}: press their emergency stops.', NOT_DONE)
     return f'{text}.'
 
 
 def _told_by_master(master_uri: str) -> str:
     try:
-        return Master(master_uri).service_uri(SERVICE)
+        return MasterApi(master_uri).service_uri(SERVICE)
     except NoAnswer as failure:
         raise NoStop(f'The ROS master at {master_uri} does not give the address of the fleet '
                      f'manager ({failure})') from None

@@ -53,7 +53,7 @@ class TimesKept:
         self._version = 0
         self._table: Times = {}
 
-    def take(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
+    def table_of(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
         """The table that a request uses; None: its changes are to a table that is not kept."""
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:

@@ -22,7 +22,7 @@ _NS = 1e9
 _END_OF_TIME = 2 ** 32 * 10 ** 9 - 1  # ns, the latest time that a message can carry
 
 
-class Clock:
+class PlanningClock:
     """Converts ROS time to the planner's seconds and back.
 
     zero -- ROS time at which the planner's seconds are 0
@@ -57,7 +57,7 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
     time_limit -- s for the search if the message gives none
     longest    -- s, the upper limit of its times for search and improvement
     """
-    clock = Clock(message.header.stamp, rate)
+    clock = PlanningClock(message.header.stamp, rate)
     for name, seconds in (('time_limit', message.time_limit),
                           ('improvement', message.improvement)):
         if not (isfinite(seconds) and seconds >= 0.0):
@@ -81,7 +81,7 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
 
     It has no learned times; messages.edge_times adds them.
     """
-    clock = Clock(stamp, rate)
+    clock = PlanningClock(stamp, rate)
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
         improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
@@ -94,7 +94,7 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
     return message
 
 
-def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: Clock) -> Task:
+def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: PlanningClock) -> Task:
     name = _name(message.robot)
     mid_edge: Optional[Tuple[int, float]] = None
     if message.edge:
@@ -113,7 +113,7 @@ def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: Clock) 
         message.stays, kept, message.priority)
 
 
-def _task_message(task: Task, clock: Clock) -> msg.RobotTask:
+def _task_message(task: Task, clock: PlanningClock) -> msg.RobotTask:
     edge, fraction = task.mid_edge or (0, 0.0)
     return msg.RobotTask(
         task.name, task.type.name, task.vertex or 0, list(task.released), task.begun, edge,
@@ -171,7 +171,7 @@ def write_outcome(answer: msg.PlanAnswer, outcome: Outcome, released: Mapping[st
 
     released -- how many drives of each robot are released already
     """
-    clock = Clock(answer.header.stamp, rate)
+    clock = PlanningClock(answer.header.stamp, rate)
     names = dict.fromkeys((*released, *outcome.drives))  # in the order of the tasks
     answer.plans = [msg.RobotPlan(name, _drives(outcome.drives[name], released.get(name, 0), clock))
                     for name in names if name in outcome.drives]
@@ -190,7 +190,7 @@ def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.P
 
 def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> Outcome:
     """The plans in an answer whose result is PLANNED."""
-    clock = Clock(answer.header.stamp, rate)
+    clock = PlanningClock(answer.header.stamp, rate)
     return Outcome(
         {plan.robot: tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),
                                         clock.seconds(drive.end)) for drive in plan.drives)
@@ -207,6 +207,7 @@ def _answer(request: msg.PlanRequest, result: int) -> msg.PlanAnswer:
     return answer
 
 
-def _drives(drives: Sequence[PlannedDrive], released: int, clock: Clock) -> List[msg.PlannedDrive]:
+def _drives(drives: Sequence[PlannedDrive], released: int,
+            clock: PlanningClock) -> List[msg.PlannedDrive]:
     return [msg.PlannedDrive(drive.edge, clock.moment(drive.start), clock.moment(drive.end),
                              k < released) for k, drive in enumerate(drives)]

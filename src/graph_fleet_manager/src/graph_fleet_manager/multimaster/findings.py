@@ -9,7 +9,7 @@ CLOCK_NOTED = 0.2  # s of difference from which the age limits of reports are af
 CLOCK_WRONG = 1.0  # s by which a route's stamp may be in a robot's future, see the route protocol
 
 
-class Level(IntEnum):
+class Grade(IntEnum):
     """The level of a finding; the numbers are those of diagnostic_msgs."""
 
     OK = 0
@@ -18,11 +18,11 @@ class Level(IntEnum):
 
 
 @dataclass(frozen=True)
-class Finding:
+class Checked:
     """The result of one check: `text` is a clause about the state, `advice` says what to do."""
 
     subject: str
-    level: Level
+    level: Grade
     text: str
     advice: str = ''
 
@@ -30,18 +30,18 @@ class Finding:
         return f'{self.text}: {self.advice}' if self.advice else self.text
 
 
-def clock_finding(offset: float, uncertainty: float) -> Finding:
+def clock_finding(offset: float, uncertainty: float) -> Checked:
     """The finding about the other clock, which is `offset` s ahead, with an error of `uncertainty`.
     """
     off = max(abs(offset) - uncertainty, 0.0)
-    level = Level.OK if off < CLOCK_NOTED else Level.WARN if off < CLOCK_WRONG else Level.WRONG
+    level = Grade.OK if off < CLOCK_NOTED else Grade.WARN if off < CLOCK_WRONG else Grade.WRONG
     side = 'ahead of' if offset > 0.0 else 'behind'
     text = (f'its clock is {abs(offset):.3f} s {side} this one (known to {uncertainty:.3f} s)')
-    return Finding('clock', level, text, '' if level is Level.OK else
+    return Checked('clock', level, text, '' if level is Grade.OK else
                    'synchronise the clocks of both computers (NTP, chrony)')
 
 
-def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Finding:
+def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Checked:
     """The finding about message definitions that differ or are missing; MD5 sums by type."""
     different = sorted(kind for kind in own if kind in theirs and theirs[kind] != own[kind])
     missing = sorted(set(own) - set(theirs))
@@ -51,7 +51,7 @@ def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Fi
     if missing:
         problems.append(f'no definitions of {", ".join(missing)}')
     if not problems:
-        return Finding('definitions', Level.OK, f'all {len(own)} message definitions are alike')
-    return Finding('definitions', Level.WRONG, f'it has {" and ".join(problems)}',
+        return Checked('definitions', Grade.OK, f'all {len(own)} message definitions are alike')
+    return Checked('definitions', Grade.WRONG, f'it has {" and ".join(problems)}',
                    'those messages are not transferred; build the same version of the workspace '
                    'on both computers')

@@ -13,8 +13,8 @@ from urllib.parse import urlsplit
 from xmlrpc.server import SimpleXMLRPCServer
 
 from graph_fleet_manager.multimaster.findings import (
-    Finding,
-    Level,
+    Checked,
+    Grade,
     clock_finding,
     definitions_finding,
 )
@@ -23,7 +23,7 @@ from graph_fleet_manager.multimaster.peer_master import (
     MASTER_PORT,
     TIMEOUT,
     Discovery,
-    Master,
+    MasterApi,
     NoAnswer,
 )
 
@@ -46,16 +46,16 @@ class NetworkChecks:
         self._discovery_port = discovery_port
         self._ros_ip = environment.get('ROS_IP', '')
         self._own_uri = environment.get('ROS_MASTER_URI', f'http://localhost:{MASTER_PORT}')
-        self._master = Master(f'http://{host}:{master_port}')
+        self._master = MasterApi(f'http://{host}:{master_port}')
         self._master_port = master_port
         self._address = ''
         self._nodes: Optional[Dict[str, str]] = None
 
-    def run(self) -> Iterator[Finding]:
+    def run(self) -> Iterator[Checked]:
         """Yields the findings one by one. If the host has no address, no other check is made."""
         name = self._check_name()
         yield name
-        if name.level is Level.WRONG:
+        if name.level is Grade.WRONG:
             return
         for check in (self._check_ros_ip, self._check_own_master, self._check_master,
                       self._check_call_back, self._check_node_addresses, self._check_node_names,
@@ -66,63 +66,63 @@ class NetworkChecks:
 
     # -- this computer ----------------------------------------------------------------------------
 
-    def _check_name(self) -> Finding:
+    def _check_name(self) -> Checked:
         try:
             self._address = socket.getaddrinfo(self._host, None, socket.AF_INET)[0][4][0]
         except (OSError, UnicodeError) as error:
-            return Finding('name', Level.WRONG, f'{self._host} has no IPv4 address ({error})',
+            return Checked('name', Grade.WRONG, f'{self._host} has no IPv4 address ({error})',
                            'give the address, or add the name to /etc/hosts')
         if self._address.startswith('127.') and self._address != self._host:
-            return Finding('name', Level.WRONG, f'{self._host} is {self._address}, this computer '
+            return Checked('name', Grade.WRONG, f'{self._host} is {self._address}, this computer '
                            'itself', 'correct its line in /etc/hosts')
         shown = '' if self._address == self._host else f'{self._host} is '
-        return Finding('name', Level.OK, f'{shown}{self._address}')
+        return Checked('name', Grade.OK, f'{shown}{self._address}')
 
-    def _check_ros_ip(self) -> Finding:
+    def _check_ros_ip(self) -> Checked:
         towards = address_towards(self._address)
         if not towards:
-            return Finding('ROS_IP', Level.WRONG, f'there is no network route to {self._address}',
+            return Checked('ROS_IP', Grade.WRONG, f'there is no network route to {self._address}',
                            'connect both computers to the same network')
         advice = f'export ROS_IP={towards}'
         if self._environment.get('ROS_HOSTNAME'):
-            return Finding('ROS_IP', Level.WRONG, 'ROS_HOSTNAME is set and overrides ROS_IP',
+            return Checked('ROS_IP', Grade.WRONG, 'ROS_HOSTNAME is set and overrides ROS_IP',
                            f'unset ROS_HOSTNAME, then {advice}')
         if not self._ros_ip:
-            return Finding('ROS_IP', Level.WRONG, 'it is not set, so nodes here give a name that '
+            return Checked('ROS_IP', Grade.WRONG, 'it is not set, so nodes here give a name that '
                            'the other computer may not know', advice)
         if not is_own_address(self._ros_ip):
-            return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} is no address of this computer',
+            return Checked('ROS_IP', Grade.WRONG, f'{self._ros_ip} is no address of this computer',
                            advice)
         if self._ros_ip.startswith('127.') != self._address.startswith('127.'):
-            return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} cannot be reached from '
+            return Checked('ROS_IP', Grade.WRONG, f'{self._ros_ip} cannot be reached from '
                            f'{self._address}', advice)
         if self._ros_ip != towards and not towards.startswith('127.'):
-            return Finding('ROS_IP', Level.WARN, f'{self._ros_ip} is an address of this computer, '
+            return Checked('ROS_IP', Grade.WARN, f'{self._ros_ip} is an address of this computer, '
                            f'but the route to {self._address} begins at {towards}', advice)
-        return Finding('ROS_IP', Level.OK, f'{self._ros_ip}')
+        return Checked('ROS_IP', Grade.OK, f'{self._ros_ip}')
 
-    def _check_own_master(self) -> Finding:
+    def _check_own_master(self) -> Checked:
         try:
-            Master(self._own_uri).pid()
+            MasterApi(self._own_uri).pid()
         except NoAnswer as silence:
-            return Finding('own master', Level.WRONG, f'no ROS master answers at {self._own_uri} '
+            return Checked('own master', Grade.WRONG, f'no ROS master answers at {self._own_uri} '
                            f'({silence})', 'start this side\'s launch file, or correct '
                            'ROS_MASTER_URI')
-        return Finding('own master', Level.OK, f'{self._own_uri} answers')
+        return Checked('own master', Grade.OK, f'{self._own_uri} answers')
 
     # -- the other master -------------------------------------------------------------------------
 
-    def _check_master(self) -> Finding:
+    def _check_master(self) -> Checked:
         try:
             self._nodes = self._master.nodes()
         except NoAnswer as silence:
-            return Finding('master', Level.WRONG, f'no ROS master answers at {self._master.uri} '
+            return Checked('master', Grade.WRONG, f'no ROS master answers at {self._master.uri} '
                            f'({silence})', f'start its launch file there, and open TCP port '
                            f'{self._master_port} in its firewall')
-        return Finding('master', Level.OK, f'{self._master.uri} answers, with {len(self._nodes)} '
+        return Checked('master', Grade.OK, f'{self._master.uri} answers, with {len(self._nodes)} '
                        'nodes')
 
-    def _check_call_back(self) -> Optional[Finding]:
+    def _check_call_back(self) -> Optional[Checked]:
         """Lets the other master call this computer, as it calls nodes of joined masters."""
         if self._nodes is None:
             return None
@@ -130,15 +130,15 @@ class NetworkChecks:
         try:
             came = calls_back(self._master, address)
         except (NoAnswer, OSError) as error:
-            return Finding('way back', Level.WRONG, f'it could not be tried ({error})',
+            return Checked('way back', Grade.WRONG, f'it could not be tried ({error})',
                            'correct the faults above first')
         if not came:
-            return Finding('way back', Level.WRONG, f'the master there does not reach this '
+            return Checked('way back', Grade.WRONG, f'the master there does not reach this '
                            f'computer at {address}', 'open all TCP ports from 1024 on between the '
                            'two computers in this one\'s firewall, and check ROS_IP')
-        return Finding('way back', Level.OK, f'the master there reaches this computer at {address}')
+        return Checked('way back', Grade.OK, f'the master there reaches this computer at {address}')
 
-    def _check_node_addresses(self) -> Optional[Finding]:
+    def _check_node_addresses(self) -> Optional[Checked]:
         """Connects to nodes of the other side at the addresses that they give; ports vary."""
         local = self._local_nodes()
         for name, uri in list(local.items())[:_ASKED]:
@@ -146,13 +146,13 @@ class NetworkChecks:
             try:
                 socket.create_connection((where.hostname or '', where.port or 0), TIMEOUT).close()
             except (OSError, UnicodeError) as error:
-                return Finding('nodes', Level.WRONG, f'{name} there says it is at {uri}, where it '
+                return Checked('nodes', Grade.WRONG, f'{name} there says it is at {uri}, where it '
                                f'is not reached ({error})', f'export ROS_IP={self._address} there '
                                'before its launch file is started, and open all TCP ports from '
                                '1024 on between the two computers')
         if not local:
             return None
-        return Finding('nodes', Level.OK, f'{min(len(local), _ASKED)} nodes there are reached')
+        return Checked('nodes', Grade.OK, f'{min(len(local), _ASKED)} nodes there are reached')
 
     def _local_nodes(self) -> Dict[str, str]:
         """The nodes that run on the other computer: those with the same host as its rosout.
@@ -164,41 +164,41 @@ class NetworkChecks:
         return {name: uri for name, uri in nodes.items()
                 if where is not None and urlsplit(uri).hostname == where}
 
-    def _check_node_names(self) -> Optional[Finding]:
+    def _check_node_names(self) -> Optional[Checked]:
         """Looks for node names on both sides: ROS ends one of such nodes when masters are joined.
         """
         try:
-            own = Master(self._own_uri).nodes()
+            own = MasterApi(self._own_uri).nodes()
         except NoAnswer:
             return None
         theirs = self._nodes or {}
         twice = sorted(name for name, uri in own.items() if name not in _ON_EVERY_SIDE
                        and theirs.get(name, uri) != uri)
         if twice:
-            return Finding('node names', Level.WRONG, f'both sides have a node {", ".join(twice)}',
+            return Checked('node names', Grade.WRONG, f'both sides have a node {", ".join(twice)}',
                            'there must be one fleet manager, and each robot needs a robot_name of '
                            'its own')
-        return Finding('node names', Level.OK, 'no node is on both sides')
+        return Checked('node names', Grade.OK, 'no node is on both sides')
 
     # -- master_discovery of the other computer ---------------------------------------------------
 
-    def _check_discovery(self) -> Finding:
+    def _check_discovery(self) -> Checked:
         try:
             self._discovery.clock()
         except NoAnswer as silence:
-            return Finding('discovery', Level.WRONG, f'no master_discovery answers at '
+            return Checked('discovery', Grade.WRONG, f'no master_discovery answers at '
                            f'{self._address}:{self._discovery_port} ({silence})',
                            'start it there with multimaster:=true, and open that TCP port and UDP '
                            'port 11511 in its firewall')
-        return Finding('discovery', Level.OK, f'it answers at {self._address}:'
+        return Checked('discovery', Grade.OK, f'it answers at {self._address}:'
                        f'{self._discovery_port}')
 
-    def _check_clock(self) -> Optional[Finding]:
+    def _check_clock(self) -> Optional[Checked]:
         with contextlib.suppress(NoAnswer):
             return clock_finding(*self._discovery.clock())
         return None
 
-    def _check_definitions(self) -> Optional[Finding]:
+    def _check_definitions(self) -> Optional[Checked]:
         with contextlib.suppress(NoAnswer):
             return definitions_finding(self._own, self._discovery.definitions(sorted(self._own)))
         return None
@@ -231,7 +231,7 @@ def is_own_address(address: str) -> bool:
     return True
 
 
-def calls_back(master: Master, address: str) -> bool:
+def calls_back(master: MasterApi, address: str) -> bool:
     """Returns whether a master reaches a server here at `address`, as for news of publishers.
 
     For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises

@@ -55,7 +55,7 @@ def _ask(question: Callable[[], Any]) -> Any:
         raise NoAnswer(reason or str(failure) or type(failure).__name__) from None
 
 
-class Master:
+class MasterApi:
     """The API of a ROS master."""
 
     def __init__(self, uri: str) -> None:

@@ -30,7 +30,7 @@ import rospy
 from tf2_ros import TransformBroadcaster
 
 from fleet_core.fleet import Robot
-from fleet_simulation.agv.control_socket import ControlServer
+from fleet_simulation.agv.control_socket import AgvControlServer
 from fleet_simulation.agv.simulation import Simulation
 from graph_fleet_manager.nodes.agv_topics import AgvTopics
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -93,7 +93,7 @@ class AgvSim:
 
     def _open_control(self, port: int) -> None:
         try:
-            ControlServer(port, self._inject, self._where)
+            AgvControlServer(port, self._inject, self._where)
         except (OSError, OverflowError) as error:
             raise ConfigurationError(f'The control port {port} cannot be used ({error}); choose '
                                      'another one with ~control_port.') from None
@@ -116,7 +116,7 @@ class AgvSim:
             with self._lock:
                 if self._simulation is not None:
                     self._simulation.advance(now - before, rospy.Time.now().to_nsec())
-                    frames = [topics.tell(now) for topics in self._topics.values()]
+                    frames = [topics.publish_due(now) for topics in self._topics.values()]
                     self._frames.sendTransform([frame for frame in frames if frame is not None])
             before = now
 

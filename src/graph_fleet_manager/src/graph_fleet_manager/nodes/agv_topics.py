@@ -39,7 +39,7 @@ class AgvTopics:
         rospy.Subscriber(name + 'target_route', TargetRoute, self._on_route, queue_size=100,
                          tcp_nodelay=True)
 
-    def tell(self, now: float) -> Optional[TransformStamped]:
+    def publish_due(self, now: float) -> Optional[TransformStamped]:
         """Publishes the messages that are due. Returns the vehicle's frame; None if it is silent.
 
         `now` in s of any monotonic clock. The caller holds the lock.

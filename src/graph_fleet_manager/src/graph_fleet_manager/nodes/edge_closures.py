@@ -96,8 +96,8 @@ class EdgeClosures:
         stamp = message.header.stamp
         try:
             with self._lock:
-                unknown = self._closures.take(self._whole(message.edges), stamp.to_nsec(),
-                                              rospy.Time.now().to_nsec(), self._known)
+                unknown = self._closures.replace(self._whole(message.edges), stamp.to_nsec(),
+                                                 rospy.Time.now().to_nsec(), self._known)
                 self.publish()
         except OutOfDate as late:  # also a latched message of a publisher that connected again
             rospy.logwarn('A list of closed edges with stamp %.3f s is not used: it is not newer '

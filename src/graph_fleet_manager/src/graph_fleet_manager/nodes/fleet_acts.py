@@ -8,17 +8,17 @@ import rospy
 from std_srvs.srv import Trigger
 
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
-from graph_fleet_manager.commands.command_line import CommandError
+from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.stop import stop
-from graph_fleet_manager.nodes.rviz.menus import Act, Subject
+from graph_fleet_manager.nodes.rviz.menus import MenuAct, Subject
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
-_COMMANDS = {Act.CANCEL: MissionCommand.CANCEL, Act.PAUSE: MissionCommand.PAUSE,
-             Act.RESUME: MissionCommand.RESUME, Act.RELEASE: MissionCommand.RELEASE}
-_SERVICES = {Act.RESUME_ALL: ('/resume_fleet', Trigger), Act.OUT: ('/{}/leave_fleet', Trigger),
-             Act.IN: ('/{}/join_fleet', Trigger),
-             Act.ABSENT: ('/{}/declare_absent', DeclareAbsent)}
+_COMMANDS = {MenuAct.CANCEL: MissionCommand.CANCEL, MenuAct.PAUSE: MissionCommand.PAUSE,
+             MenuAct.RESUME: MissionCommand.RESUME, MenuAct.RELEASE: MissionCommand.RELEASE}
+_SERVICES = {MenuAct.RESUME_ALL: ('/resume_fleet', Trigger),
+             MenuAct.OUT: ('/{}/leave_fleet', Trigger), MenuAct.IN: ('/{}/join_fleet', Trigger),
+             MenuAct.ABSENT: ('/{}/declare_absent', DeclareAbsent)}
 
 
 class FleetActs:
@@ -34,15 +34,15 @@ class FleetActs:
         self._commands = Sender(MissionCommand)
         self._edges = Sender(EdgeCommand)
 
-    def act(self, act: Act, subject: Subject) -> None:
+    def act(self, act: MenuAct, subject: Subject) -> None:
         """Carries out one entry of a menu. Never blocks: a thread of its own calls a service."""
-        if act is Act.STOP_ALL:
+        if act is MenuAct.STOP_ALL:
             threading.Thread(target=self._stop, daemon=True).start()
         elif act in _SERVICES:
             service, kind = _SERVICES[act]
             threading.Thread(target=self._call, args=(service.format(subject.robot), kind, act),
                              daemon=True).start()
-        elif act is Act.CHOOSE:
+        elif act is MenuAct.CHOOSE:
             self.chosen = '' if self.chosen == subject.robot else subject.robot
             self._say(f'{self.chosen} is chosen: send it from the menu of a vertex'
                       if self.chosen else f'{subject.robot} is not chosen any more')
@@ -52,12 +52,12 @@ class FleetActs:
             except NotSent as reason:
                 self._say(str(reason))
 
-    def _send(self, act: Act, subject: Subject) -> None:
+    def _send(self, act: MenuAct, subject: Subject) -> None:
         if act in _COMMANDS:
             self._command(act, subject.robot)
-        elif act is Act.SEND_ANY:
+        elif act is MenuAct.SEND_ANY:
             self._request(subject.vertex, '')
-        elif act is Act.SEND_CHOSEN:
+        elif act is MenuAct.SEND_CHOSEN:
             if self.chosen in self.robots:
                 self._request(subject.vertex, self.chosen)
             else:
@@ -71,7 +71,7 @@ class FleetActs:
         self._say(f'{robot or "A robot"} is sent to vertex {vertex}, '
                   f'as mission {request.request_id}')
 
-    def _command(self, act: Act, name: str) -> None:
+    def _command(self, act: MenuAct, name: str) -> None:
         robot = self.robots.get(name)
         if robot is None or not robot.has_mission:
             self._say(f'{name} has no mission')
@@ -80,24 +80,24 @@ class FleetActs:
             request_id=robot.request_id, command=_COMMANDS[act], requested_by=rospy.get_name()))
         self._say(f'{act.value}: {name}, mission {robot.request_id}')
 
-    def _close(self, act: Act, edge: int) -> None:
-        edges = self.closed if act is Act.OPEN_ALL else {edge}
+    def _close(self, act: MenuAct, edge: int) -> None:
+        edges = self.closed if act is MenuAct.OPEN_ALL else {edge}
         if not edges:
             self._say('No edge is closed')
             return
         command = EdgeCommand(edges=sorted(edges), requested_by=rospy.get_name(), command=(
-            EdgeCommand.CLOSE if act is Act.CLOSE else EdgeCommand.OPEN))
+            EdgeCommand.CLOSE if act is MenuAct.CLOSE else EdgeCommand.OPEN))
         self._edges.send(command)
-        self._say(f'{"Closed" if act is Act.CLOSE else "Opened"}: '
-                  + ('all edges' if act is Act.OPEN_ALL else f'edge {edge}'))
+        self._say(f'{"Closed" if act is MenuAct.CLOSE else "Opened"}: '
+                  + ('all edges' if act is MenuAct.OPEN_ALL else f'edge {edge}'))
 
     def _stop(self) -> None:
         try:
             self._say(stop())
-        except CommandError as error:
-            self._say(f'{Act.STOP_ALL.value}: NOT DONE: {error}')
+        except CommandProblem as error:
+            self._say(f'{MenuAct.STOP_ALL.value}: NOT DONE: {error}')
 
-    def _call(self, service: str, kind: Type[Any], act: Act) -> None:
+    def _call(self, service: str, kind: Type[Any], act: MenuAct) -> None:
         try:
             self._say(call(service, kind) or f'{act.value}: done')
         except ServiceSilent as error:

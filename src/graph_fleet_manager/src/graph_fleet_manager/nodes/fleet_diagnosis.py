@@ -2,12 +2,12 @@
 from __future__ import annotations
 
 import time
-from typing import Optional
+from typing import Optional, Sequence, Tuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from fleet_core.supervision.fleet_view import RobotState, robot_views
+from fleet_core.supervision.fleet_view import RobotState, RobotView, robot_views
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.supervisor import Supervisor
 
@@ -28,25 +28,29 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
         status.summary(DiagnosticStatus.WARN, 'waiting for /graph')
         return
     views = robot_views(supervisor, time.monotonic())
-    out = [view for view in views if view.state >= RobotState.OFFLINE]
-    plan, no_plan = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
-    stuck = [view.name for view in views if plan is not None and view.name in plan.unserved]
-    if supervisor.trouble:
-        status.summary(DiagnosticStatus.ERROR, 'no mission is accepted and no robot gets anything '
-                                               f'new to drive: {supervisor.trouble}')
-    elif supervisor.is_stopped:
-        status.summary(DiagnosticStatus.WARN, 'the fleet is stopped')
-    elif no_plan:
-        status.summary(DiagnosticStatus.WARN, f'there is no plan: {no_plan}')
-    elif out:
-        status.summary(DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work')
-    elif stuck:
-        status.summary(DiagnosticStatus.WARN, f'no path at present for {", ".join(stuck)}')
-    else:
-        status.summary(DiagnosticStatus.OK, f'{len(views)} robots')
+    status.summary(*_summary(supervisor, views))
     for view in views:
         waits = f': {view.waits_for}' if view.waits_for else ''
         status.add(view.name, f'{view.state.name}{waits}')
+
+
+def _summary(supervisor: Supervisor, views: Sequence[RobotView]) -> Tuple[int, str]:
+    """The level of the whole fleet, and its most important trouble."""
+    if supervisor.trouble:
+        return DiagnosticStatus.ERROR, ('no mission is accepted and no robot gets anything new to '
+                                        f'drive: {supervisor.trouble}')
+    if supervisor.is_stopped:
+        return DiagnosticStatus.WARN, 'the fleet is stopped'
+    plan, no_plan = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
+    if no_plan:
+        return DiagnosticStatus.WARN, f'there is no plan: {no_plan}'
+    out = [view for view in views if view.state >= RobotState.OFFLINE]
+    if out:
+        return DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work'
+    stuck = [view.name for view in views if plan is not None and view.name in plan.unserved]
+    if stuck:
+        return DiagnosticStatus.WARN, f'no path at present for {", ".join(stuck)}'
+    return DiagnosticStatus.OK, f'{len(views)} robots'
 
 
 def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:

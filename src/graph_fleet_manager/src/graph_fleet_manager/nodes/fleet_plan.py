@@ -37,7 +37,7 @@ class FleetPlanTopic:
         self._publisher = rospy.Publisher('/fleet_plan', FleetPlan, queue_size=1, latch=True)
         start_worker('fleet_plan', self._work)
 
-    def tell(self, progress: Optional[PlanProgress], now: float, stamp: rospy.Time) -> None:
+    def set_plan(self, progress: Optional[PlanProgress], now: float, stamp: rospy.Time) -> None:
         """Sets the plan to publish. It replaces a plan that was not published yet."""
         with suppress(queue.Empty):
             self._newest.get_nowait()

@@ -33,6 +33,8 @@ TellStatuses = Callable[[MissionStatus], None]
 class FleetTopics:
     """The publishers of path_supervisor.
 
+    It has an attribute for each topic, and what a repeated message needs to be the same again.
+
     rate        -- factor by which simulated robots are faster than the clock
     improvement -- s in which the planner improves a plan
     newcomer    -- is called for each new subscriber of /mission_status
@@ -120,7 +122,7 @@ class FleetTopics:
             return messages.moment_of(seconds - now, stamp)
         send(self._states.publish,
              messages.state_message(robot_views(supervisor, now), moment, stamp))
-        self._plans.tell(plan_progress(supervisor), now, stamp)
+        self._plans.set_plan(plan_progress(supervisor), now, stamp)
 
 
 def status_message(status: Status) -> MissionStatus:

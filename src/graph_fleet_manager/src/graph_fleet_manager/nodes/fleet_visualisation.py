@@ -64,7 +64,11 @@ _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
 
 
 class FleetVisualisation:
-    """The node; see the docstring of the module. `_lock` guards all that callbacks set."""
+    """The node; see the docstring of the module. `_lock` guards all that callbacks set.
+
+    It joins the pictures to the topics: the attributes are the newest message of each topic, and
+    the pictures that are drawn from them together.
+    """
 
     def __init__(self) -> None:
         self._radii: Dict[str, float] = {}

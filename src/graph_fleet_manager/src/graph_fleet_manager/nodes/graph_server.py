@@ -66,7 +66,8 @@ _SURVEY_NICENESS = 10  # a survey takes seconds of work for which no program wai
 class GraphServer:
     """The node; see the docstring of the module.
 
-    `_lock` guards the graph in force, its version and the closures.
+    `_lock` guards the graph in force, its version and the closures. The attributes are the graph in
+    force with all that is published about it, and a publisher for each topic.
     """
 
     def __init__(self) -> None:
@@ -140,14 +141,14 @@ class GraphServer:
             except ConfigurationError as error:
                 changed, self._trouble = False, str(error)
             if changed:
-                self._tell()
+                self._publish_graph()
             return self._trouble
 
     @property
     def _graph(self) -> Optional[Graph]:
         return self._in_force.graph
 
-    def _tell(self) -> None:
+    def _publish_graph(self) -> None:
         """Publishes a new graph in force."""
         graph = self._graph
         assert graph is not None

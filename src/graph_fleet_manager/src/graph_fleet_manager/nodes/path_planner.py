@@ -47,7 +47,10 @@ _WAITING = 20  # most requests in the queue; of those that wait, only the newest
 
 
 class PathPlanner:
-    """The node; see the docstring of the module. One thread plans; callbacks only queue work."""
+    """The node; see the docstring of the module. One thread plans; callbacks only queue work.
+
+    The attributes are the parameters, the newest input of each topic, and the state of the service.
+    """
 
     def __init__(self) -> None:
         self._fleet = fleet_of()
@@ -95,7 +98,7 @@ class PathPlanner:
 
     def _on_request(self, message: PlanRequest) -> None:
         with self._changed:
-            times = self._times.take(message, self._rate)
+            times = self._times.table_of(message, self._rate)
         if times is None:
             self._answers.publish(self._told(
                 message, PlanAnswer.OTHER_TIMES,
@@ -130,11 +133,11 @@ class PathPlanner:
                     request, self._request = self._request, None
                     received = self._received
             if graph is not None:
-                self._take_graph(*graph)
+                self._prepare(*graph)
             elif request is not None:
                 self._answers.publish(self._answer(*request, received))
 
-    def _take_graph(self, graph: Graph, stamp: rospy.Time) -> None:
+    def _prepare(self, graph: Graph, stamp: rospy.Time) -> None:
         service = PlanService(graph, self._fleet, self._search, self._seed)
         begun = time.monotonic()
         service.prepare()

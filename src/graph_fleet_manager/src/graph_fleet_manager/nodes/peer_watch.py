@@ -23,8 +23,8 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from fleet_core.files.robot_computers import is_address
 from graph_fleet_manager.messages.definitions import own_definitions
 from graph_fleet_manager.multimaster.findings import (
-    Finding,
-    Level,
+    Checked,
+    Grade,
     clock_finding,
     definitions_finding,
 )
@@ -36,37 +36,37 @@ from graph_fleet_manager.multimaster.peer_master import (
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 
 PERIOD = 2.0  # s between two checks of a peer
-LEVELS = {Level.OK: DiagnosticStatus.OK, Level.WARN: DiagnosticStatus.WARN,
-          Level.WRONG: DiagnosticStatus.ERROR}
+LEVELS = {Grade.OK: DiagnosticStatus.OK, Grade.WARN: DiagnosticStatus.WARN,
+          Grade.WRONG: DiagnosticStatus.ERROR}
 
 
-class Peer:
+class WatchedPeer:
     """One peer. A thread of its own checks it, because a missing peer blocks until a timeout."""
 
     def __init__(self, address: str, port: int) -> None:
         self.address = address
         self._discovery = Discovery(address, port)
         self._own = own_definitions()
-        self._findings: List[Finding] = []
+        self._findings: List[Checked] = []
         self._seen: Optional[float] = None
         self._lock = threading.Lock()
         threading.Thread(target=self._run, name=f'peer {address}', daemon=True).start()
 
     def _run(self) -> None:
         while not rospy.is_shutdown():
-            findings = self._look()
+            findings = self._check()
             with self._lock:
                 self._findings = findings
             time.sleep(PERIOD)
 
-    def _look(self) -> List[Finding]:
+    def _check(self) -> List[Checked]:
         try:
             clock = self._discovery.clock()
             theirs = self._discovery.definitions(sorted(self._own))
         except NoAnswer as silence:
             since = '' if self._seen is None else (
                 f' for {time.monotonic() - self._seen:.0f} s')
-            return [Finding('link', Level.WRONG, f'it does not answer{since} ({silence})',
+            return [Checked('link', Grade.WRONG, f'it does not answer{since} ({silence})',
                             f'run scripts/check_network.sh {self.address} to find out why')]
         self._seen = time.monotonic()
         return [definitions_finding(self._own, theirs), clock_finding(*clock)]
@@ -79,7 +79,7 @@ class Peer:
             status.summary(DiagnosticStatus.WARN, 'it was not checked yet')
             return
         worst = max(findings, key=lambda finding: finding.level)
-        status.summary(LEVELS[worst.level], 'joined' if worst.level is Level.OK else str(worst))
+        status.summary(LEVELS[worst.level], 'joined' if worst.level is Grade.OK else str(worst))
         for finding in findings:
             status.add(finding.subject, str(finding))
 
@@ -90,7 +90,7 @@ def _start() -> object:
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~peers")} is {addresses!r}, but '
                                  'must be a list of addresses of computers.')
     port = parameter('~discovery_port', DISCOVERY_PORT, int)
-    peers = [Peer(str(address), port) for address in addresses]
+    peers = [WatchedPeer(str(address), port) for address in addresses]
     publish_diagnostics('none', {peer.address: peer.report for peer in peers})
     return peers
 

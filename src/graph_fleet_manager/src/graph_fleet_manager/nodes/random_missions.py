@@ -20,11 +20,11 @@ from __future__ import annotations
 import random
 import threading
 import time
-from typing import Dict, List
+from typing import Dict, List, NamedTuple
 
 import rospy
 
-from fleet_requests import SILENCE, Sender, mission_request, stored_status
+from fleet_requests import MissionNews, Sender, mission_request, stored_status
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
 from node_lifecycle import parameter, run
@@ -36,6 +36,13 @@ REPEAT = 5.0  # s after which a request without any answer is sent again, unchan
 _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
                    MissionStatus.CANCELLED))
 _WORKING = frozenset((FleetRobot.IDLE, FleetRobot.BUSY))
+
+
+class _Sent(NamedTuple):
+    """A request, and the monotonic time (s) at which it was first sent."""
+
+    request: MissionRequest
+    at: float
 
 
 class RandomMissions:
@@ -51,11 +58,8 @@ class RandomMissions:
         """The possible destinations in the connected part of each edge, by the edge's id."""
         self._robots: List[int] = []
         """The edges of the robots that could serve a mission."""
-        self._open: Dict[int, MissionRequest] = {}
-        self._sent: Dict[int, float] = {}
-        """The monotonic time (s) at which each open mission was first sent."""
-        self._heard: Dict[int, float] = {}
-        """The time of the last status of each open mission; no entry: no status came yet."""
+        self._open: Dict[int, _Sent] = {}
+        self._news = MissionNews()
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = Sender(MissionRequest)
         FollowedGraph(self._on_graph).subscribe()
@@ -76,10 +80,10 @@ class RandomMissions:
         with self._lock:
             if message.request_id not in self._open:
                 return
-            self._heard[message.request_id] = time.monotonic()
+            self._news.heard(message.request_id)
             if message.state in _OVER:
-                for kept in (self._open, self._sent, self._heard):
-                    del kept[message.request_id]
+                del self._open[message.request_id]
+                self._news.ended(message.request_id)
                 self._ended[message.state] += 1
                 if message.state != MissionStatus.REFUSED:
                     self._fill()  # at once, so that no robot waits for the next look
@@ -91,10 +95,9 @@ class RandomMissions:
     def _tick(self) -> None:
         self._ask()
         with self._lock:
-            for request_id, request in self._open.items():
-                if request_id not in self._heard and (
-                        time.monotonic() - self._sent[request_id] > REPEAT):
-                    self._requests.repeat(request)
+            for request_id, sent in self._open.items():
+                if request_id not in self._news and time.monotonic() - sent.at > REPEAT:
+                    self._requests.repeat(sent.request)
             self._fill()
 
     def _fill(self) -> None:
@@ -104,16 +107,14 @@ class RandomMissions:
             return
         while len(self._open) < len(self._robots) and self._left:
             request = self._request(self._random.choice(homes))
-            self._open[request.request_id] = request
-            self._sent[request.request_id] = time.monotonic()
+            self._open[request.request_id] = _Sent(request, time.monotonic())
             self._requests.send(request)
             self._left -= 1
 
     def _ask(self) -> None:
         """Asks for the status of missions without news, because their end may have been missed."""
-        silent = time.monotonic() - SILENCE
         with self._lock:
-            requests = [self._open[id] for id, heard in self._heard.items() if heard < silent]
+            requests = [self._open[id].request for id in self._news.silent()]
         for request in requests:
             answer = stored_status(request.request_id, request.header.stamp)
             if answer is not None and answer.found:

@@ -29,7 +29,7 @@ MOVED = 0.02         # m that a robot must move before its handle is moved
 BUTTON_ABOVE = 2.4  # m that the buttons are above the graph
 
 
-class Act(enum.Enum):
+class MenuAct(enum.Enum):
     """An entry of a menu; the value is its text."""
 
     SEND_ANY = 'Send a robot here'
@@ -49,10 +49,10 @@ class Act(enum.Enum):
     RESUME_ALL = 'Let all robots go on'
 
 
-VERTEX_MENU = (Act.SEND_ANY, Act.SEND_CHOSEN, Act.STOP_ALL)
-EDGE_MENU = (Act.CLOSE, Act.OPEN, Act.OPEN_ALL)
-ROBOT_MENU = (Act.CHOOSE, Act.CANCEL, Act.PAUSE, Act.RESUME, Act.RELEASE, Act.OUT, Act.IN,
-              Act.ABSENT, Act.STOP_ALL)
+VERTEX_MENU = (MenuAct.SEND_ANY, MenuAct.SEND_CHOSEN, MenuAct.STOP_ALL)
+EDGE_MENU = (MenuAct.CLOSE, MenuAct.OPEN, MenuAct.OPEN_ALL)
+ROBOT_MENU = (MenuAct.CHOOSE, MenuAct.CANCEL, MenuAct.PAUSE, MenuAct.RESUME, MenuAct.RELEASE,
+              MenuAct.OUT, MenuAct.IN, MenuAct.ABSENT, MenuAct.STOP_ALL)
 
 
 class Subject(NamedTuple):
@@ -69,7 +69,7 @@ class FleetMenus:
     act -- is called for each choice in a menu
     """
 
-    def __init__(self, act: Callable[[Act, Subject], None]) -> None:
+    def __init__(self, act: Callable[[MenuAct, Subject], None]) -> None:
         self._act = act
         self._server = OrderedMarkerServer('/fleet_menus', q_size=10)
         self._menus: Dict[str, MenuHandler] = {}
@@ -91,7 +91,8 @@ class FleetMenus:
         left = min(vertex.x for vertex in graph.vertices.values())
         top = max(vertex.y for vertex in graph.vertices.values()) + BUTTON_ABOVE
         for number, (act, words, paint) in enumerate((
-                (Act.STOP_ALL, 'STOP ALL', STOP_PAINT), (Act.RESUME_ALL, 'GO ON', RESUME_PAINT))):
+                (MenuAct.STOP_ALL, 'STOP ALL', STOP_PAINT),
+                (MenuAct.RESUME_ALL, 'GO ON', RESUME_PAINT))):
             self._insert(f'button {words}', (left + (BUTTON[0] + 0.3) * number, top),
                          _button(words, paint), (act,), Subject(), act)
         self._server.applyChanges()
@@ -108,7 +109,7 @@ class FleetMenus:
             if before is None:
                 self._insert(f'robot {name}', (place.x, place.y), [
                     _disc(ROBOT_SIZE, 0.45, ROBOT_PAINT)], ROBOT_MENU, Subject(robot=name),
-                    Act.CHOOSE)
+                    MenuAct.CHOOSE)
             elif max(abs(before.x - place.x), abs(before.y - place.y)) > MOVED:
                 self._server.setPose(f'robot {name}', drawing.pose_at((place.x, place.y)))
             else:
@@ -119,7 +120,8 @@ class FleetMenus:
             self._server.applyChanges()
 
     def _insert(self, name: str, place: Tuple[float, float], shapes: List[Marker],
-                menu: Iterable[Act], subject: Subject, left_click: Optional[Act] = None) -> None:
+                menu: Iterable[MenuAct], subject: Subject,
+                left_click: Optional[MenuAct] = None) -> None:
         marker = InteractiveMarker(name=name, scale=1.0, pose=drawing.pose_at(place))
         marker.header.frame_id = drawing.FRAME
         for part in shapes:
@@ -140,7 +142,8 @@ class FleetMenus:
         handler.apply(self._server, name)
         self._menus[name] = handler
 
-    def _chosen(self, act: Act, subject: Subject) -> Callable[[InteractiveMarkerFeedback], None]:
+    def _chosen(self, act: MenuAct,
+                subject: Subject) -> Callable[[InteractiveMarkerFeedback], None]:
         return lambda _feedback: self._act(act, subject)
 
     def _remove(self, name: str) -> None:

@@ -5,7 +5,7 @@ from typing import Dict, List, Mapping, Sequence, Set
 
 from visualization_msgs.msg import Marker
 
-from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState
+from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, PlannedDrive
 from rviz_drawing import drawing
 from trajectory_graph import Graph
 
@@ -38,20 +38,24 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
             if abs(robot.pose.edge_id) in graph.edges:
                 blocked.add(abs(robot.pose.edge_id))
             continue
-        paint = drawing.own_colour(number)
-        for name, width, released in (('plans', PLAN_WIDTH, False),
-                                      ('released', RELEASED_WIDTH, True)):
-            edges = dict.fromkeys(drive.edge_id for drive in known if drive.released == released)
-            lane = LANE * (number % LANES + 0.5)
-            markers.append(drawing.lines(
-                name, number, paint, width,
-                [drawing.beside(graph.curve(edge), lane) for edge in edges],
-                _Z + 0.001 * number))
+        markers += _plan_of_robot(graph, known, number)
         if robot.destination in graph.vertices and robot.has_mission:
             place = graph.vertices[robot.destination].position
-            markers.append(drawing.lines('destinations', number, paint, 0.07,
+            markers.append(drawing.lines('destinations', number, drawing.own_colour(number), 0.07,
                                          [drawing.ring(place, 0.3 + 0.05 * (number % LANES))], _Z))
     markers.append(drawing.lines('blocked', 0, BLOCKED, BLOCKED_WIDTH,
                                  [graph.curve(edge).sample(drawing.STEP) for edge in blocked],
                                  _Z / 2))
+    return markers
+
+
+def _plan_of_robot(graph: Graph, drives: Sequence[PlannedDrive], number: int) -> List[Marker]:
+    """The plan of one robot, and the released edges of it."""
+    lane = LANE * (number % LANES + 0.5)
+    markers = []
+    for name, width, released in (('plans', PLAN_WIDTH, False), ('released', RELEASED_WIDTH, True)):
+        edges = dict.fromkeys(drive.edge_id for drive in drives if drive.released == released)
+        markers.append(drawing.lines(
+            name, number, drawing.own_colour(number), width,
+            [drawing.beside(graph.curve(edge), lane) for edge in edges], _Z + 0.001 * number))
     return markers

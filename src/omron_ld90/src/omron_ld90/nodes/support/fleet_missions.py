@@ -1,12 +1,11 @@
 """Turns clicks on a robot that a fleet manager manages into missions."""
 from __future__ import annotations
 
-import time
 from typing import Callable, Dict, Optional
 
 import rospy
 
-from fleet_requests import SILENCE, NotSent, Sender, mission_request, stored_status
+from fleet_requests import MissionNews, NotSent, Sender, mission_request, stored_status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from omron_ld90.operator.goal_clicks import Target
 from omron_ld90.operator.notices import Notice, Severity
@@ -31,29 +30,28 @@ class FleetMissions:
         self._robot = robot
         self._tell = tell
         self._sent: Dict[int, Target] = {}
-        self._heard: Dict[int, float] = {}
-        """When each mission was sent, or the last news of it came."""
+        self._news = MissionNews()
         self._requests = Sender(MissionRequest)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
 
     def send(self, target: Target) -> Notice:
         """Sends the robot to the vertex that `target` names; returns a message about it."""
         request = mission_request([int(target.name)], robot=self._robot)
-        self._heard[request.request_id] = time.monotonic()
+        self._news.heard(request.request_id)
         self._sent[request.request_id] = target
         try:
             self._requests.send(request)
         except NotSent as reason:
-            del self._heard[request.request_id], self._sent[request.request_id]
+            del self._sent[request.request_id]
+            self._news.ended(request.request_id)
             return Notice(Severity.BAD, f'Not sent. {reason}')
         return Notice(Severity.INFO, f'{self._robot} to vertex {target.name}, as mission '
                                      f'{request.request_id} ...')
 
     def ask(self) -> None:
         """Queries missions without news: their end may have been missed. This call may block."""
-        silent = time.monotonic() - SILENCE
-        for id, heard in list(self._heard.items()):
-            if heard > silent or id not in self._sent:
+        for id in self._news.silent():
+            if id not in self._sent:
                 continue
             answer = stored_status(id)
             if answer is None:
@@ -69,7 +67,7 @@ class FleetMissions:
         if id not in self._sent:
             return
         if ending is None:
-            self._heard[id] = time.monotonic()
+            self._news.heard(id)
             return
         severity, words = ending
         reason = f': {message.reason}' if message.reason else ''
@@ -77,6 +75,6 @@ class FleetMissions:
 
     def _end(self, id: int, notice: Notice) -> None:
         target = self._sent.pop(id, None)
-        self._heard.pop(id, None)
+        self._news.ended(id)
         if target is not None:
             self._tell(notice, target)

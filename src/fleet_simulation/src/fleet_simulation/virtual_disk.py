@@ -1,0 +1,65 @@
+"""The disk of a virtual supervisor: its journal outlives the supervisor, and may be full."""
+from __future__ import annotations
+
+import os
+import tempfile
+from typing import Callable, Iterable, Mapping, Optional
+
+from fleet_core.supervision.journal import Journal, RobotMemory
+from fleet_core.supervision.missions import Mission
+from trajectory_graph import Graph
+
+
+class _CountingJournal(Journal):
+    """A journal that counts its completed writes."""
+
+    commits = 0
+
+    def store(self, missions: Iterable[Mission] = (),
+              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
+              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
+              stays: Optional[Mapping[int, float]] = None) -> None:
+        super().store(missions, robots, values, graph, stays)
+        self.commits += 1
+
+
+class VirtualDisk:
+    """Holds the journal of the supervisor that runs now, in a folder that ends with the world.
+
+    clock -- returns the time that the journal writes, s since 1970
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._folder = tempfile.TemporaryDirectory()
+        self.journal_path = os.path.join(self._folder.name, 'journal.sqlite')
+        self._commits_before = 0
+        self.journal = self._open()
+        self.is_full = False
+
+    @property
+    def commits(self) -> int:
+        """The number of completed writes by all supervisors."""
+        return self._commits_before + self.journal.commits
+
+    def fails(self, fails: bool = True) -> None:
+        """Makes the journal read-only, as on a full disk; with `fails` False, writable again."""
+        self.is_full = fails
+        self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
+
+    def reopen(self) -> None:
+        """Opens the journal again for the next supervisor. It can be written again."""
+        self._commits_before = self.commits
+        self.journal.close()
+        self.journal = self._open()
+        self.is_full = False
+
+    def end(self) -> None:
+        """Closes and deletes the journal."""
+        self.journal.close()
+        self._folder.cleanup()
+
+    def _open(self) -> _CountingJournal:
+        journal = _CountingJournal(self.journal_path, self._clock)
+        journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
+        return journal

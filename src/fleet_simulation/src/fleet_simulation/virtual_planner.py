@@ -1,0 +1,82 @@
+"""The planner of a virtual fleet: the real one, which answers after a given virtual time."""
+from __future__ import annotations
+
+import time
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+
+from fleet_core.fleet import Fleet
+from fleet_core.planning.planner import FleetPlanner
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.tasks import Outcome
+from fleet_core.supervision.actions import AskPlanner
+
+_PLANNERS_KEPT = 4  # one planner per set of closed edges and learned driving times is kept
+
+
+class VirtualPlanner:
+    """Answers the supervisor's questions. Rounds limit its work, not the speed of the computer.
+
+    latency -- virtual s until it answers
+    parking -- ids of the vertices on which robots may be parked; None: all vertices
+    """
+
+    def __init__(self, fleet: Fleet, latency: float, parking: Optional[Sequence[int]]) -> None:
+        self.latency = latency
+        self.rounds = 0
+        """Rounds in which it improves each plan."""
+        self.plans: List[float] = []
+        """s of processor time that each plan took."""
+        self.spent = 0.0
+        """s of processor time that all plans took."""
+        self._fleet = fleet
+        self._parking = None if parking is None else tuple(parking)
+        self._answers: List[Tuple[float, int, Outcome]] = []
+        self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
+
+    def forget_graph(self) -> None:
+        """Is to be called when another graph is in force."""
+        self._planners.clear()
+
+    def lose_answers(self) -> None:
+        """Loses the answers that the supervisor has not got yet."""
+        self._answers = []
+
+    def plan(self, question: AskPlanner, network: RoadNetwork) -> Outcome:
+        """Returns the answer to a question on this network."""
+        begun = time.thread_time()
+        planner = self._planner(question, network)
+        outcome = planner.plan(question.tasks, question.obstacles, rounds=self.rounds,
+                               seed=question.seed)
+        self.plans.append(time.thread_time() - begun)
+        self.spent += self.plans[-1]
+        return outcome
+
+    def send_answer(self, number: int, outcome: Outcome, now: float) -> None:
+        """Sends the answer to question `number`; it arrives after the latency."""
+        self._answers.append((now + self.latency, number, outcome))
+
+    def has_answers(self, now: float) -> bool:
+        """Returns whether an answer has arrived by now."""
+        return any(at <= now for at, *_ in self._answers)
+
+    def arrived_answers(self, now: float) -> Iterator[Tuple[int, Outcome]]:
+        """Yields the answers that have arrived by now, with the numbers of their questions."""
+        answers, self._answers = self._answers, []
+        for at, number, outcome in answers:
+            if at <= now:
+                yield number, outcome
+            else:
+                self._answers.append((at, number, outcome))
+
+    def _planner(self, question: AskPlanner, network: RoadNetwork) -> FleetPlanner:
+        networks = question.closed, frozenset(question.edge_times.items())
+        planner = self._planners.pop(networks, None)
+        if planner is None:
+            planner = FleetPlanner(
+                network.with_closed(question.closed, question.edge_times),
+                self._fleet.clearance, self._fleet.types,
+                tuple(network.graph.vertices) if self._parking is None else self._parking)
+            while len(self._planners) >= _PLANNERS_KEPT:
+                del self._planners[next(iter(self._planners))]
+        self._planners[networks] = planner
+        return planner
