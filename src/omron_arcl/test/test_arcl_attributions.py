@@ -113,7 +113,6 @@ OCCASIONS: Dict[str, Occasion] = {
     'stands': Occasion('Stopped', ['stop', 'stop'], ['Stopping', 'Stopped'],
                        ['succeeded', 'succeeded'], Cause.STOP),
     'answer': Occasion('Stopped', ['odometer'], ['Odometer: 1 mm 2 deg 3 sec'], ['succeeded']),
-    'answer begins': Occasion('Stopped', ['stop'], ['Stopping'], ['under way'], Cause.STOP),
     'part of an answer': Occasion('Stopped', ['getGoals'], ['Goal: 1', 'End of goals'],
                                   ['succeeded']),
     'answer that is not documented': Occasion('Stopped', ['arclStat'], ['ARCL is well'],
@@ -132,7 +131,7 @@ def play(occasion: Occasion) -> Tuple[List[str], Cause, Any]:
             bench.robot(line)
         else:
             line(bench)
-    ends = [e.result.outcome.value if e.result else 'under way' if e.begun else 'sent'
+    ends = [e.result.outcome.value if e.result else 'under way' if bench.has_begun(e) else 'sent'
             for e in executions]
     return ends, bench.memory.cause, (
         bench.sent, bench.state, bench.memory.records, [e.result for e in executions])

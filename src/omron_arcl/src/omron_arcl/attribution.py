@@ -101,7 +101,9 @@ class Attribution:
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot: `reply` is its meaning, `text` its words."""
         records = self._commands.records
-        for row, _ in self._decide(Part.HALT, reply):
+        for row, stops in self._decide(Part.HALT, reply):
+            for stop in stops:
+                self._commands.add_line(stop, text, now)
             records.begins_to_stop(StopOf(row.meaning))
         records.said(reply)
         claimed = self._apply(Part.COMMAND, reply, text, now)
@@ -152,7 +154,7 @@ class Attribution:
             execution.set_out = True
         if activity.kind is ActivityKind.GOING_TO_GOAL:
             execution.dock_name = activity.goal.casefold()
-        stands = execution.command.spec.drives and execution.begun and activity.kind in STANDING
+        stands = execution in self._commands.begun_drives and activity.kind in STANDING
         self._commands.add_line(execution, text, now, sign_of_life=not stands)
 
     def _refused_soon(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
@@ -160,7 +162,6 @@ class Attribution:
         self._commands.add_line(execution, text, now)
 
     def _answered(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        execution.begun = True
         self._commands.add_line(execution, text, now)
 
     def _starts(self, why: Begins, reply: Reply, text: str) -> None:
@@ -175,7 +176,7 @@ class Attribution:
         else:
             records.driven_by_others(
                 Cause.ROBOT if why is Begins.ITSELF else Cause.OTHER_CLIENT, text)
-        for execution in [e for e in self._commands.motion_executions if e.begun]:
+        for execution in [e for e in self._commands.motion_executions if records.has_begun(e)]:
             self._commands.end_before(execution, f'taken over: {text}')
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
@@ -237,14 +238,19 @@ def _queries(commands: CommandQueue) -> Sequence[Execution]:
     return [e for e in _others(commands) if not e.command.spec.stops]
 
 
-def _not_begun(commands: CommandQueue) -> Sequence[Execution]:
-    """Stops without a `Stopping`, and queries."""
-    return [e for e in _others(commands) if not e.begun]
+def _not_begun(commands: CommandQueue) -> List[Execution]:
+    """The commands that the robot has not acknowledged or begun to answer."""
+    return [e for e in commands.sent if not commands.records.has_begun(e)]
+
+
+def _not_refused(commands: CommandQueue) -> List[Execution]:
+    """The same without those whose refusal was told."""
+    return [e for e in _not_begun(commands) if e.rejected_at is None]
 
 
 def _fresh(commands: CommandQueue) -> List[Execution]:
     """The drives that the robot has not acknowledged, the oldest first."""
-    return [e for e in commands.drives if not e.begun]
+    return [e for e in _not_begun(commands) if e.command.spec.drives]
 
 
 def _began(commands: CommandQueue) -> List[Execution]:
@@ -256,7 +262,8 @@ def _began(commands: CommandQueue) -> List[Execution]:
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
         return begun
-    stops = [e.order for e in commands.sent if e.begun and e.command.spec.stops]
+    stops = [e.order for e in commands.motion_executions
+             if e.command.spec.stops and commands.records.has_begun(e)]
     return [e for e in begun if e.order > max(stops, default=0)]
 
 
@@ -281,7 +288,7 @@ def _refused(commands: CommandQueue) -> Sequence[Execution]:
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
     """The newest command without any answer, for a line that names none. A drive is the last
     choice: if the robot carries it out nevertheless, it must have a giver."""
-    unanswered = [e for e in commands.sent if not (e.begun or e.set_out)]
+    unanswered = [e for e in _not_begun(commands) if not e.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
     return (others or unanswered)[-1:]
 
@@ -295,11 +302,11 @@ def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """The stops that a `Stopped` ends: those whose `Stopping` has come, and those before which no
     unanswered drive was sent, because the robot answers in the order of sending."""
-    heard = commands.records.heard
-    stops = [e for e in commands.sent if e.command.spec.stops and heard.stopped_by_us]
+    if not commands.records.heard.stopped_by_us:
+        return []
     first = next((e.order for e in _fresh(commands)), math.inf)
-    return [stop for number, stop in enumerate(stops)
-            if stop.order < first or number < len(stops) - heard.unheard_stops]
+    return [e for e in commands.motion_executions if e.command.spec.stops
+            and (e.order < first or commands.records.has_begun(e))]
 
 
 # --- does a line fit a command? -------------------------------------------------------------------
@@ -321,13 +328,21 @@ def _acknowledges(execution: Execution, reply: Reply) -> bool:
 
 
 def _continues(execution: Execution, reply: Reply) -> bool:
-    """Whether it is a further line. A robot that docks drives to no goal but its dock, see
-    `Attribution._goes_on`."""
+    return _fits(execution.command.spec.related, execution, reply)
+
+
+def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
+    """Whether the robot drives to a goal that is not its dock, see `Attribution._goes_on`."""
     activity = activity_of(reply)
-    leads_elsewhere = (execution.command.spec.course is Course.INTO_THE_DOCK and execution.begun
-                       and activity.kind is ActivityKind.GOING_TO_GOAL
-                       and activity.goal.casefold() != execution.dock_name)
-    return not leads_elsewhere and _fits(execution.command.spec.related, execution, reply)
+    return (execution.command.spec.course is Course.INTO_THE_DOCK
+            and activity.kind is ActivityKind.GOING_TO_GOAL
+            and activity.goal.casefold() != execution.dock_name)
+
+
+def _under_way(commands: CommandQueue, reply: Reply) -> Found:
+    """A robot that docks drives to no goal but its dock."""
+    elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
+    return [e for e in _began_first(commands) if _continues(e, reply) and e not in elsewhere][:1]
 
 
 def _fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
@@ -343,10 +358,9 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
 
     Passwords in the robot's lines are redacted, so they are also redacted in the sent lines.
     """
-    return lambda execution, reply: (
-        not execution.begun and execution.rejected_at is None and is_same(
-            _plain(reply.command),
-            _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace'))))
+    return lambda execution, reply: is_same(
+        _plain(reply.command),
+        _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace')))
 
 
 def _plain(command: str) -> str:
@@ -358,13 +372,13 @@ def _lacks_goal(execution: Execution, reply: replies.CommandErrorDescription) ->
 
 
 def _names_lacking_goal(execution: Execution, reply: replies.CommandErrorDescription) -> bool:
-    return not execution.begun and _lacks_goal(execution, reply) and any(
+    return _lacks_goal(execution, reply) and any(
         re.search(rf'(?<!\w){re.escape(name)}(?!\w)', reply.text, re.IGNORECASE)
         for name in execution.command.goals)
 
 
 def _goal_named(commands: CommandQueue, reply: replies.CommandErrorDescription) -> Found:
-    return not _refused(commands) and _first(_sent, _names_lacking_goal)(commands, reply)
+    return not _refused(commands) and _first(_not_begun, _names_lacking_goal)(commands, reply)
 
 
 def _lacks_power(execution: Execution, reply: Any) -> bool:
@@ -381,8 +395,7 @@ def _name(reply: replies.UnknownCommand) -> str:
 
 
 def _is_misused(execution: Execution, reply: replies.Usage) -> bool:
-    name = reply.syntax.split(' ', 1)[0].lower()
-    return execution.command.name.lower() == name and not execution.begun
+    return execution.command.name.lower() == reply.syntax.split(' ', 1)[0].lower()
 
 
 def _was_interrupted(execution: Execution, reply: replies.Interrupted) -> bool:
@@ -423,13 +436,16 @@ def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
 
 # --- what the robot does --------------------------------------------------------------------------
 
-def _stops_for_us(commands: CommandQueue, reply: Reply) -> bool:
-    """Whether a stop of ours is unheard. A robot with a reason of its own halts for that first, if
-    it has to answer a drive before the stop."""
+def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
+    """The oldest stop of ours without a `Stopping`; or whether there was one that has ended. A
+    robot with a reason of its own halts for that first, if it has to answer a drive before the
+    stop."""
     heard = commands.records.heard
-    stops = [e.order for e in commands.sent if e.command.spec.stops][-heard.unheard_stops:]
-    waits = any(drive.order < min(stops, default=0) for drive in _fresh(commands))
-    return heard.unheard_stops > 0 and not (waits and heard.stops_itself is not None)
+    stops = [e for e in _not_begun(commands) if e.command.spec.stops]
+    waits = any(drive.order < stop.order for stop in stops[:1] for drive in _fresh(commands))
+    if not heard.unheard_stops or waits and heard.stops_itself is not None:
+        return False
+    return stops[:1] if len(stops) == heard.unheard_stops else True
 
 
 def _stops_by_itself(why: SelfStop) -> Find:
@@ -472,14 +488,16 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
             'p. 46: all clients receive it')),
     Part.COMMAND: (
         # refusals
-        Row('refused: whole line', (replies.CommandError,), _first(_sent, _repeats(str.__eq__)),
+        Row('refused: whole line', (replies.CommandError,),
+            _first(_not_refused, _repeats(str.__eq__)),
             Means.REFUSED_SOON, 'p. 46: the line is repeated, and a description follows'),
         Row('refused: beginning', (replies.CommandError,),
-            _first(_sent, _repeats(
+            _first(_not_refused, _repeats(
                 lambda said, given: len(said) >= _CUT_NAME and given.startswith(said))),
             Means.REFUSED_SOON, 'observed: long names are cut'),
         Row('refused: name', (replies.CommandError,),
-            _first(_sent, _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
+            _first(_not_refused,
+                   _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
             Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
         Row('no goal', (replies.CommandErrorDescription,), _first(_refused, _lacks_goal),
             Outcome.NO_GOAL, 'p. 46: `No goal`'),
@@ -496,7 +514,7 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
             Outcome.UNKNOWN_COMMAND, 'p. 44: `Unknown command`'),
         Row('not set up', (replies.SetUpError,), _first(_unanswered, _any), Outcome.REJECTED,
             'p. 46: names no command'),
-        Row('usage', (replies.Usage,), _first(_sent, _is_misused), Outcome.REJECTED,
+        Row('usage', (replies.Usage,), _first(_not_begun, _is_misused), Outcome.REJECTED,
             'p. 44: a command that lacks arguments is answered by its syntax'),
         # failures and interruptions of drives
         Row('interrupted', (replies.Interrupted,), _first(_begun, _was_interrupted),
@@ -530,7 +548,7 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
         Row('acknowledged', _ANY, _first(_fresh_first, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
-        Row('under way', _ANY, _first(_began_first, _continues), Means.GOES_ON, _TABLE)),
+        Row('under way', _ANY, _under_way, Means.GOES_ON, _TABLE)),
     Part.START: (
         Row('late start', _ANY, _begins_late, Begins.LATE,
             'p. 46: the line names a goal of ours'),
@@ -542,7 +560,6 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('stands', (replies.Stopped,), _obeyed_stops, Outcome.SUCCEEDED,
             'p. 242: one `Stopped` may follow several `stop`'),
         Row('answer', _ANY, _first(_queries, _completes), Outcome.SUCCEEDED, _TABLE),
-        Row('answer begins', _ANY, _first(_not_begun, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('part of an answer', _ANY, _first(_others, _continues), Means.GOES_ON, _TABLE),
         Row('answer that is not documented', _ANY, _first(_others, _may_be_answered),
             Means.ANSWERED, 'assumed: the answer follows its command')),

@@ -38,7 +38,7 @@ class CommandQueue:
     @property
     def begun_drives(self) -> List[Execution]:
         """The drives in `sent` that the robot has acknowledged."""
-        return [execution for execution in self.drives if execution.begun]
+        return [execution for execution in self.drives if self.records.has_begun(execution)]
 
     def add(self, execution: Execution) -> None:
         """Takes a command; raises Busy. A stop overtakes waiting commands and drops drives."""
@@ -91,13 +91,11 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution) -> None:
-        """The robot obeys the command; a drive ends the motions before it."""
-        if not execution.begun:
-            execution.begun = True
+        """The robot obeys a drive, which ends the motions before it."""
+        if not self.records.has_begun(execution):
             execution.doubt = None
             self.records.acknowledged(execution)
-            if execution.command.spec.drives:
-                self.end_before(execution, f'replaced by "{execution.command.text}"')
+            self.end_before(execution, f'replaced by "{execution.command.text}"')
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""

@@ -119,7 +119,6 @@ _ROWS: Tuple[CommandSpec, ...] = (
            shortcut='qd', adds_job=True),
     # other commands that move the robot, or let it be moved
     CommandSpec('stop', Category.MOTION, is_one_of(replies.Stopped),
-                acknowledged_by=is_one_of(replies.Stopping),
                 related=is_one_of(replies.Interrupted), timeout=15.0),
     CommandSpec('enableMotors', Category.MOTION,
                 lambda command, reply: isinstance(reply, replies.Motors) and reply.enabled),

@@ -32,13 +32,6 @@ _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
 _LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one, else a stop
 
 
-def _may_take_longer(execution: Execution) -> bool:
-    """Whether no total limit applies: a drive under way, or the drive to the dock, which comes
-    before the robot reports that it docks."""
-    spec = execution.command.spec
-    return spec.drives and (execution.begun or spec.course is Course.INTO_THE_DOCK)
-
-
 class Dispatcher:
     """The commands of one connection. The caller provides the clock (s, monotonic) and the lock.
 
@@ -130,19 +123,21 @@ class Dispatcher:
         self._stop_if_owed(now)
 
     def _check_time(self, execution: Execution, now: float) -> None:
-        spec = execution.command.spec
+        spec, begun = execution.command.spec, self.records.has_begun(execution)
         unheard = now - (execution.heard or 0.0)
+        # no total limit for a drive under way, nor for the one to the dock before it docks
+        may_take_longer = spec.drives and (begun or spec.course is Course.INTO_THE_DOCK)
         if execution.rejected_at is not None:
             if now - execution.rejected_at > _DESCRIPTION_TIMEOUT:
                 self._commands.end(execution, Outcome.REJECTED, 'the robot gave no reason')
-        elif spec.completed_by is None and execution.begun and unheard > _QUIET:
+        elif spec.completed_by is None and begun and unheard > _QUIET:
             self._commands.end(execution, Outcome.SUCCEEDED, '')
         else:
-            limit = execution.timeout if execution.begun else execution.acknowledge_timeout
+            limit = execution.timeout if begun else execution.acknowledge_timeout
             longest = _LONGEST_START if spec.drives else _LONGEST_ANSWER
             if unheard > limit:
                 self._time_out(execution, f'the robot said nothing about it for {limit:.0f} s')
-            elif now - execution.sent_at > max(longest, limit) and not _may_take_longer(execution):
+            elif now - execution.sent_at > max(longest, limit) and not may_take_longer:
                 self._time_out(execution, f'it was not done within {max(longest, limit):.0f} s')
 
     def _time_out(self, execution: Execution, words: str) -> None:

@@ -95,11 +95,15 @@ VERDICTS: Mapping[Course, Dict[ActivityKind, Verdict]] = {
 
 
 class ObservationRule(NamedTuple):
-    """What an observation says about a drive if `holds`."""
+    """What an observation says about a drive if `holds`.
+
+    begun -- whether the rule is about a drive that has begun; None: about each drive
+    """
 
     name: str
     verdict: Verdict
     holds: Callable[[Execution, Observation], object]
+    begun: Optional[bool] = None
 
 
 def _point(seen: Observation) -> Tuple[float, ...]:
@@ -107,13 +111,12 @@ def _point(seen: Observation) -> Tuple[float, ...]:
 
 
 def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> bool:
-    """Whether the robot shows coordinates for a drive to a place that has begun.
+    """Whether the robot shows coordinates for a drive to a place.
 
     Some robots show those of a goal instead of its name (ARCL manual I617-E-02 p. 243). A command
     that names a point itself is confirmed by no other point.
     """
-    return (seen.activity.kind is kind and execution.begun
-            and execution.command.spec.course is Course.TO_A_PLACE
+    return (seen.activity.kind is kind and execution.command.spec.course is Course.TO_A_PLACE
             and bool(execution.command.goals or not _point(seen)))
 
 
@@ -128,17 +131,19 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
     ObservationRule('its goal', Sign.CONFIRMED,
               lambda execution, seen: _acknowledges(execution, seen.activity)),
     ObservationRule('its point', Sign.CONFIRMED,
-              lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT)),
+              lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT),
+              begun=True),
     ObservationRule('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
-        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT) and _point(seen) in execution.points)),
+        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT) and _point(seen) in execution.points),
+              begun=True),
     ObservationRule('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
-        not execution.begun and execution.set_out and seen.activity.kind is _K.INTERRUPTED)),
+        execution.set_out and seen.activity.kind is _K.INTERRUPTED), begun=False),
     # the robot drives to its dock before it reports that it docks
     ObservationRule('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
-        not execution.begun and execution.command.spec.course is Course.INTO_THE_DOCK
-        and seen.activity.kind in MOVING)),
+        execution.command.spec.course is Course.INTO_THE_DOCK
+        and seen.activity.kind in MOVING), begun=False),
     ObservationRule('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
-        not execution.begun and execution.set_out and seen.activity.kind in ABOUT_THE_DOCK)),
+        execution.set_out and seen.activity.kind in ABOUT_THE_DOCK), begun=False),
 )
 
 
@@ -179,7 +184,8 @@ class DriveWatch:
                 and execution.doubt.broken_off):
             self._commands.end(execution, Outcome.INTERRUPTED, execution.doubt.words)
             return
-        verdict = _judge(execution, seen)
+        begun = self._commands.records.has_begun(execution)
+        verdict = _judge(execution, seen, begun)
         if verdict is Sign.CONFIRMED:
             execution.doubt = None
             if kind is ActivityKind.GOING_TO_POINT:
@@ -189,7 +195,7 @@ class DriveWatch:
                 if _acknowledges(execution, seen.activity):
                     self._commands.begin(execution)
         elif isinstance(verdict, Outcome):
-            _doubt(execution, verdict, seen, now)
+            _doubt(execution, verdict, seen, now, begun)
 
     def _observe_stop(self, stop: Execution, seen: Observation, now: float) -> None:
         """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
@@ -205,13 +211,13 @@ class DriveWatch:
             stop.doubt = None
 
 
-def _judge(execution: Execution, seen: Observation) -> Verdict:
+def _judge(execution: Execution, seen: Observation, begun: bool) -> Verdict:
     """The verdict of the robot's activity on a drive."""
     for row in JUDGEMENTS:
-        if row.holds(execution, seen):
+        if row.begun in (None, begun) and row.holds(execution, seen):
             return row.verdict
     course = execution.command.spec.course
-    if not execution.begun or course is None:
+    if not begun or course is None:
         return Sign.NONE
     return VERDICTS[course].get(seen.activity.kind, Sign.NONE)
 
@@ -224,9 +230,10 @@ def _fits(predicate: Optional[Predicate], execution: Execution, activity: Activi
     return predicate is not None and predicate(execution.command, activity.reply)
 
 
-def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float) -> None:
+def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float,
+           begun: bool = True) -> None:
     broken_off = (isinstance(seen.activity.reply, replies.Interrupted) and not seen.is_status
-                  and (not seen.activity.goal or not execution.begun))
+                  and (not seen.activity.goal or not begun))
     doubt = execution.doubt
     if doubt is None or (outcome is not doubt.outcome
                          and Outcome.SUCCEEDED in (outcome, doubt.outcome)):

@@ -239,7 +239,7 @@ class Drives:
         if other:
             return f'the robot has not answered {other.words} yet'
         newest = list(self._executions.values())[-1:]
-        if self._memory.drives and any(e.begun and e.is_doubted for e in newest):
+        if self._memory.drives and any(self.has_begun(e) and e.is_doubted for e in newest):
             return 'the robot may have been stopped by another client'
         return ''
 
@@ -247,6 +247,16 @@ class Drives:
         """Whether a drive that was given may still be sent to the robot now."""
         return (not execution.known_epoch or not execution.command.spec.moves
                 or self.knows(execution.giver, execution.epoch))
+
+    def has_begun(self, execution: Execution) -> bool:
+        """Whether the robot obeys a command, or has begun to answer it. It answers in the order of
+        sending, and a drive that it acknowledges ends all before it."""
+        if execution.command.spec.drives:
+            return 0 < execution.order <= self.heard.acknowledged
+        if execution.command.spec.stops:
+            stops = [e for e in self._executions.values() if e.command.spec.stops and e.sent]
+            return execution in stops[:max(len(stops) - self.heard.unheard_stops, 0)]
+        return execution.is_answered
 
     # --- commands ---------------------------------------------------------------------------------
 
@@ -300,7 +310,8 @@ class Drives:
     # --- progress of commands ---------------------------------------------------------------------
 
     def acknowledged(self, execution: Execution) -> None:
-        """The robot obeys a command; called before older ones end because of it."""
+        """The robot obeys a drive; called before older motions end because of it."""
+        self.heard.acknowledged = execution.order
         record = self._record_of(execution)
         if record and record.kind is Kind.DRIVE:
             self._obeyed(record)
@@ -308,9 +319,9 @@ class Drives:
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
         record = self._record_of(execution)
-        self._executions = {n: e for n, e in self._executions.items() if e is not execution}
-        if execution.command.spec.stops and outcome in UNHEEDED and not execution.begun:
+        if execution.command.spec.stops and outcome in UNHEEDED and not self.has_begun(execution):
             self.heard.forget_stop()
+        self._executions = {n: e for n, e in self._executions.items() if e is not execution}
         if record is None:  # what came later has ended it already
             return
         if record.kind is Kind.STOP:
@@ -391,7 +402,7 @@ class Drives:
     def is_about_the_dock(self) -> bool:
         """Whether the robot docks or leaves its dock for a command of ours."""
         return any(e.command.spec.course in (Course.INTO_THE_DOCK, Course.OUT_OF_THE_DOCK)
-                   or e.set_out and not e.begun for e in self._executions.values())
+                   or e.set_out and not self.has_begun(e) for e in self._executions.values())
 
     def begins_late(self, goal: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""

@@ -92,7 +92,6 @@ class Execution:
         self.sent_at = 0.0
         self.heard: Optional[float] = None  # when it was sent, or when its last line came
         self.order = 0  # its number in the order of sending
-        self.begun = False  # the robot has acknowledged it
         self.set_out = False  # the robot stood, and now leaves the dock or drives to it
         self.cancel_requested: Optional[float] = None  # the time of the request
         self.stopping = False  # a stop was given because of that request
@@ -110,6 +109,12 @@ class Execution:
     def sent(self) -> bool:
         """Whether the command was sent to the robot."""
         return self.heard is not None
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether a line came that may be its answer, if its answer is not documented."""
+        return (self.command.spec.completed_by is None and self.rejected_at is None
+                and self.heard is not None and self.heard > self.sent_at)
 
     @property
     def is_doubted(self) -> bool:

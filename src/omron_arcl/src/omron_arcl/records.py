@@ -33,6 +33,9 @@ class MotionState(IntEnum):
     MANUAL = 7
 
 
+_DRIVES = (MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING, MotionState.UNDOCKING)
+
+
 class Kind(Enum):
     """What a record is about."""
 
@@ -164,3 +167,10 @@ class Motion(NamedTuple):
 
     memory: Memory
     state: MotionState
+
+    @property
+    def is_driving(self) -> bool:
+        """Whether the robot drives, or has been told to."""
+        return self.state in _DRIVES or any(
+            record.kind is Kind.DRIVE and record.fate in (Fate.GIVEN, Fate.OBEYED)
+            for record in self.memory.records)

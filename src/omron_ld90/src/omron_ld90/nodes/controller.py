@@ -149,7 +149,6 @@ class Controller:
     def _execute(self, text: str, giver: Giver, **options: Any) -> Execution:
         """Gives a command of `giver` if it is allowed; raises ArclError."""
         execution = self._client.execute(text, giver=giver, check=self._guard.check, **options)
-        self._guard.given(execution)
         self._obeyed.given(execution)
         self._help.sent(execution.command)
         return execution
@@ -171,7 +170,7 @@ class Controller:
             self._move_base.feedback(pose)
 
     def _on_motion(self, motion: Motion) -> None:
-        self._guard.motion = motion.state
+        self._guard.motion = motion
         self._motion.publish(motion)
 
     def _on_link(self, link: Link) -> None:
