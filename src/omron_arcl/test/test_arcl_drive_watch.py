@@ -361,7 +361,8 @@ def sight(talk: Conversation, command: str, lines: Tuple[str, ...], status: str,
     execution = talk.give(command)
     talk.robot(*lines)
     shows(talk, status, 1.5)
-    return talk.has_begun(execution), execution.doubt and execution.doubt.outcome, execution.heard
+    doubt, heard = execution.progress.doubt, execution.progress.heard
+    return talk.has_begun(execution), doubt and doubt.outcome, heard
 
 
 ON = ('Going to 12',)

@@ -149,16 +149,16 @@ class Attribution:
         dock; once it docks, no other name can be.
         """
         activity = activity_of(reply)
-        before = execution.shown_when_sent
+        before = execution.progress.shown_when_sent
         if activity.kind in ABOUT_THE_DOCK and before is not None and before.kind in STANDING:
-            execution.set_out = True
+            execution.progress.set_out = True
         if activity.kind is ActivityKind.GOING_TO_GOAL:
-            execution.dock_name = activity.goal.casefold()
+            execution.progress.dock_name = activity.goal.casefold()
         stands = execution in self._commands.begun_drives and activity.kind in STANDING
         self._commands.add_line(execution, text, now, sign_of_life=not stands)
 
     def _refused_soon(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        execution.rejected_at = now
+        execution.progress.rejected_at = now
         self._commands.add_line(execution, text, now)
 
     def _answered(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
@@ -245,7 +245,7 @@ def _not_begun(commands: CommandQueue) -> List[Execution]:
 
 def _not_refused(commands: CommandQueue) -> List[Execution]:
     """The same without those whose refusal was told."""
-    return [e for e in _not_begun(commands) if e.rejected_at is None]
+    return [e for e in _not_begun(commands) if e.progress.rejected_at is None]
 
 
 def _fresh(commands: CommandQueue) -> List[Execution]:
@@ -282,13 +282,13 @@ def _present(commands: CommandQueue) -> Sequence[Execution]:
 
 def _refused(commands: CommandQueue) -> Sequence[Execution]:
     """The oldest command whose refusal was told without a reason."""
-    return [e for e in commands.sent if e.rejected_at is not None][:1]
+    return [e for e in commands.sent if e.progress.rejected_at is not None][:1]
 
 
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
     """The newest command without any answer, for a line that names none. A drive is the last
     choice: if the robot carries it out nevertheless, it must have a giver."""
-    unanswered = [e for e in _not_begun(commands) if not e.set_out]
+    unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
     return (others or unanswered)[-1:]
 
@@ -336,7 +336,7 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
     activity = activity_of(reply)
     return (execution.command.spec.course is Course.INTO_THE_DOCK
             and activity.kind is ActivityKind.GOING_TO_GOAL
-            and activity.goal.casefold() != execution.dock_name)
+            and activity.goal.casefold() != execution.progress.dock_name)
 
 
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
@@ -405,7 +405,7 @@ def _was_interrupted(execution: Execution, reply: replies.Interrupted) -> bool:
 
 def _was_at_its_point(execution: Execution, reply: replies.Interrupted) -> bool:
     point = coordinates(getattr(parse_line(reply.text), 'goal', ''))
-    return bool(point) and point in execution.points
+    return bool(point) and point in execution.progress.points
 
 
 def _was_interrupted_in_words(execution: Execution, reply: replies.Interrupted) -> bool:

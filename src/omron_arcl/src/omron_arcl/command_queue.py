@@ -62,10 +62,9 @@ class CommandQueue:
             elif not self._must_wait(execution):
                 self.waiting.remove(execution)
                 self.sent.append(execution)
-                execution.heard = execution.sent_at = now
-                execution.shown_when_sent = self.records.heard.shown
                 self._count += 1
                 execution.order = self._count
+                execution.progress.begin(now, self.records.heard.shown)
                 self.records.sent(execution)
                 return execution
         return None
@@ -83,7 +82,7 @@ class CommandQueue:
                  sign_of_life: bool = True) -> None:
         """Adds a line of the command; `sign_of_life`: the line shows that the command goes on."""
         if sign_of_life:
-            execution.heard = now
+            execution.progress.heard = now
         if execution.result is None:
             execution.add_line(text)
             if execution.on_line:
@@ -93,13 +92,13 @@ class CommandQueue:
     def begin(self, execution: Execution) -> None:
         """The robot obeys a drive, which ends the motions before it."""
         if not self.records.has_begun(execution):
-            execution.doubt = None
+            execution.progress.doubt = None
             self.records.acknowledged(execution)
             self.end_before(execution, f'replaced by "{execution.command.text}"')
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""
-        if execution.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
+        if execution.progress.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.end(outcome, words):
             self._callbacks.append(execution.announce)
@@ -122,7 +121,7 @@ class CommandQueue:
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
         """A stop failed: ends the cancelled drives that waited for its effect."""
         for drive in self.drives:
-            if drive.cancel_requested is not None and drive.order < stop.order:
+            if drive.progress.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')
 
     def pop_callbacks(self) -> List[Callable[[], None]]:

@@ -87,8 +87,8 @@ class Dispatcher:
         self._commands.now = now
         self.records.cancelled(execution, canceller)
         if execution.sent and execution.command.spec.drives:
-            if execution.cancel_requested is None:
-                execution.cancel_requested = now
+            if execution.progress.cancel_requested is None:
+                execution.progress.cancel_requested = now
         else:
             self._commands.end(execution, Outcome.CANCELLED, 'cancelled',
                                keep=execution.sent or execution.command.spec.stops)
@@ -123,12 +123,12 @@ class Dispatcher:
         self._stop_if_owed(now)
 
     def _check_time(self, execution: Execution, now: float) -> None:
-        spec, begun = execution.command.spec, self.records.has_begun(execution)
-        unheard = now - (execution.heard or 0.0)
+        spec, progress = execution.command.spec, execution.progress
+        unheard, begun = now - progress.heard, self.records.has_begun(execution)
         # no total limit for a drive under way, nor for the one to the dock before it docks
         may_take_longer = spec.drives and (begun or spec.course is Course.INTO_THE_DOCK)
-        if execution.rejected_at is not None:
-            if now - execution.rejected_at > _DESCRIPTION_TIMEOUT:
+        if progress.rejected_at is not None:
+            if now - progress.rejected_at > _DESCRIPTION_TIMEOUT:
                 self._commands.end(execution, Outcome.REJECTED, 'the robot gave no reason')
         elif spec.completed_by is None and begun and unheard > _QUIET:
             self._commands.end(execution, Outcome.SUCCEEDED, '')
@@ -137,7 +137,7 @@ class Dispatcher:
             longest = _LONGEST_START if spec.drives else _LONGEST_ANSWER
             if unheard > limit:
                 self._time_out(execution, f'the robot said nothing about it for {limit:.0f} s')
-            elif now - execution.sent_at > max(longest, limit) and not may_take_longer:
+            elif now - progress.sent_at > max(longest, limit) and not may_take_longer:
                 self._time_out(execution, f'it was not done within {max(longest, limit):.0f} s')
 
     def _time_out(self, execution: Execution, words: str) -> None:
@@ -167,15 +167,15 @@ class Dispatcher:
         """
         waiting = any(e.command.spec.drives for e in self._commands.waiting)
         for drive in reversed(self._commands.drives):
-            if drive.stopping:
+            if drive.progress.stopping:
                 return  # that stop also ends the older drives
-            if drive.cancel_requested is None:
+            if drive.progress.cancel_requested is None:
                 continue
             newest = drive is self._commands.drives[-1] and not waiting
             theirs = self._commands.drives[-1].giver
             if newest or (drive.giver == theirs
-                          and now - drive.cancel_requested > _LONGEST_REPLACEMENT):
-                drive.stopping = True
+                          and now - drive.progress.cancel_requested > _LONGEST_REPLACEMENT):
+                drive.progress.stopping = True
                 self._stop()
                 return
 

@@ -134,16 +134,16 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
               lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT),
               begun=True),
     ObservationRule('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
-        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT) and _point(seen) in execution.points),
-              begun=True),
+        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT)
+        and _point(seen) in execution.progress.points), begun=True),
     ObservationRule('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
-        execution.set_out and seen.activity.kind is _K.INTERRUPTED), begun=False),
+        execution.progress.set_out and seen.activity.kind is _K.INTERRUPTED), begun=False),
     # the robot drives to its dock before it reports that it docks
     ObservationRule('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
         execution.command.spec.course is Course.INTO_THE_DOCK
         and seen.activity.kind in MOVING), begun=False),
     ObservationRule('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
-        execution.set_out and seen.activity.kind in ABOUT_THE_DOCK), begun=False),
+        execution.progress.set_out and seen.activity.kind in ABOUT_THE_DOCK), begun=False),
 )
 
 
@@ -156,7 +156,7 @@ class DriveWatch:
     @property
     def in_doubt(self) -> bool:
         """Whether another status would help to decide on a motion under way."""
-        return any(execution.doubt for execution in self._commands.motion_executions)
+        return any(execution.progress.doubt for execution in self._commands.motion_executions)
 
     def observe(self, seen: Observation, now: float) -> None:
         """Processes an activity that the robot reports."""
@@ -171,7 +171,7 @@ class DriveWatch:
     def on_time(self, now: float) -> None:
         """Ends the commands that have been contradicted for long enough."""
         for execution in self._commands.motion_executions:
-            doubt = execution.doubt
+            doubt = execution.progress.doubt
             if doubt is None or execution not in self._commands.sent:  # it ended with another
                 continue
             since, settle = now - doubt.since, _settle_time(execution, doubt)
@@ -179,19 +179,19 @@ class DriveWatch:
                 self._commands.end(execution, doubt.outcome, doubt.words)
 
     def _observe_drive(self, execution: Execution, seen: Observation, now: float) -> None:
-        kind = seen.activity.kind
-        if (kind is ActivityKind.STOPPED and not seen.is_status and execution.doubt
-                and execution.doubt.broken_off):
-            self._commands.end(execution, Outcome.INTERRUPTED, execution.doubt.words)
+        kind, progress = seen.activity.kind, execution.progress
+        if (kind is ActivityKind.STOPPED and not seen.is_status and progress.doubt
+                and progress.doubt.broken_off):
+            self._commands.end(execution, Outcome.INTERRUPTED, progress.doubt.words)
             return
         begun = self._commands.records.has_begun(execution)
         verdict = _judge(execution, seen, begun)
         if verdict is Sign.CONFIRMED:
-            execution.doubt = None
+            progress.doubt = None
             if kind is ActivityKind.GOING_TO_POINT:
-                execution.points.add(_point(seen))
+                progress.points.add(_point(seen))
             if seen.is_status:
-                execution.heard = now
+                progress.heard = now
                 if _acknowledges(execution, seen.activity):
                     self._commands.begin(execution)
         elif isinstance(verdict, Outcome):
@@ -204,11 +204,11 @@ class DriveWatch:
             return
         if kind in STANDING:
             _doubt(stop, Outcome.SUCCEEDED, seen, now)
-        elif kind in MOVING and seen.activity != stop.shown_when_sent and not any(
+        elif kind in MOVING and seen.activity != stop.progress.shown_when_sent and not any(
                 _acknowledges(drive, seen.activity) for drive in self._commands.drives):
             _doubt(stop, Outcome.INTERRUPTED, seen, now)
         elif kind in MOVING:
-            stop.doubt = None
+            stop.progress.doubt = None
 
 
 def _judge(execution: Execution, seen: Observation, begun: bool) -> Verdict:
@@ -234,10 +234,10 @@ def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float
            begun: bool = True) -> None:
     broken_off = (isinstance(seen.activity.reply, replies.Interrupted) and not seen.is_status
                   and (not seen.activity.goal or not begun))
-    doubt = execution.doubt
+    doubt = execution.progress.doubt
     if doubt is None or (outcome is not doubt.outcome
                          and Outcome.SUCCEEDED in (outcome, doubt.outcome)):
-        execution.doubt = Doubt(outcome, seen.words, now, broken_off=broken_off)
+        execution.progress.doubt = Doubt(outcome, seen.words, now, broken_off=broken_off)
         return
     doubt.count += 1
     doubt.broken_off = doubt.broken_off or broken_off

@@ -239,14 +239,14 @@ class Drives:
         if other:
             return f'the robot has not answered {other.words} yet'
         newest = list(self._executions.values())[-1:]
-        if self._memory.drives and any(self.has_begun(e) and e.is_doubted for e in newest):
+        if self._memory.drives and any(self.has_begun(e) and e.progress.is_doubted for e in newest):
             return 'the robot may have been stopped by another client'
         return ''
 
     def may_send(self, execution: Execution) -> bool:
         """Whether a drive that was given may still be sent to the robot now."""
         return (not execution.known_epoch or not execution.command.spec.moves
-                or self.knows(execution.giver, execution.epoch))
+                or self.knows(execution.giver, execution.progress.epoch))
 
     def has_begun(self, execution: Execution) -> bool:
         """Whether the robot obeys a command, or has begun to answer it. It answers in the order of
@@ -273,7 +273,7 @@ class Drives:
             self._keep(self._records[-1])
         elif command.spec.stops:
             self._owe(giver, Cause.STOP, f'"stop" of {giver.name}', execution, execution.number)
-        execution.epoch = self._memory.epoch
+        execution.progress.epoch = self._memory.epoch
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
         """A giver cancels a drive; cancelling a drive that was replaced stops nothing."""
@@ -350,7 +350,7 @@ class Drives:
             event = Event.CALLED_BACK
         elif event is Event.EMERGENCY_STOP:
             self.note_emergency(words)
-            if execution.rejected_at is not None:
+            if execution.progress.rejected_at is not None:
                 event = Event.REFUSED
         self._happens(event, record)
         if event is Event.LOST and record.pending:
@@ -402,7 +402,8 @@ class Drives:
     def is_about_the_dock(self) -> bool:
         """Whether the robot docks or leaves its dock for a command of ours."""
         return any(e.command.spec.course in (Course.INTO_THE_DOCK, Course.OUT_OF_THE_DOCK)
-                   or e.set_out and not self.has_begun(e) for e in self._executions.values())
+                   or e.progress.set_out and not self.has_begun(e)
+                   for e in self._executions.values())
 
     def begins_late(self, goal: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""

@@ -93,7 +93,7 @@ def test_after_its_end_and_its_cancellation_a_drive_is_given_anew(outcome: Optio
     drive.given(execution)
     assert repeats(drive, 'goto 12')
     if outcome is None:
-        execution.cancel_requested = 1.0
+        execution.progress.cancel_requested = 1.0
     else:
         execution.end(outcome, '')
     assert not repeats(drive, 'goto 12')
