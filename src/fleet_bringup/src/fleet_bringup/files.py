@@ -10,9 +10,9 @@ import yaml
 
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.robot_entries import LD90, Entry
-from omron_ld90.converter.converter import ConversionError, ExistingGoals, Options, convert_file
-from omron_ld90.converter.fences import Fences
 from omron_map import MapError
+from omron_map_converter.converter import ConversionError, ExistingGoals, Options, convert_file
+from omron_map_converter.fences import Fences
 from trajectory_graph import Graph, save_graph
 
 

@@ -9,7 +9,7 @@ from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
-from omron_ld90.goal_names import goal_name
+from omron_map_converter.goal_names import goal_name
 from route_protocol.values import Phase, Reason, ReasonCode
 from route_protocol.vehicle import Vehicle
 from trajectory_graph import Graph

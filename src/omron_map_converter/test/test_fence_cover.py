@@ -9,11 +9,11 @@ from fence_builders import NO_WALLS, fenced, grid, quarter_turn, real_site_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.converter.converter import Options, convert
-from omron_ld90.converter.corridors import CorridorRules
-from omron_ld90.converter.fence_check import check_fences
-from omron_ld90.converter.fences import Fences
 from omron_map import MapDocument
+from omron_map_converter.converter import Options, convert
+from omron_map_converter.corridors import CorridorRules
+from omron_map_converter.fence_check import check_fences
+from omron_map_converter.fences import Fences
 from trajectory_graph import CurveType, Edge, Graph, Vertex, load_graph
 
 AISLE = graph_of([(1, 0.0, 0.0), (2, 6.0, 0.0)], [(1, 2)])

@@ -6,7 +6,8 @@ from converter_builders import LAB, graph_of, lab_generator, map_with, real_maps
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_ld90.converter.converter import (
+from omron_map import MapDocument, MapError, MapObject
+from omron_map_converter.converter import (
     Conversion,
     ConversionError,
     ExistingGoals,
@@ -15,9 +16,8 @@ from omron_ld90.converter.converter import (
     convert,
     convert_file,
 )
-from omron_ld90.converter.corridors import CorridorRules, corridors_of
-from omron_ld90.converter.fences import FENCE, Fences, is_fence
-from omron_map import MapDocument, MapError, MapObject
+from omron_map_converter.corridors import CorridorRules, corridors_of
+from omron_map_converter.fences import FENCE, Fences, is_fence
 from trajectory_graph import load_graph
 
 GRAPH = graph_of([(1, 0.0, 0.0), (2, 4.0, 0.0), (3, 8.0, 0.0)], [(1, 2), (2, 3)])

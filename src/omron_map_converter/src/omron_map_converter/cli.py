@@ -8,17 +8,17 @@ import argparse
 import sys
 from typing import Callable, List, Optional
 
-from omron_ld90.converter.converter import (
+from omron_map import MapDocument, MapError
+from omron_map_converter.converter import (
     Conversion,
     ConversionError,
     ExistingGoals,
     Options,
     convert_file,
 )
-from omron_ld90.converter.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
-from omron_ld90.converter.fences import Fences
-from omron_ld90.converter.picture import draw
-from omron_map import MapDocument, MapError
+from omron_map_converter.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
+from omron_map_converter.fences import Fences
+from omron_map_converter.picture import draw
 from trajectory_graph import TrajectoryGraphError, load_graph
 
 WIDEST = 10000.0  # mm

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Dict, List, Optional, Set, Tuple
 
-from omron_ld90.converter.corridors import CorridorRules, Corridors, corridors_of
-from omron_ld90.converter.fences import (
+from omron_map import MapDocument, MapObject
+from omron_map_converter.corridors import CorridorRules, Corridors, corridors_of
+from omron_map_converter.fences import (
     Fences,
     fence_objects,
     is_fence,
@@ -22,9 +23,8 @@ from omron_ld90.converter.fences import (
     notes_on_places,
     notes_on_walls,
 )
-from omron_ld90.converter.goals import dock_pose, places_of
-from omron_ld90.converter.obstacles import obstacle_points
-from omron_map import MapDocument, MapObject
+from omron_map_converter.goals import dock_pose, places_of
+from omron_map_converter.obstacles import obstacle_points
 from trajectory_graph import Graph, UnknownVertex
 
 
