@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import string
 from dataclasses import dataclass, field, replace
-from typing import Any, Dict, FrozenSet, Mapping, Optional, Tuple
+from typing import Any, Dict, FrozenSet, Mapping, Optional, Set, Tuple
 
 from vda5050_protocol.action_queue import Scope
 from vda5050_protocol.values import Action, BlockingType
@@ -170,14 +170,14 @@ def read_table(document: Any) -> Tuple[ActionSpec, ...]:
     actions = document.get('actions') if isinstance(document, dict) else None
     if not isinstance(actions, dict):
         raise WrongTable('it needs the key `actions:` with one entry per action type')
-    return tuple(_spec(str(name), line) for name, line in actions.items())
+    return tuple(_checked(_entry(str(name), line)) for name, line in actions.items())
 
 
 _KEYS = {'description', 'scopes', 'blocking', 'executed_as', 'parameters', 'cancellable',
          'moves', 'commands_motion', 'result', 'server', 'type', 'goal'}
 
 
-def _spec(name: str, line: Any) -> ActionSpec:
+def _entry(name: str, line: Any) -> ActionSpec:
     if not isinstance(line, dict) or not {'server', 'type', 'goal', 'scopes'} <= set(line):
         raise WrongTable(f'action {name} needs server, type, goal and scopes')
     if set(line) - _KEYS:
@@ -186,28 +186,36 @@ def _spec(name: str, line: Any) -> ActionSpec:
     try:
         parameters = tuple(Parameter(key, **values)
                            for key, values in (line.get('parameters') or {}).items())
-        call = Call(str(line['server']), str(line['type']), dict(line['goal']))
-        spec = ActionSpec(
+        return ActionSpec(
             name, str(line.get('description', '')),
             frozenset(Scope(scope) for scope in line['scopes']),
-            tuple(BlockingType(kind) for kind in line.get('blocking', [k.value for k in
-                                                                       BlockingType])),
+            tuple(map(BlockingType, line.get('blocking', BlockingType))),
             parameters, bool(line.get('cancellable', True)), bool(line.get('moves', False)),
             BlockingType(line['executed_as']) if 'executed_as' in line else None,
-            str(line.get('result', '')), bool(line.get('commands_motion', False)), call)
+            str(line.get('result', '')), bool(line.get('commands_motion', False)),
+            Call(str(line['server']), str(line['type']), dict(line['goal'])))
     except (TypeError, ValueError) as error:
         raise WrongTable(f'action {name}: {error}') from None
+
+
+def _checked(spec: ActionSpec) -> ActionSpec:
+    """Returns the entry if its parts agree with each other; raises WrongTable."""
     if spec.executed_as is not None and spec.executed_as not in spec.blocking:
-        raise WrongTable(f'action {name}: executed_as is {spec.executed_as.value}, which is not '
-                         'in its blocking')
-    for parameter in parameters:
+        raise WrongTable(f'action {spec.action_type}: executed_as is {spec.executed_as.value}, '
+                         'which is not in its blocking')
+    for parameter in spec.parameters:
         if parameter.type not in _TYPES:
-            raise WrongTable(f'action {name}: parameter {parameter.key} has type '
+            raise WrongTable(f'action {spec.action_type}: parameter {parameter.key} has type '
                              f'{parameter.type}; the types are {", ".join(_TYPES)}')
-    used = {field for value in call.goal.values() if isinstance(value, str)
-            for _, field, _, _ in string.Formatter().parse(value) if field is not None}
-    unknown = used - {parameter.key for parameter in parameters}
+    unknown = _arguments_in(spec.call) - {parameter.key for parameter in spec.parameters}
     if unknown:
-        raise WrongTable(f'action {name}: its goal uses {", ".join(sorted(unknown))}, which is not '
-                         'a parameter of the action')
+        raise WrongTable(f'action {spec.action_type}: its goal uses {", ".join(sorted(unknown))}, '
+                         'which is not a parameter of the action')
     return spec
+
+
+def _arguments_in(call: Optional[Call]) -> Set[str]:
+    """Returns the arguments that the goal of a call contains."""
+    values = call.goal.values() if call else ()
+    return {field for value in values if isinstance(value, str)
+            for _, field, _, _ in string.Formatter().parse(value) if field is not None}

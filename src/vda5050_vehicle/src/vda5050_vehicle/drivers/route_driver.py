@@ -233,7 +233,7 @@ class RouteDriver(Driver[RouteDrive]):
         self._set_along(said.pose)
         if self.drive_state.at_rest and not before.at_rest:
             self._set(rest_since=now)
-        self._look_at_orders(before, said, news, now)
+        self._judge_orders(before, said, news, now)
 
     def _look_for_lost_journal(self, said: RouteReport) -> None:
         """Marks numbers that are above all in the journal: it is an older one, or was lost."""
@@ -241,13 +241,11 @@ class RouteDriver(Driver[RouteDrive]):
         if said.master == ME and newest > known.number:
             self._set(protocol=replace(known, gap=(known.number, newest + 1)))
 
-    def _look_at_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float,
-                        ) -> None:
+    def _judge_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float) -> None:
         """Evaluates what the report changes about the orders."""
-        known = before.protocol
         is_ours = news.cause is EpochCause.OTHER_MASTER and said.master == ME
         by_others = news.cause in _BY_OTHERS and not is_ours
-        if by_others or not known.epoch:
+        if by_others or not before.protocol.epoch:
             self._set(epoch=said.epoch)
         if news.is_older:
             self.stop(now)
@@ -256,8 +254,13 @@ class RouteDriver(Driver[RouteDrive]):
                            'that is not in it')
         elif news.failed or news.refused:
             self._fail((news.failed or news.refused).text or 'the robot gave no reason')
-        elif news.cause is not None and (known.ahead and not known.is_stopping
-                                         or by_others and not before.at_rest):
+        elif news.cause is not None:
+            self._judge_epoch(before, said, by_others)
+
+    def _judge_epoch(self, before: RouteDrive, said: RouteReport, by_others: bool) -> None:
+        """Evaluates a new epoch: it ends a route, and a stop if others began it."""
+        known = before.protocol
+        if known.ahead and not known.is_stopping or by_others and not before.at_rest:
             why = said.reason.text if EdgeState.FAILED in said.states else ''
             self._fail(why or ('another program or person has driven or stopped the robot'
                                if by_others else 'the robot does not know its route any more'))
