@@ -16,7 +16,7 @@ def test_a_script_waits_for_seconds_and_for_the_base() -> None:
     def script() -> Script:
         yield 1.5
         seen.append((rig.clock.now, rig.robot.base.still))
-        rig.robot.set_course(0.0, 2000.0, None)
+        rig.robot.executive.set_course(0.0, 2000.0, None)
         yield STANDING
         seen.append((rig.robot.true_pose.distance_to(0.0, 2000.0) < 1.0, rig.robot.base.still))
 

@@ -86,7 +86,7 @@ def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
     while abs(rig.robot.base.rotation) < 30.0 or rig.robot.base.speed < 300.0:
         rig.clock.advance(rig.clock.now + STEP)
     start = rig.robot.base.speed
-    rig.robot.press_estop()
+    rig.robot.permission.press_estop()
     client.send('stop')  # a second stop must not weaken the first one
     steps = []
     while not rig.robot.base.still:

@@ -73,8 +73,8 @@ def _place(goal: MapObject, heading: Optional[float] = None
 
 def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Script:
     failed = f'Failed going to {name}'
-    robot.last_goal = name
-    if name.lower() in robot.failing_goals:
+    robot.tasks.last_goal = name
+    if name.lower() in robot.quirks.failing_goals:
         yield 1.0
         raise Failure('Failed going to goal', failed)
     yield from drive(robot, *_near(robot, x, y, heading), failed)
@@ -83,20 +83,22 @@ def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]
 def _near(robot: Robot, x: float, y: float, heading: Optional[float]
           ) -> Tuple[float, float, Optional[float]]:
     """The pose at which the robot stops for a goal: with an arrival error if there is room."""
-    distance, angle = robot.arrival_error
+    distance, angle = robot.quirks.arrival_error
     place = Pose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
         robot.random.uniform(0.0, distance))
     turned = robot.random.uniform(-angle, angle)
     if robot.base.still and robot.true_pose.distance_to(x, y) <= distance:
         place = robot.true_pose     # already near enough
-    if robot.floor.clearance_of(place.x, place.y) < robot.planner.turn_clearance:
+    clearance = robot.navigation.floor.clearance_of(place.x, place.y)
+    if clearance < robot.navigation.planner.turn_clearance:
         return x, y, heading
     return place.x, place.y, heading if heading is None else normalise(heading + turned)
 
 
 def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
     """Drives to a place, around obstacles."""
-    yield from _until_there(robot, x, y, heading, lambda: robot.set_course(x, y, heading), failed)
+    yield from _until_there(robot, x, y, heading,
+                            lambda: robot.executive.set_course(x, y, heading), failed)
 
 
 def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
@@ -134,7 +136,7 @@ def _straight_to(robot: Robot, x: float, y: float) -> None:
     if here.ahead(distance).distance_to(x, y) > distance:
         distance = -distance
     if abs(distance) >= ARRIVED_WITHIN:
-        robot.follow([straight_track(here, distance, limits, limits.docking_speed)])
+        robot.executive.follow([straight_track(here, distance, limits, limits.docking_speed)])
 
 
 def come_to_rest(robot: Robot) -> Script:
@@ -181,13 +183,13 @@ def dock(robot: Robot, station: MapObject) -> Activity:
         robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
         yield from drive(robot, station.x, station.y, station.theta, failed)
         robot.extended = 'Driving into dock'
-        inside = docked_pose(robot.floor, station)
+        inside = docked_pose(robot.navigation.floor, station)
         yield from straight_to(inside.x, inside.y)
 
     def script() -> Script:
         yield from drive_in()
-        while robot.failing_docks > 0:
-            robot.failing_docks -= 1
+        while robot.quirks.failing_docks > 0:
+            robot.quirks.failing_docks -= 1
             robot.docking.enter(DockingState.UNDOCKING, ChargeState.NOT)
             yield from straight_to(station.x, station.y)
             yield from drive_in()

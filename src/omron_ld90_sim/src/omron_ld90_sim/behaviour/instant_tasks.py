@@ -24,7 +24,7 @@ def set_fault(robot: Robot, fault: ApplicationFault) -> None:
     robot.equipment.faults[fault.name] = fault
     robot.announce(f'Fault: {fault}')
     if fault.driving:
-        robot.block('fault', fault.name)
+        robot.permission.block('fault', fault.name)
 
 
 def clear_fault(robot: Robot, name: str) -> bool:
@@ -35,7 +35,7 @@ def clear_fault(robot: Robot, name: str) -> bool:
     fault = robot.equipment.faults.pop(name, None)
     if fault is None:
         return False
-    freed = robot.unblock('fault', name) and robot.can_drive
+    freed = robot.permission.unblock('fault', name) and robot.can_drive
     robot.announce(f'FaultCleared: {fault}')
     if freed and robot.docking.state is DockingState.UNDOCKED:
         robot.announce('Stopping')
@@ -70,11 +70,11 @@ def _clear_fault(robot: Robot, task: Task) -> None:
 
 
 def _block(robot: Robot, task: Task) -> None:
-    robot.block('application', task.words[0])
+    robot.permission.block('application', task.words[0])
 
 
 def _unblock(robot: Robot, task: Task) -> None:
-    robot.unblock('application', task.words[0])
+    robot.permission.unblock('application', task.words[0])
 
 
 def _output(robot: Robot, task: Task, on: bool) -> None:
@@ -97,15 +97,15 @@ def _limit_speed(robot: Robot, task: Task, lasting: bool) -> None:
     speed = task.number(1)
     robot.navigation.speed_limit = speed if speed > 0 else None
     if lasting:
-        robot.speed_limit = robot.navigation.speed_limit
+        robot.quirks.speed_limit = robot.navigation.speed_limit
 
 
 def _enable_motors(robot: Robot, task: Task) -> None:
-    robot.enable_motors()
+    robot.permission.enable_motors()
 
 
 def _cancel_wait(robot: Robot, task: Task) -> None:
-    robot.waiting = ''
+    robot.tasks.waiting = ''
 
 
 INSTANT: Dict[str, InstantTask] = {

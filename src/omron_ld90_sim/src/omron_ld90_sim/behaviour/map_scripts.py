@@ -80,7 +80,7 @@ def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
         start = first
         while True:
             for index in range(start, len(route.goals)):
-                robot.patrol_places[route.name.lower()] = index
+                robot.tasks.patrol_places[route.name.lower()] = index
                 robot.status = text
                 goal = find_goal(robot.document, route.goals[index])
                 if goal is None:
@@ -88,7 +88,7 @@ def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
                 yield from activities.pass_goal(robot, goal)
                 for task in route.tasks.get(index, ()):
                     yield from tasks.script(robot, task)
-            robot.patrol_places.pop(route.name.lower(), None)
+            robot.tasks.patrol_places.pop(route.name.lower(), None)
             if once:
                 break
             start = 0

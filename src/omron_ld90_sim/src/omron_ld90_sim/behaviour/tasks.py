@@ -80,7 +80,7 @@ def _move(robot: Robot, task: Task) -> Script:
         here = robot.true_pose
         leg = _free_leg(robot, left, clearance)
         if leg:
-            robot.follow([straight_track(here, leg, robot.base.limits, speed)])
+            robot.executive.follow([straight_track(here, leg, robot.base.limits, speed)])
             yield STANDING
         driven = here.distance_to(robot.true_pose.x, robot.true_pose.y)
         if driven >= 1.0:
@@ -101,7 +101,8 @@ def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
     wanted = math.copysign(min(abs(distance), LONGEST_LEG), distance)
 
     def is_free(leg: float) -> bool:
-        return robot.planner.straight_is_free(here, math.copysign(leg, wanted), obstacles)
+        return robot.navigation.planner.straight_is_free(
+            here, math.copysign(leg, wanted), obstacles)
 
     if is_free(abs(wanted)):
         return wanted
@@ -115,9 +116,9 @@ def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
 def _turn(robot: Robot, turn: Callable[[], Turn]) -> Script:
     yield from activities.come_to_rest(robot)
     yield from activities.leave_dock(robot)
-    if not robot.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
+    if not robot.navigation.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
         raise Failure('Failed to turn', 'Failed to turn')
-    robot.follow([turn()])
+    robot.executive.follow([turn()])
     yield STANDING
 
 
@@ -149,33 +150,33 @@ def _go_to_goal(robot: Robot, task: Task) -> Script:
 
 def _wait(robot: Robot, task: Task) -> Script:
     seconds = max(task.number(0), 0.0)
-    robot.waiting = ''.join(task.words[1:2]) or 'Waiting'
-    robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.waiting}"')
+    robot.tasks.waiting = ''.join(task.words[1:2]) or 'Waiting'
+    robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.tasks.waiting}"')
     try:
         end = robot.clock.now + seconds
-        while robot.clock.now < end and robot.waiting:
+        while robot.clock.now < end and robot.tasks.waiting:
             yield max(min(end - robot.clock.now, 0.1), 0.001)
-        robot.announce('WaitState: Waiting completed' if robot.waiting
+        robot.announce('WaitState: Waiting completed' if robot.tasks.waiting
                        else 'WaitState: Waiting cancelled')
     except GeneratorExit:
         robot.announce('WaitState: Waiting interrupted')
         raise
     finally:
-        robot.waiting = ''
+        robot.tasks.waiting = ''
 
 
 def _pause(robot: Robot, task: Task) -> Script:
-    robot.pausing = True
+    robot.tasks.pausing = True
     robot.announce('PauseTask: pausing')
     try:
-        while robot.pausing:
+        while robot.tasks.pausing:
             yield 0.1
         robot.announce('PauseTask: cancelled')
     except GeneratorExit:
         robot.announce('PauseTask: interrupted')
         raise
     finally:
-        robot.pausing = False
+        robot.tasks.pausing = False
 
 
 def _say(robot: Robot, task: Task) -> Script:

@@ -82,7 +82,7 @@ class Autonomy:
         required = self._server.configuration.flag(OUTGOING, 'RequireConnectionToPathPlan')
         linked = any(session.outgoing for session in self._server.sessions)
         if required and not linked:
-            if NO_LINK not in self._robot.blocked_by:
-                self._robot.block(*NO_LINK)
+            if NO_LINK not in self._robot.permission.blocked_by:
+                self._robot.permission.block(*NO_LINK)
         else:
-            self._robot.unblock(*NO_LINK)
+            self._robot.permission.unblock(*NO_LINK)

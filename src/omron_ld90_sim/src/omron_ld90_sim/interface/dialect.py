@@ -91,11 +91,11 @@ def _goals(dialect: Dialect, robot: Robot, text: str) -> None:
 
 
 def _interrupted(dialect: Dialect, robot: Robot, text: str) -> None:
-    robot.interrupted_words = InterruptedWords(text)
+    robot.quirks.interrupted_words = InterruptedWords(text)
 
 
 def _replacing(dialect: Dialect, robot: Robot, text: str) -> None:
-    robot.stops_to_replace = {'silent': False, 'stopping': True}[text]
+    robot.quirks.stops_to_replace = {'silent': False, 'stopping': True}[text]
 
 
 def _unknown(dialect: Dialect, robot: Robot, text: str) -> None:

@@ -10,7 +10,6 @@ import sys
 from typing import Callable, Dict, Iterable, Tuple
 
 from omron_ld90_sim.behaviour import activities
-from omron_ld90_sim.behaviour.states import Motors
 from omron_ld90_sim.behaviour.task import find_goal
 from omron_ld90_sim.interface import numbers
 from omron_ld90_sim.interface.configuration_table import DOCKING
@@ -83,14 +82,15 @@ class Faults:
 
         The emergency stop button; after its release the motors stay off until enableMotors.
         """
-        {'press': self._robot.press_estop, 'release': self._robot.release_estop}[action]()
+        permission = self._robot.permission
+        {'press': permission.press_estop, 'release': permission.release_estop}[action]()
 
     def motors(self, action: str) -> None:
         """motors off
 
         Motors off without the emergency stop; enableMotors switches them on.
         """
-        {'off': lambda: self._robot.cut_motors(Motors.DISABLED)}[action]()
+        {'off': lambda: self._robot.permission.cut_motors()}[action]()
 
     def push(self, x: str, y: str, turn: str = '') -> None:
         """push X_MM Y_MM [HEADING_DEG]
@@ -133,21 +133,21 @@ class Faults:
 
         The next drives to that goal end in `Error: Failed going to goal`; see mend.
         """
-        self._robot.failing_goals.add(_name(goal))
+        self._robot.quirks.failing_goals.add(_name(goal))
 
     def mend(self, *goal: str) -> None:
         """mend GOAL
 
         The goal can be reached again.
         """
-        self._robot.failing_goals.discard(_name(goal))
+        self._robot.quirks.failing_goals.discard(_name(goal))
 
     def faildock(self, times: str = '1') -> None:
         """faildock [TIMES]
 
         This number of next drives into a dock misses the charger: the robot backs out and retries.
         """
-        self._robot.failing_docks = int(numbers.number(times, 0, 100))
+        self._robot.quirks.failing_docks = int(numbers.number(times, 0, 100))
 
     def battery(self, percent: str) -> None:
         """battery PERCENT

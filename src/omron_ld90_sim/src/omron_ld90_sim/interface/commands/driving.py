@@ -14,12 +14,12 @@ LOCALIZING = 1.0    # s between the two lines of localizeToPoint
 def check_drivable(call: Call) -> None:
     """Refuses a driving command if the motors are off, the robot is lost, or driving is blocked."""
     robot = call.robot
-    if robot.motors is not Motors.ENABLED:
-        raise CommandFailed(robot.motors.value)
-    if robot.lost:
+    if robot.permission.motors is not Motors.ENABLED:
+        raise CommandFailed(robot.permission.motors.value)
+    if robot.localization.lost:
         raise CommandFailed('Robot lost')
-    if robot.blocked_by:
-        _, name = robot.blocked_by[0]
+    if robot.permission.blocked_by:
+        _, name = robot.permission.blocked_by[0]
         raise CommandFailed(f'Driving blocked by {name}')
 
 
@@ -103,14 +103,14 @@ def query_dock_status(call: Call) -> None:
 @command('enableMotors', 'Enables the motors so the robot can drive again')
 def enable_motors(call: Call) -> None:
     """Switches the motors on again; the answers are those of ARCL manual I617-E-02 p. 79."""
-    call.reply('Motors are enabled' if call.robot.enable_motors()
+    call.reply('Motors are enabled' if call.robot.permission.enable_motors()
                else 'Estop pressed cannot enable motors')
 
 
 @command('queryMotors', 'Queries the state of the motors')
 def query_motors(call: Call) -> None:
     """Answers the motors' state."""
-    call.reply(call.robot.motors.value)
+    call.reply(call.robot.permission.motors.value)
 
 
 @command('localizeToPoint', 'Localizes to a point', '<X> <Y> <T> [xySpread angleSpread]', 3)
@@ -157,7 +157,7 @@ def distance_from_here(call: Call) -> None:
 
 def _length(call: Call, start: Pose, goal: MapObject) -> float:
     try:
-        return call.robot.planner.plan(start, goal.x, goal.y).length
+        return call.robot.navigation.planner.plan(start, goal.x, goal.y).length
     except NoWay as error:
         raise CommandFailed('Cannot find path') from error
 
@@ -166,11 +166,11 @@ def _length(call: Call, start: Pose, goal: MapObject) -> float:
          '<name> <shortDesc> <longDesc>', 3, 'abds')
 def block_driving(call: Call) -> None:
     """Forbids driving and cancels a drive; no source describes an answer."""
-    call.robot.block('application', call.arguments[0])
+    call.robot.permission.block('application', call.arguments[0])
 
 
 @command('applicationBlockDrivingClear', 'Clears an application blockDriving', '<name>', 1, 'abdc')
 def unblock_driving(call: Call) -> None:
     """Allows driving again."""
-    if not call.robot.unblock('application', call.arguments[0]):
+    if not call.robot.permission.unblock('application', call.arguments[0]):
         raise CommandFailed(f"No block '{call.arguments[0]}'")

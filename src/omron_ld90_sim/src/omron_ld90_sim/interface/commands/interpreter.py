@@ -42,7 +42,7 @@ def _variables(server: ArclServer) -> Dict[str, str]:
     """
     robot, now = server.robot, server.wall_time()
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
-    values = {'g': robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
+    values = {'g': robot.tasks.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
               'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
               'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}', 'Y': f'{y}'}
     return {**{name.lower(): value for name, value in values.items()}, **values}

@@ -62,14 +62,14 @@ def _echo(call: Call, index: int) -> str:
 
 
 def _status(robot: Robot) -> Tuple[str, str]:
-    if robot.motors in (Motors.ESTOP, Motors.RELIEVED):
+    if robot.permission.motors in (Motors.ESTOP, Motors.RELIEVED):
         return 'UnAvailable', 'EStopPressed'
-    if robot.motors is Motors.DISABLED:
+    if robot.permission.motors is Motors.DISABLED:
         return 'UnAvailable', 'MotorsDisabled'
-    if robot.lost:
+    if robot.localization.lost:
         return 'UnAvailable', 'Lost'
-    if robot.blocked_by:
-        kind, name = robot.blocked_by[0]
+    if robot.permission.blocked_by:
+        kind, name = robot.permission.blocked_by[0]
         return 'UnAvailable', name if kind == 'link' else 'FaultDriving'
     if robot.activity is not None:
         return 'InProgress', 'Driving'

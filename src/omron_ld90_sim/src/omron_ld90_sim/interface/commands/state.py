@@ -20,7 +20,7 @@ INFOS: Dict[str, Callable[[Robot], object]] = {
     'HourMeter': lambda robot: int(robot.clock.now / 3600.0),
     'Temperature(C)': lambda robot: TEMPERATURE,
     'LaserScore': lambda robot: round(robot.localization.score * 100.0),
-    'LaserLock': lambda robot: int(not robot.lost),
+    'LaserLock': lambda robot: int(not robot.localization.lost),
     'LaserNumSamples': lambda robot: 2000,
     'LaserNumPeaks': lambda robot: 1,
     'MPacs': lambda robot: 10,

@@ -68,7 +68,7 @@ def list_execute(call: Call) -> None:
 @command('waitTaskState', 'Gets the state of the wait task')
 def wait_task_state(call: Call) -> None:
     """Answers the state of the wait task."""
-    status = call.robot.waiting
+    status = call.robot.tasks.waiting
     call.reply(f'WaitState: Waiting with status "{status}"' if status
                else 'WaitState: Not waiting')
 
@@ -76,8 +76,8 @@ def wait_task_state(call: Call) -> None:
 @command('waitTaskCancel', 'Cancels the wait task')
 def wait_task_cancel(call: Call) -> None:
     """Ends a running wait; an announcement informs all clients."""
-    if call.robot.waiting:
-        call.robot.waiting = ''
+    if call.robot.tasks.waiting:
+        call.robot.tasks.waiting = ''
     else:
         call.reply('WaitState: Not waiting')
 
@@ -85,14 +85,14 @@ def wait_task_cancel(call: Call) -> None:
 @command('pauseTaskState', 'Gets the state of the pause task')
 def pause_task_state(call: Call) -> None:
     """Answers the state of the pause task."""
-    call.reply('PauseTask: pausing' if call.robot.pausing else 'PauseTask: not pausing')
+    call.reply('PauseTask: pausing' if call.robot.tasks.pausing else 'PauseTask: not pausing')
 
 
 @command('pauseTaskCancel', 'Cancels the pause task')
 def pause_task_cancel(call: Call) -> None:
     """Ends a running pause; an announcement informs all clients."""
-    if call.robot.pausing:
-        call.robot.pausing = False
+    if call.robot.tasks.pausing:
+        call.robot.tasks.pausing = False
     else:
         call.reply('PauseTask: not pausing')
 
@@ -160,7 +160,7 @@ def patrol_once(call: Call) -> None:
 def patrol_resume(call: Call) -> None:
     """Continues a route that was stopped."""
     route = _route(call, call.text)
-    first = call.robot.patrol_places.get(route.name.lower(), 0)
+    first = call.robot.tasks.patrol_places.get(route.name.lower(), 0)
     check_drivable(call)
     call.robot.start(map_scripts.patrol(call.robot, route, once=True, first=first))
 
