@@ -4,7 +4,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Callable, List, Tuple
 
-from omron_ld90_sim.behaviour.states import Motors
+from omron_ld90_sim.behaviour.states import MotorState
 
 
 class PermissionChange(Enum):
@@ -21,14 +21,14 @@ class DrivePermission:
     """The state of the motors, and what forbids driving: (kind, name) of each reason."""
 
     def __init__(self, changed: Callable[[PermissionChange], None]) -> None:
-        self.motors = Motors.ENABLED
+        self.motors = MotorState.ENABLED
         self.blocked_by: List[Tuple[str, str]] = []
         self._changed = changed
 
     @property
     def granted(self) -> bool:
         """Whether the motors are on, and nothing blocks the robot."""
-        return self.motors is Motors.ENABLED and not self.blocked_by
+        return self.motors is MotorState.ENABLED and not self.blocked_by
 
     def block(self, kind: str, name: str) -> None:
         """Forbids driving from now on; the activity ends."""
@@ -46,24 +46,24 @@ class DrivePermission:
 
     def press_estop(self) -> None:
         """Presses the emergency stop button: motors off, the activity has ended."""
-        self.cut_motors(Motors.ESTOP)
+        self.cut_motors(MotorState.ESTOP)
 
-    def cut_motors(self, motors: Motors = Motors.DISABLED) -> None:
+    def cut_motors(self, motors: MotorState = MotorState.DISABLED) -> None:
         """Motors off: the activity has ended, and nothing is resumed."""
         self.motors = motors
         self._changed(PermissionChange.MOTORS_CUT)
 
     def release_estop(self) -> None:
         """Releases the button; the motors stay off."""
-        if self.motors is Motors.ESTOP:
-            self.motors = Motors.RELIEVED
+        if self.motors is MotorState.ESTOP:
+            self.motors = MotorState.RELIEVED
             self._changed(PermissionChange.BUTTON_RELEASED)
 
     def enable_motors(self) -> bool:
         """Switches the motors on; False while the button is pressed."""
-        if self.motors is Motors.ESTOP:
+        if self.motors is MotorState.ESTOP:
             return False
-        if self.motors is not Motors.ENABLED:
-            self.motors = Motors.ENABLED
+        if self.motors is not MotorState.ENABLED:
+            self.motors = MotorState.ENABLED
             self._changed(PermissionChange.MOTORS_ENABLED)
         return True

@@ -31,22 +31,22 @@ from omron_ld90_sim.behaviour.executive import Executive
 from omron_ld90_sim.behaviour.permission import DrivePermission, PermissionChange
 from omron_ld90_sim.behaviour.state_times import StateTimes, WorkState
 from omron_ld90_sim.behaviour.states import (
-    Activity,
-    DockingState,
-    Failure,
+    ActivityFailure,
+    DockingPhase,
     InterruptedWords,
-    Motors,
+    MotorState,
+    ScriptedActivity,
 )
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.devices import laser
 from omron_ld90_sim.devices.battery import ChargeState
 from omron_ld90_sim.devices.equipment import Equipment
 from omron_ld90_sim.devices.localization import FOUND_WITHIN, Localization
-from omron_ld90_sim.devices.odometer import Odometer
+from omron_ld90_sim.devices.odometer import SimOdometer
 from omron_ld90_sim.devices.scanner import Scanner
 from omron_ld90_sim.motion.base import Base
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose, normalise
 from omron_ld90_sim.motion.navigation import Navigation
 from omron_ld90_sim.motion.places import docked_pose, start_places
 from omron_map import MapDocument
@@ -86,14 +86,14 @@ class TaskState:
     patrol_places: Dict[str, int] = field(default_factory=dict)
 
 
-class Robot:
+class SimRobot:
     """One simulated LD-90 without its interface; lengths in mm, angles in degrees.
 
     It has many attributes because it puts the parts of a robot together: each is one part.
     """
 
-    def __init__(self, clock: Clock, document: MapDocument, floor: Floor, start: Optional[Pose],
-                 seed: int = 0, battery: float = 100.0,
+    def __init__(self, clock: SimClock, document: MapDocument, floor: SimFloor,
+                 start: Optional[SimPose], seed: int = 0, battery: float = 100.0,
                  announce: Callable[[str], None] = lambda line: None,
                  arrival_error: Tuple[float, float] = (0.0, 0.0)) -> None:
         self.clock, self.announce = clock, announce
@@ -108,7 +108,7 @@ class Robot:
         self.document = document
         self.base = Base(start or start_places(document, floor, [None])[0])
         self.docking = Docking(clock, self.base, battery, self._docking_changed)
-        self.odometer = Odometer(self.base, clock)
+        self.odometer = SimOdometer(self.base, clock)
         self.state_times = StateTimes(clock, self.base)
         self.navigation = Navigation(self.base, floor)
         self.executive = Executive(clock, self.navigation, self.docking.update, self._failed)
@@ -116,7 +116,7 @@ class Robot:
 
     # -- the world ---------------------------------------------------------------------------
 
-    def load_map(self, document: MapDocument, floor: Floor) -> None:
+    def load_map(self, document: MapDocument, floor: SimFloor) -> None:
         """Loads another map; the robot stays where it is."""
         self.document = document
         self.navigation.change_floor(floor)
@@ -133,12 +133,12 @@ class Robot:
                 self._at_rest()
 
     @property
-    def true_pose(self) -> Pose:
+    def true_pose(self) -> SimPose:
         """The true pose of the body."""
         return self.base.pose
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> SimPose:
         """The pose that the robot believes and reports."""
         return self.localization.believed(self.base.pose)
 
@@ -148,30 +148,30 @@ class Robot:
                                  self.navigation.outlines(laser.RANGE))
 
     def _docking_changed(self) -> None:
-        if self.docking.state is not DockingState.UNDOCKED:
+        if self.docking.state is not DockingPhase.UNDOCKED:
             self.status = self.docking.line
         self._note_state()
         self.announce(self.docking.line)
 
     def _note_state(self) -> None:
         """Updates the state whose times the data store counts."""
-        if self.permission.motors in (Motors.ESTOP, Motors.RELIEVED):
+        if self.permission.motors in (MotorState.ESTOP, MotorState.RELIEVED):
             state: Optional[WorkState] = WorkState.IN_ESTOP
         elif any(kind == 'fault' for kind, _ in self.permission.blocked_by):
             state = WorkState.IN_FAULT
         else:
-            state = {DockingState.DOCKING: WorkState.DOCKING,
-                     DockingState.DOCKED: WorkState.DOCKED}.get(self.docking.state)
+            state = {DockingPhase.DOCKING: WorkState.DOCKING,
+                     DockingPhase.DOCKED: WorkState.DOCKED}.get(self.docking.state)
         self.state_times.enter(state)
 
     # -- activities --------------------------------------------------------------------------
 
     @property
-    def activity(self) -> Optional[Activity]:
+    def activity(self) -> Optional[ScriptedActivity]:
         """The present activity, if any."""
         return self.executive.activity
 
-    def start(self, activity: Activity) -> None:
+    def start(self, activity: ScriptedActivity) -> None:
         """Replaces the activity. The base brakes, unless the new one sets a course at once."""
         if self._interrupt() and self.quirks.stops_to_replace:
             self.announce('Stopping')
@@ -194,21 +194,21 @@ class Robot:
         self._give_up_docking()
 
     def _give_up_docking(self) -> None:
-        if self.docking.state in (DockingState.DOCKING, DockingState.UNDOCKING):
-            self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        if self.docking.state in (DockingPhase.DOCKING, DockingPhase.UNDOCKING):
+            self.docking.enter(DockingPhase.UNDOCKED, ChargeState.NOT)
 
-    def _failed(self, failure: Failure) -> None:
+    def _failed(self, failure: ActivityFailure) -> None:
         self._give_up_docking()
         self.status = self.extended = failure.status
         self.announce(f'Error: {failure}')
 
     def _at_rest(self) -> None:
         """Sets the status of a robot without an activity."""
-        if self.permission.motors is not Motors.ENABLED:
+        if self.permission.motors is not MotorState.ENABLED:
             self.status = self.extended = self.permission.motors.value
         elif self.localization.lost:
             self.status = self.extended = 'Robot lost'
-        elif self.docking.state is DockingState.DOCKED:
+        elif self.docking.state is DockingPhase.DOCKED:
             self.status, self.extended = self.docking.line, 'Docked'
         else:
             self.status = self.extended = 'Stopped'
@@ -259,20 +259,20 @@ class Robot:
         if self.activity is not None:
             self.stop()
 
-    def push(self, pose: Pose) -> None:
+    def push(self, pose: SimPose) -> None:
         """A person pushes the robot to `pose`, with the motors switched off.
 
         The robot stays localized.
         """
         self.permission.cut_motors()
-        if self.docking.state is not DockingState.UNDOCKED:
-            self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        if self.docking.state is not DockingPhase.UNDOCKED:
+            self.docking.enter(DockingPhase.UNDOCKED, ChargeState.NOT)
         self.base.put(pose)
         self._at_rest()
 
     # -- localization ------------------------------------------------------------------------
 
-    def localize(self, pose: Pose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
+    def localize(self, pose: SimPose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
         """Searches for itself around `pose`; the robot is lost if it is not there."""
         self.localization.search(pose, self.base.pose, spread)
         if self.localization.lost:
@@ -280,7 +280,7 @@ class Robot:
         elif self.status == 'Robot lost':
             self._at_rest()
 
-    def lose(self, error: Pose) -> None:
+    def lose(self, error: SimPose) -> None:
         """Makes the believed pose wrong by `error`, and ends the activity."""
         self.localization.error = error
         self._end_as_lost()

@@ -6,7 +6,7 @@ ARCL connection setup` of the configuration switch them on.
 from __future__ import annotations
 
 from omron_ld90_sim.behaviour import activities
-from omron_ld90_sim.behaviour.states import DockingState
+from omron_ld90_sim.behaviour.states import DockingPhase
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.devices.battery import ChargeState
 from omron_ld90_sim.interface.configuration_table import DOCKING, OUTGOING
@@ -38,7 +38,7 @@ class Autonomy:
         if robot.activity is not None or not robot.base.still:
             self._idle_since = self._server.clock.now
         self._need_link()
-        if robot.docking.state is DockingState.DOCKED:
+        if robot.docking.state is DockingPhase.DOCKED:
             self._leave_when_full()
         elif robot.docking.percent <= 0.0:
             self._give_out()

@@ -9,8 +9,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Deque, Dict, List, Optional, TextIO
 
-from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.clock import SimClock
+from omron_ld90_sim.interface.configuration import RobotConfiguration
 from omron_ld90_sim.interface.configuration_table import default_configuration
 from omron_ld90_sim.interface.session import HIDDEN, said
 
@@ -67,10 +67,10 @@ def read_log(lines: List[str]) -> List[Transfer]:
     return transfers
 
 
-class SessionLog:
+class SessionRecording:
     """Writes every transfer of one robot to a file, as it happens."""
 
-    def __init__(self, clock: Clock, file: TextIO) -> None:
+    def __init__(self, clock: SimClock, file: TextIO) -> None:
         self._clock, self._file = clock, file
 
     def __call__(self, connection: int, direction: str, line: bytes) -> None:
@@ -150,8 +150,8 @@ class ReplaySession:
 class ReplayServer:
     """Plays back a recording instead of a robot; further connections get the first one's script."""
 
-    def __init__(self, clock: Clock, transfers: List[Transfer],
-                 configuration: Optional[Configuration] = None) -> None:
+    def __init__(self, clock: SimClock, transfers: List[Transfer],
+                 configuration: Optional[RobotConfiguration] = None) -> None:
         self.clock, self.configuration = clock, configuration or default_configuration()
         self.online = self.accepting = self.outgoing_wanted = True
         self.sessions: List[ReplaySession] = []

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Deque, Optional, Protocol, Tuple
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 
 MAX_COMMAND = 5000
@@ -28,7 +28,7 @@ def said(line: bytes) -> bytes:
     return _TELNET.sub(b'', line).strip(BLANK)
 
 
-class Phase(Enum):
+class LoginPhase(Enum):
     """The phase of a session."""
 
     LOGIN = 'login'
@@ -45,10 +45,10 @@ class Impairment:
     half_line: Optional[float] = None   # s: the next line is cut, its rest comes this much later
 
 
-class Host(Protocol):
+class SessionHost(Protocol):
     """The interface that a session needs of its server."""
 
-    clock: Clock
+    clock: SimClock
     password: str
     impairment: Impairment
     dialect: Dialect
@@ -66,13 +66,13 @@ class Host(Protocol):
 class SimSession:
     """One connection of a client, or the robot's own outgoing one."""
 
-    def __init__(self, server: Host, number: int, outgoing: bool = False) -> None:
+    def __init__(self, server: SessionHost, number: int, outgoing: bool = False) -> None:
         self.server, self.number, self.outgoing = server, number, outgoing
         self.output = bytearray()
         self.echo: Optional[bool] = None        # None until it is set: see _echo_typed
         self.task_list: Optional[list] = None   # the list that listAdd extends
         self.aborted = False            # it ends with RST, and queued lines are lost
-        self.phase = Phase.OPEN if outgoing else Phase.LOGIN
+        self.phase = LoginPhase.OPEN if outgoing else LoginPhase.LOGIN
         self.last_received = server.clock.now
         self._input = b''               # an incomplete line
         self._echoed = 0                # number of its bytes that were echoed
@@ -84,7 +84,7 @@ class SimSession:
     @property
     def closed(self) -> bool:
         """Whether the session has ended; queued bytes are still sent."""
-        return self.phase is Phase.CLOSED
+        return self.phase is LoginPhase.CLOSED
 
     @property
     def finished(self) -> bool:
@@ -99,7 +99,7 @@ class SimSession:
         self.server.log(self.number, 'S', data)
         data += b'\r\n'
         fault = self.server.impairment
-        if fault.half_line is not None and self.phase is Phase.OPEN:
+        if fault.half_line is not None and self.phase is LoginPhase.OPEN:
             half, rest, fault.half_line = len(data) // 2, fault.half_line, None
             self._put(data[:half])
             self._put(data[half:], rest)
@@ -126,7 +126,7 @@ class SimSession:
         if abort:
             self.output.clear()
             self._held.clear()
-        self.phase = Phase.CLOSED
+        self.phase = LoginPhase.CLOSED
         self.server.forget(self)
 
     def receive(self, data: bytes) -> None:
@@ -161,7 +161,7 @@ class SimSession:
     def _take(self, line: bytes) -> None:
         if not line:
             return
-        if self.phase is Phase.LOGIN:
+        if self.phase is LoginPhase.LOGIN:
             self.server.log(self.number, 'C', HIDDEN)
             self._log_in(line)
         else:
@@ -175,7 +175,7 @@ class SimSession:
         if not hmac.compare_digest(password, self.server.password.encode()):
             self.close()
             return
-        self.phase = Phase.OPEN
+        self.phase = LoginPhase.OPEN
         for line in self.server.dialect.welcome:
             self.send(line)
         if self.server.dialect.help_layout is not HelpLayout.NONE:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import re
 from typing import Dict
 
-from omron_ld90_sim.interface.commands.table import TABLE, Call, CommandFailed, SetUpError
+from omron_ld90_sim.interface.commands.table import TABLE, CommandCall, CommandFailed, NotReady
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import SimSession
 
@@ -21,7 +21,7 @@ def execute(server: ArclServer, session: SimSession, line: str) -> None:
         session.send(f'Unknown command {name}' if server.dialect.names_unknown
                      else 'Unknown command')
         return
-    call = Call(server, session, line, rest)
+    call = CommandCall(server, session, line, rest)
     if len(call.arguments) < row.required:
         session.send(f'usage: {row.usage}')
         return
@@ -30,7 +30,7 @@ def execute(server: ArclServer, session: SimSession, line: str) -> None:
     except CommandFailed as failure:
         session.send(f'CommandError: {line}')
         session.send(f'CommandErrorDescription: {failure}')
-    except SetUpError as failure:
+    except NotReady as failure:
         session.send(f'SetUpError: {failure}')
 
 
