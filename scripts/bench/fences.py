@@ -21,7 +21,7 @@ from fence_builders import grid, real_site_graph  # noqa: E402
 from measuring.tables import print_table  # noqa: E402
 
 from omron_map import MapDocument  # noqa: E402
-from omron_map_converter.converter import Options, convert  # noqa: E402
+from omron_map_converter.converter import ConversionOptions, convert  # noqa: E402
 from omron_map_converter.corridors import CorridorRules, corridors_of  # noqa: E402
 from omron_map_converter.fence_check import check_fences  # noqa: E402
 from omron_map_converter.fences import Fences, fence_objects, is_fence  # noqa: E402
@@ -73,7 +73,7 @@ def measure(case: Case) -> List[str]:
 
     def conversion() -> bytes:
         document = MapDocument.from_bytes(case.base)
-        convert(case.graph, document, Options(case.dock, fences=case.kind))
+        convert(case.graph, document, ConversionOptions(case.dock, fences=case.kind))
         return document.to_bytes()
 
     fences = fence()

@@ -8,7 +8,7 @@ from arcl_builders import DOCK, Conversation, outcome
 
 from omron_arcl import ActivityKind, Execution, Outcome
 from omron_arcl import drive_watch as watch
-from omron_arcl.commands import Course
+from omron_arcl.commands import DriveCourse
 
 
 @pytest.fixture
@@ -395,10 +395,10 @@ def test_a_judgement_decides_and_nothing_else_stands_for_it(row, monkeypatch):
     assert sight(Conversation(), *SIGHTS[row.name]) != expected
 
 
-BEGUN = {Course.TO_A_PLACE: ('gotoPoint 1 2', ('Going to point',)),
-         Course.INTO_THE_DOCK: ('dock', (DOCK[1],)),
-         Course.OUT_OF_THE_DOCK: ('undock', (UNDOCKING,)),
-         Course.OF_TASKS: ('doTask wait 9', ('Doing task wait 9',))}
+BEGUN = {DriveCourse.TO_A_PLACE: ('gotoPoint 1 2', ('Going to point',)),
+         DriveCourse.INTO_THE_DOCK: ('dock', (DOCK[1],)),
+         DriveCourse.OUT_OF_THE_DOCK: ('undock', (UNDOCKING,)),
+         DriveCourse.OF_TASKS: ('doTask wait 9', ('Doing task wait 9',))}
 KINDS = ActivityKind
 TEXTS = {
     KINDS.STOPPED: 'Stopped', KINDS.STOPPING: 'Stopping', KINDS.GOING_TO_GOAL: 'Going to 77',

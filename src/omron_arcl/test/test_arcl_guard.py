@@ -6,7 +6,7 @@ from drive_bench import ROUTE, Bench
 
 from omron_arcl import HelpList, InvalidCommand, parse_command
 from omron_arcl.guard import Guard, is_unlisted
-from omron_arcl.records import Memory, Motion, MotionState
+from omron_arcl.records import DriveMemory, MotionState, RobotMotion
 
 
 @pytest.fixture
@@ -95,7 +95,7 @@ LOCALIZE = ('localizeToPoint 1 2 3', 'localizeAtGoal 12', 'LocalizeToPoint 1 2 3
 @pytest.mark.parametrize('state', [MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING,
                                    MotionState.UNDOCKING])
 def test_a_robot_that_drives_is_not_localized(guard, text, state):
-    guard.motion = Motion(Memory(0), state)
+    guard.motion = RobotMotion(DriveMemory(0), state)
     assert 'the robot drives: stop it first' in reason(guard, text)
     passes(guard, 'goto 12')
 
@@ -104,7 +104,7 @@ def test_a_robot_that_drives_is_not_localized(guard, text, state):
 @pytest.mark.parametrize('state', [MotionState.STANDING, MotionState.DOCKED, MotionState.UNKNOWN,
                                    MotionState.MANUAL])
 def test_a_robot_that_stands_or_that_a_person_drives_is_localized(guard, text, state):
-    guard.motion = Motion(Memory(0), state)
+    guard.motion = RobotMotion(DriveMemory(0), state)
     passes(guard, text)
 
 

@@ -2,8 +2,8 @@
 
 The robot answers in the order of sending, and its lines carry no id. Only their text, and what the
 robot did before, connect them with a command. A line may concern several parts of this program
-(`Part`); in each part the first row that holds decides. A row that ends, acknowledges or continues
-commands finds them among those that were sent. `drives` keeps what follows from that, and
+(`LinePart`); in each part the first row that holds decides. A row that ends, acknowledges or
+continues commands finds them among those that were sent. `drives` keeps what follows from that, and
 `drive_watch` judges drives by the robot's activity where no line names them.
 
 Sources are pages of OMRON's ARCL manual I617-E-01, or of I617-E-02 where that is named. `observed`:
@@ -20,12 +20,12 @@ from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, T
 from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Course, Predicate
+from omron_arcl.commands import DriveCourse, Predicate
 from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.parser import parse_line
-from omron_arcl.records import Cause
+from omron_arcl.records import MotionCause
 from omron_arcl.replies import Reply, coordinates
 from omron_arcl.secret import redact_passwords
 
@@ -36,8 +36,8 @@ _EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
 _ABOUT_DRIVING = re.compile(r'\b(path|goal|plan|route|drive|driving|reach|dock)\b', re.IGNORECASE)
 _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
 # Activities that some robots report with a word of their own instead of a docking state.
-_IN_WORDS = {ActivityKind.DOCKING: Course.INTO_THE_DOCK,
-             ActivityKind.UNDOCKING: Course.OUT_OF_THE_DOCK}
+_IN_WORDS = {ActivityKind.DOCKING: DriveCourse.INTO_THE_DOCK,
+             ActivityKind.UNDOCKING: DriveCourse.OUT_OF_THE_DOCK}
 # Lines to all clients, and refusals. They never answer a command whose answer is not documented.
 _NO_ANSWER = frozenset((
     replies.DockingStatus, replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt,
@@ -50,7 +50,7 @@ _NO_ANSWER = frozenset((
     replies.Usage))
 
 
-class Part(Enum):
+class LinePart(Enum):
     """What a line may concern; each part decides on its own."""
 
     HALT = 'whose stop makes the robot halt'
@@ -101,19 +101,19 @@ class Attribution:
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot: `reply` is its meaning, `text` its words."""
         records = self._commands.records
-        for row, stops in self._decide(Part.HALT, reply):
+        for row, stops in self._decide(LinePart.HALT, reply):
             for stop in stops:
                 self._commands.add_line(stop, text, now)
             records.begins_to_stop(StopOf(row.meaning))
         records.said(reply)
-        claimed = self._apply(Part.COMMAND, reply, text, now)
+        claimed = self._apply(LinePart.COMMAND, reply, text, now)
         if records.heard.sets_out and not claimed:
-            for row, _ in self._decide(Part.START, reply):
+            for row, _ in self._decide(LinePart.START, reply):
                 self._starts(Begins(row.meaning), reply, text)
-        answered = self._apply(Part.ANSWER, reply, text, now, bool(claimed))
+        answered = self._apply(LinePart.ANSWER, reply, text, now, bool(claimed))
         self._watch(reply, text, now, answered)
 
-    def _decide(self, part: Part, reply: Reply, claimed: bool = False
+    def _decide(self, part: LinePart, reply: Reply, claimed: bool = False
                 ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
         """The row that decides in this part, and the commands that it is about; or nothing."""
         for row in ATTRIBUTIONS[part]:
@@ -125,7 +125,7 @@ class Attribution:
                 return [(row, () if isinstance(found, bool) else found)]
         return []
 
-    def _apply(self, part: Part, reply: Reply, text: str, now: float,
+    def _apply(self, part: LinePart, reply: Reply, text: str, now: float,
                claimed: bool = False) -> Sequence[Execution]:
         """Tells the commands that the line is about, and returns them."""
         for row, executions in self._decide(part, reply, claimed):
@@ -175,7 +175,7 @@ class Attribution:
             records.begins_late(activity_of(reply).goal)
         else:
             records.driven_by_others(
-                Cause.ROBOT if why is Begins.ITSELF else Cause.OTHER_CLIENT, text)
+                MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT, text)
         for execution in [e for e in self._commands.motion_executions if records.has_begun(e)]:
             self._commands.end_before(execution, f'taken over: {text}')
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
@@ -334,7 +334,7 @@ def _continues(execution: Execution, reply: Reply) -> bool:
 def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
     """Whether the robot drives to a goal that is not its dock, see `Attribution._goes_on`."""
     activity = activity_of(reply)
-    return (execution.command.spec.course is Course.INTO_THE_DOCK
+    return (execution.command.spec.course is DriveCourse.INTO_THE_DOCK
             and activity.kind is ActivityKind.GOING_TO_GOAL
             and activity.goal.casefold() != execution.progress.dock_name)
 
@@ -465,8 +465,8 @@ _HALTS = (replies.Stopping,)
 _ANY: Tuple[Type[Reply], ...] = ()
 _TABLE = 'the lines of each command stand in `command_table`'
 
-ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
-    Part.HALT: (
+ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
+    LinePart.HALT: (
         Row('our stop', _HALTS, _stops_for_us, StopOf.US,
             'p. 242: `stop` is answered by `Stopping`, `Stopped`, once for each `stop`'),
         Row('undocked', _HALTS, _stops_by_itself(SelfStop.UNDOCKED), StopOf.ROBOT,
@@ -486,7 +486,7 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
             'p. 242: a robot that stands was stopped'),
         Row('stop of another client', _HALTS, lambda commands, reply: True, StopOf.OTHERS,
             'p. 46: all clients receive it')),
-    Part.COMMAND: (
+    LinePart.COMMAND: (
         # refusals
         Row('refused: whole line', (replies.CommandError,),
             _first(_not_refused, _repeats(str.__eq__)),
@@ -549,14 +549,14 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('acknowledged', _ANY, _first(_fresh_first, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
         Row('under way', _ANY, _under_way, Means.GOES_ON, _TABLE)),
-    Part.START: (
+    LinePart.START: (
         Row('late start', _ANY, _begins_late, Begins.LATE,
             'p. 46: the line names a goal of ours'),
         Row('docks by itself', _ANY, _docks_by_itself, Begins.ITSELF,
             'p. 81: a robot docks by itself when its battery is low'),
         Row('drive of another client', _ANY, lambda commands, reply: True, Begins.OTHERS,
             'observed: all clients receive it')),
-    Part.ANSWER: (
+    LinePart.ANSWER: (
         Row('stands', (replies.Stopped,), _obeyed_stops, Outcome.SUCCEEDED,
             'p. 242: one `Stopped` may follow several `stop`'),
         Row('answer', _ANY, _first(_queries, _completes), Outcome.SUCCEEDED, _TABLE),

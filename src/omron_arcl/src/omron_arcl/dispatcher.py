@@ -20,7 +20,7 @@ from typing import Callable, List, Optional
 from omron_arcl.attribution import Attribution
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Command, Course
+from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.replies import Reply
@@ -126,7 +126,7 @@ class Dispatcher:
         spec, progress = execution.command.spec, execution.progress
         unheard, begun = now - progress.heard, self.records.has_begun(execution)
         # no total limit for a drive under way, nor for the one to the dock before it docks
-        may_take_longer = spec.drives and (begun or spec.course is Course.INTO_THE_DOCK)
+        may_take_longer = spec.drives and (begun or spec.course is DriveCourse.INTO_THE_DOCK)
         if progress.rejected_at is not None:
             if now - progress.rejected_at > _DESCRIPTION_TIMEOUT:
                 self._commands.end(execution, Outcome.REJECTED, 'the robot gave no reason')

@@ -16,16 +16,16 @@ from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Course, Predicate
+from omron_arcl.commands import DriveCourse, Predicate
 from omron_arcl.execution import Doubt, Execution, Outcome
 from omron_arcl.replies import coordinates
 
 # s after which an activity that contradicted a command at least twice ends it
-SETTLE: Mapping[Course, float] = {
-    Course.TO_A_PLACE: 4.0,
-    Course.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
-    Course.OUT_OF_THE_DOCK: 10.0,
-    Course.OF_TASKS: 30.0,  # between two steps the robot may stand
+SETTLE: Mapping[DriveCourse, float] = {
+    DriveCourse.TO_A_PLACE: 4.0,
+    DriveCourse.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
+    DriveCourse.OUT_OF_THE_DOCK: 10.0,
+    DriveCourse.OF_TASKS: 30.0,  # between two steps the robot may stand
 }
 SETTLE_CERTAIN = 4.0  # s, the same for an arrival and for an emergency stop
 SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
@@ -37,14 +37,14 @@ SETTLE_ONCE = 5.0  # s more after a single contradiction: the robot answers no s
 ABOUT_THE_DOCK = frozenset((ActivityKind.UNDOCKING, ActivityKind.DOCKING))
 
 
-class Sign(Enum):
+class DriveSign(Enum):
     """What an activity says about a command that it does not end."""
 
     CONFIRMED = 'it is being carried out'
     NONE = 'nothing'
 
 
-Verdict = Union[Sign, Outcome]
+Verdict = Union[DriveSign, Outcome]
 
 class Observation(NamedTuple):
     """An activity that the robot reports, in a status or in a line sent when it changes.
@@ -74,19 +74,20 @@ _STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
     _K.LOST: Outcome.FAILED,
 }
 # The verdict of an activity on a drive that has begun, if no row of JUDGEMENTS holds.
-VERDICTS: Mapping[Course, Dict[ActivityKind, Verdict]] = {
-    Course.TO_A_PLACE: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED},
-    Course.INTO_THE_DOCK: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.DOCKING: Sign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
+VERDICTS: Mapping[DriveCourse, Dict[ActivityKind, Verdict]] = {
+    DriveCourse.TO_A_PLACE: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: DriveSign.CONFIRMED},
+    DriveCourse.INTO_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE,
+        _K.DOCKING: DriveSign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
         _K.UNDOCKING: Outcome.INTERRUPTED, _K.UNDOCKED: Outcome.INTERRUPTED},
-    Course.OUT_OF_THE_DOCK: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED,
+    DriveCourse.OUT_OF_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: DriveSign.CONFIRMED,
         _K.UNDOCKED: Outcome.SUCCEEDED},
-    Course.OF_TASKS: {
+    DriveCourse.OF_TASKS: {
         **dict.fromkeys((
             _K.GOING_TO_GOAL, _K.GOING_TO_POINT, _K.PATROLLING, _K.DOING_TASK, _K.DOCKING,
-            _K.UNDOCKING), Sign.CONFIRMED),
+            _K.UNDOCKING), DriveSign.CONFIRMED),
         **dict.fromkeys((
             _K.STOPPED, _K.INTERRUPTED, _K.TELEOPERATED, _K.PARKING, _K.PARKED),
             Outcome.INTERRUPTED),
@@ -116,7 +117,7 @@ def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> 
     Some robots show those of a goal instead of its name (ARCL manual I617-E-02 p. 243). A command
     that names a point itself is confirmed by no other point.
     """
-    return (seen.activity.kind is kind and execution.command.spec.course is Course.TO_A_PLACE
+    return (seen.activity.kind is kind and execution.command.spec.course is DriveCourse.TO_A_PLACE
             and bool(execution.command.goals or not _point(seen)))
 
 
@@ -128,9 +129,9 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
               lambda execution, seen: seen.activity.kind is _K.MOTORS_DISABLED),
     ObservationRule('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
         seen.is_status and _fits(execution.command.spec.completed_by, execution, seen.activity))),
-    ObservationRule('its goal', Sign.CONFIRMED,
+    ObservationRule('its goal', DriveSign.CONFIRMED,
               lambda execution, seen: _acknowledges(execution, seen.activity)),
-    ObservationRule('its point', Sign.CONFIRMED,
+    ObservationRule('its point', DriveSign.CONFIRMED,
               lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT),
               begun=True),
     ObservationRule('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
@@ -139,10 +140,10 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
     ObservationRule('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
         execution.progress.set_out and seen.activity.kind is _K.INTERRUPTED), begun=False),
     # the robot drives to its dock before it reports that it docks
-    ObservationRule('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
-        execution.command.spec.course is Course.INTO_THE_DOCK
+    ObservationRule('on its way to the dock', DriveSign.CONFIRMED, lambda execution, seen: (
+        execution.command.spec.course is DriveCourse.INTO_THE_DOCK
         and seen.activity.kind in MOVING), begun=False),
-    ObservationRule('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
+    ObservationRule('leaving the dock', DriveSign.CONFIRMED, lambda execution, seen: (
         execution.progress.set_out and seen.activity.kind in ABOUT_THE_DOCK), begun=False),
 )
 
@@ -186,7 +187,7 @@ class DriveWatch:
             return
         begun = self._commands.records.has_begun(execution)
         verdict = _judge(execution, seen, begun)
-        if verdict is Sign.CONFIRMED:
+        if verdict is DriveSign.CONFIRMED:
             progress.doubt = None
             if kind is ActivityKind.GOING_TO_POINT:
                 progress.points.add(_point(seen))
@@ -218,8 +219,8 @@ def _judge(execution: Execution, seen: Observation, begun: bool) -> Verdict:
             return row.verdict
     course = execution.command.spec.course
     if not begun or course is None:
-        return Sign.NONE
-    return VERDICTS[course].get(seen.activity.kind, Sign.NONE)
+        return DriveSign.NONE
+    return VERDICTS[course].get(seen.activity.kind, DriveSign.NONE)
 
 
 def _acknowledges(execution: Execution, activity: Activity) -> bool:

@@ -8,7 +8,7 @@ from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.help_list import HelpList
-from omron_arcl.records import Memory, Motion, MotionState
+from omron_arcl.records import DriveMemory, MotionState, RobotMotion
 
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
@@ -27,7 +27,7 @@ class Guard:
         self.categories = frozenset(categories[word] for word in words if word in categories)
         self.names = frozenset(word for word in words if word not in categories)
         self.goals: Optional[FrozenSet[str]] = None
-        self.motion = Motion(Memory(0), MotionState.UNKNOWN)
+        self.motion = RobotMotion(DriveMemory(0), MotionState.UNKNOWN)
 
     def list_goals(self, names: Iterable[str]) -> None:
         """Stores the goals that the robot has listed; an empty list forbids nothing."""

@@ -24,7 +24,7 @@ from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.replies import DockingState, DockingStatus, OneLineStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
 from omron_ld90_sim.behaviour.robot import SimRobot
 from omron_ld90_sim.clock import SimClock, Ticker
 from omron_ld90_sim.interface.commands import execute
@@ -63,7 +63,7 @@ class SimulatedDrive:
         self.robot = SimRobot(self.clock, document, SimFloor.from_map(document), start, 0)
         self.server = ArclServer(self.clock, self.robot, 'adept', execute)
         self._faults = Faults(self.server)
-        self.follower = RouteFollower(Settings(
+        self.follower = RouteFollower(RouteSettings(
             dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), self.graph)
         self.reports: List[RouteReport] = []
         self.commands: List[str] = []
@@ -211,7 +211,7 @@ class SimulatedDrive:
                 self._give(action)
             elif isinstance(action, RouteReport):
                 self.reports.append(action)
-            elif isinstance(action, p.Note):
+            elif isinstance(action, p.BridgeNote):
                 self.notes.append(action.text)
 
     @staticmethod

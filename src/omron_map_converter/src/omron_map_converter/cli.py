@@ -12,8 +12,8 @@ from omron_map import MapDocument, MapError
 from omron_map_converter.converter import (
     Conversion,
     ConversionError,
+    ConversionOptions,
     ExistingGoals,
-    Options,
     convert_file,
 )
 from omron_map_converter.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
@@ -30,7 +30,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     """Run the command and return its exit status."""
     chosen = _parser().parse_args(arguments)
     try:
-        options = Options(
+        options = ConversionOptions(
             dock_vertex=chosen.dock_vertex, dock_heading=chosen.dock_heading,
             existing_goals=ExistingGoals(chosen.existing_goals), fences=Fences(chosen.fences),
             corridors=corridor_rules(chosen.corridor_width, chosen.edge_width,
@@ -43,7 +43,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     return 0
 
 
-def run(graph_file: str, base_map: str, output: str, options: Options,
+def run(graph_file: str, base_map: str, output: str, options: ConversionOptions,
         say: Callable[[str], object], warn: Callable[[str], object],
         picture: Optional[str] = None) -> Conversion:
     """Converts files and reports the result; raises one of ERRORS.

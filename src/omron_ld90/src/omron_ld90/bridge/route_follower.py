@@ -25,7 +25,7 @@ from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.motion_judge import MotionJudge
 from omron_ld90.bridge.order_notes import OrderNotes
 from omron_ld90.bridge.robot_monitor import RobotMonitor
-from omron_ld90.bridge.robot_state import Located
+from omron_ld90.bridge.robot_state import MapLocation
 from omron_ld90.bridge.route_orders import (
     check_braking,
     check_change,
@@ -36,7 +36,7 @@ from omron_ld90.bridge.route_orders import (
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.intake import DueOrder, Intake, NotYet, messages_of
 from route_protocol.order_rules import RouteRefused, check_order
 from route_protocol.values import (
@@ -67,8 +67,8 @@ _STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
 class RouteFollower:
     """Drives one robot along the routes of a fleet manager."""
 
-    def __init__(self, settings: Settings, graph: Optional[Graph] = None,
-                 links: Iterable[p.Link] = (), draw: Callable[[], int] = draw_epoch,
+    def __init__(self, settings: RouteSettings, graph: Optional[Graph] = None,
+                 links: Iterable[p.RobotLink] = (), draw: Callable[[], int] = draw_epoch,
                  clock: Callable[[], int] = milliseconds) -> None:
         """`links`: the links that must be up before an order is accepted.
 
@@ -82,7 +82,8 @@ class RouteFollower:
         """The vehicle's end of the route protocol."""
         self.route: Optional[RouteRun] = None
         """How the vehicle's route is driven, or was; None: it has none, or not on this graph."""
-        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to continue; time to give up
+        # to continue, and the time to give that up
+        self._restored: Optional[Tuple[p.BridgeMemory, float]] = None
         self.orders = Intake(self.vehicle, self._take_up, self._tell_refusal,
                              settings.location_timeout)
         self._order_notes = OrderNotes(self._note)
@@ -107,7 +108,7 @@ class RouteFollower:
         """Replaces the graph; if it changes edges of the running route, waits for the end of it."""
         return self._answer(partial(self._use_graph, graph, now), now)
 
-    def restore(self, record: p.RouteRecord, is_recent: bool, now: float,
+    def restore(self, record: p.BridgeMemory, is_recent: bool, now: float,
                 is_sure: bool = True) -> None:
         """Takes the record from before a restart.
 
@@ -139,15 +140,15 @@ class RouteFollower:
         return self.vehicle.state.is_running
 
     @property
-    def record(self) -> p.RouteRecord:
+    def record(self) -> p.BridgeMemory:
         """The record for `restore` after a restart."""
         if self._restored:  # nothing newer is known yet
             target, number = self._restored[0].target, self._restored[0].number
         else:
             target = self.route.target if self.route else None
             number = self.robot.tracker.word.number
-        return p.RouteRecord(self.vehicle.state, target, number, self.robot.must_stop,
-                             self.robot.epoch, self.orders.old_masters.last)
+        return p.BridgeMemory(self.vehicle.state, target, number, self.robot.must_stop,
+                              self.robot.epoch, self.orders.old_masters.last)
 
     def report(self) -> RouteReport:
         """The next report for the fleet manager."""
@@ -224,7 +225,7 @@ class RouteFollower:
 
     def _note(self, text: str) -> None:
         if text:
-            self._out.append(p.Note(text))
+            self._out.append(p.BridgeNote(text))
 
     # --- orders -----------------------------------------------------------------------------------
 
@@ -403,7 +404,7 @@ class RouteFollower:
         self._note(f'Route {self.vehicle.state.route_id} failed: {failure}')
 
 
-def _location_of(last: Optional[Located]) -> Optional[Location]:
+def _location_of(last: Optional[MapLocation]) -> Optional[Location]:
     """The location as reports tell it."""
     if last is None:
         return None

@@ -8,7 +8,7 @@ from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_strategies import Settings, StrategyContext
+from omron_ld90.bridge.route_strategies import RouteSettings, StrategyContext
 from omron_map_converter.goal_names import goal_name
 from route_protocol.values import Phase, Reason, ReasonCode
 from route_protocol.vehicle import Vehicle
@@ -27,7 +27,7 @@ class RouteRun:
     `progress.edges`, which are the edges of the order.
     """
 
-    def __init__(self, vehicle: Vehicle, settings: Settings, tracker: GoalTracker,
+    def __init__(self, vehicle: Vehicle, settings: RouteSettings, tracker: GoalTracker,
                  location: RobotLocation, progress: RouteProgress, now: float) -> None:
         self.progress = progress
         self.target: Optional[int] = None

@@ -64,7 +64,7 @@ from omron_arcl import (
 )
 from omron_arcl.drives import Drives
 from omron_arcl.guard import Guard
-from omron_arcl.records import Motion
+from omron_arcl.records import RobotMotion
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
@@ -169,7 +169,7 @@ class Controller:
             pose.header.frame_id = self._map_frame
             self._move_base.feedback(pose)
 
-    def _on_motion(self, motion: Motion) -> None:
+    def _on_motion(self, motion: RobotMotion) -> None:
         self._guard.motion = motion
         self._motion.publish(motion)
 

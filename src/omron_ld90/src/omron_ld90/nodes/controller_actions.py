@@ -42,11 +42,11 @@ Cancel = Callable[[Execution, Giver], None]  # cancels a command for a giver
 _PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
 
 
-class Refused(Exception):
+class GoalRefused(Exception):
     """No command can be made of a goal or pose; the text says why."""
 
 
-class NeverSent(Refused):
+class NeverSent(GoalRefused):
     """A goal was not carried out because of its time; the text says why."""
 
 
@@ -86,7 +86,7 @@ class CommandActions:
             if reason:
                 raise NeverSent(reason)
             self._start(handle, command, timeout)
-        except (ArclError, Refused) as error:
+        except (ArclError, GoalRefused) as error:
             handle.set_rejected(self._refusal(error), str(error))
             self._tell(handle.get_goal_id().id, str(error))
 

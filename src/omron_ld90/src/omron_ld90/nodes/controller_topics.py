@@ -9,7 +9,7 @@ from std_msgs.msg import String
 
 from omron_arcl import ArclError, Execution, Giver, Result
 from omron_arcl.command_line import is_stop
-from omron_ld90.nodes.controller_actions import Obeyed, Refused
+from omron_ld90.nodes.controller_actions import GoalRefused, Obeyed
 from omron_ld90.nodes.controller_move_base import MoveBaseServer, robot_pose
 from omron_ld90.nodes.controller_refusals import Refusals, failure
 from omron_ld90.nodes.support.callers import giver_of
@@ -66,7 +66,7 @@ class TopicCommands:
         """Makes a goal of the action `move_base`, so that an observer of the action sees it."""
         try:
             robot_pose(message, self._map_frame)
-        except Refused as error:
+        except GoalRefused as error:
             self._refusals.tell('gotoPoint', giver.name, f'The goal was not sent: {error}.')
         else:
             self._move_base.forward(message, giver)
@@ -75,7 +75,7 @@ class TopicCommands:
         pose = PoseStamped(header=message.header, pose=message.pose.pose)
         try:
             x, y, heading = robot_pose(pose, self._map_frame)
-        except Refused as error:
+        except GoalRefused as error:
             self._refusals.tell('localizeToPoint', giver.name,
                                 f'The pose was not sent: {error}.')
         else:

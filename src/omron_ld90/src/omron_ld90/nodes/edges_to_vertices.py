@@ -92,7 +92,7 @@ class EdgesToVertices:
         graph = shared_parameters.trajectory_graph()
         self._clock = RunningClock()
         settings = read_settings(graph)
-        self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
+        self._follower = RouteFollower(settings, graph, links=tuple(p.RobotLink))
         self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
         self._memory.hold()
         left = self._memory.recall()

@@ -23,7 +23,7 @@ import sys
 from typing import List, Optional
 
 from omron_map_converter import cli
-from omron_map_converter.converter import ExistingGoals, Options
+from omron_map_converter.converter import ConversionOptions, ExistingGoals
 from omron_map_converter.fences import Fences
 
 
@@ -43,7 +43,7 @@ def _run_node() -> int:
 
     init_node('omron_ros_map')
     try:
-        options = Options(
+        options = ConversionOptions(
             dock_vertex=parameter('~dock_vertex', kind=int) if _given('~dock_vertex') else None,
             dock_heading=(parameter('~dock_heading', kind=float) if _given('~dock_heading')
                           else None),

@@ -1,7 +1,7 @@
 """The executive: carries out one activity at a time, and steps the base while it moves.
 
-An activity's script is a generator (`states.ScriptedActivity`). It yields a number of seconds to wait, or
-`STANDING` to wait until the base stands.
+An activity's script is a generator (`states.ScriptedActivity`). It yields a number of seconds to
+wait, or `STANDING` to wait until the base stands.
 """
 from __future__ import annotations
 

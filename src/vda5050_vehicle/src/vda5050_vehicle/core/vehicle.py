@@ -32,7 +32,7 @@ from vda5050_vehicle.core.state import VdaVehicleState
 from vda5050_vehicle.core.state_report import position_of, state_of
 from vda5050_vehicle.drivers.driver import Driver, DriverMemory
 from vda5050_vehicle.drivers.order_fields import Abilities
-from vda5050_vehicle.drivers.robot_view import RobotView
+from vda5050_vehicle.drivers.robot_view import RobotSnapshot
 
 MakeDriver = Callable[[DriverMemory], Driver[Any]]
 
@@ -73,7 +73,7 @@ class VdaVehicle:
                 effects += self._report(now)
         return effects if is_reported else effects + self._report(now)
 
-    def see(self, robot: RobotView, now: float) -> Tuple[fx.Effect, ...]:
+    def see(self, robot: RobotSnapshot, now: float) -> Tuple[fx.Effect, ...]:
         """Processes a new view of the robot; a robot may also be silent for too long."""
         self.context.robot = robot
         self.driver.see(robot, now)
@@ -136,7 +136,7 @@ class VdaVehicle:
         context = self.context
         commands = self.driver.take_commands()
         self._keep()
-        context.effects += [fx.Command(command) for command in commands]
+        context.effects += [fx.DriverCommand(command) for command in commands]
         if not context.robot.is_awaited:  # after the first state the master may send orders
             state = state_of(context)
             if context.reporter.is_due(state, now):
@@ -208,8 +208,8 @@ class VdaVehicle:
     def _fail_to_drive(self, reason: str) -> None:
         order = self.state.order
         self.state.errors = replace(self.state.errors, drive=e.DRIVE_ERROR.error(
-            reason, v.Reference('orderId', order.order_id),
-            v.Reference('nodeId', order.last_node[0])))
+            reason, v.ErrorReference('orderId', order.order_id),
+            v.ErrorReference('nodeId', order.last_node[0])))
         self.context.note(f'driving failed: {reason}')
 
     def _enter_edge(self) -> None:

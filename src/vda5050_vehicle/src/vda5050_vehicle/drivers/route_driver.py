@@ -34,7 +34,7 @@ from route_protocol.master import (
 from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import EdgeState, EpochCause, RouteReport, SymbolicPose
 from trajectory_graph import Graph
-from vda5050_protocol.values import Edge, Node
+from vda5050_protocol.values import OrderEdge, OrderNode
 from vda5050_vehicle.drivers.driver import DriveProgress, Driver, DriverMemory, Leg, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
@@ -45,7 +45,7 @@ from vda5050_vehicle.drivers.order_fields import (
     is_within,
 )
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""
@@ -106,8 +106,8 @@ class RouteDriver(Driver[RouteDrive]):
         """Uses another graph for planning from now on."""
         self._graph = OrderGraph(graph, self._matching)
 
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
-             ) -> Tuple[Leg, ...]:
+    def plan(self, nodes: Sequence[OrderNode], edges: Sequence[OrderEdge],
+             pose: Optional[RobotPose]) -> Tuple[Leg, ...]:
         """See Driver."""
         check_headings(nodes, self._abilities, self._turns_there)
         legs = self._graph.legs(nodes, edges)
@@ -123,7 +123,7 @@ class RouteDriver(Driver[RouteDrive]):
         """
         return self._graph.approach(first, pose, self._abilities.passing, self._abilities.corridor)
 
-    def _turns_there(self, _: int, node: Node) -> bool:
+    def _turns_there(self, _: int, node: OrderNode) -> bool:
         """Returns whether the robot has the required heading at a node.
 
         Only an end vertex has a heading: the robot turns to it there. At other vertices it may not
@@ -137,7 +137,7 @@ class RouteDriver(Driver[RouteDrive]):
         wanted = heading_of(node, self._abilities)
         return wanted is None or has_heading(node, wanted, taken)
 
-    def is_at(self, node: Node, pose: RobotPose) -> bool:
+    def is_at(self, node: OrderNode, pose: RobotPose) -> bool:
         """See Driver."""
         return is_within(node, self._graph.place(node), pose, self._matching.near)
 
@@ -212,7 +212,7 @@ class RouteDriver(Driver[RouteDrive]):
 
     # --- reports ----------------------------------------------------------------------------------
 
-    def see(self, robot: RobotView, now: float) -> None:
+    def see(self, robot: RobotSnapshot, now: float) -> None:
         """See Driver; the reports tell whether the robot stands."""
         self._pose = robot.pose
 
