@@ -58,7 +58,7 @@ class RobotMonitor:
         self._taken_over = None
         self.tracker.forget()
 
-    def go_on(self) -> None:
+    def route_extended(self) -> None:
         """A complete route gets longer. A giver that drove the robot meanwhile does not count as a
         take-over.
         """

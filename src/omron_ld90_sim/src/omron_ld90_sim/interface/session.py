@@ -3,6 +3,15 @@
 Framing, login and echo are those of a robot (docs/explanation/sources.md): lines end with CRLF, LF
 or CR; after a wrong password the connection closes silently; a command of more than 5,000
 characters drops the client.
+
+    phase   event                                    next phase
+    LOGIN   the right password                       OPEN; welcome and help list are sent
+            another line                             CLOSED
+    OPEN    a line                                   OPEN; it is carried out
+    all     a line that is too long; the end         CLOSED
+
+Invariants: lines are sent in the order in which they were queued, late or not. Nothing is carried
+out before the password.
 """
 from __future__ import annotations
 
@@ -138,7 +147,7 @@ class SimSession:
                 self._put(b'\n\r')
                 self._echoed = 0
             if self._accepts(line):
-                self._take(said(line))
+                self._line_received(said(line))
         if self._accepts(self._input) and self._input:
             self.server.clock.after(CYCLE, self._echo_typed)
 
@@ -158,7 +167,7 @@ class SimSession:
             self._put(typed.encode('ascii'))
             self._echoed = len(self._input)
 
-    def _take(self, line: bytes) -> None:
+    def _line_received(self, line: bytes) -> None:
         if not line:
             return
         if self.phase is LoginPhase.LOGIN:

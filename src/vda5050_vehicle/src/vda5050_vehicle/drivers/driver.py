@@ -165,7 +165,7 @@ class Driver(ABC, Generic[D]):
         self._set(failure='')
 
     @abstractmethod
-    def see(self, robot: RobotSnapshot, now: float) -> None:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """Evaluates the present view of the robot."""
 
     @abstractmethod

@@ -212,7 +212,7 @@ class RouteDriver(Driver[RouteDrive]):
 
     # --- reports ----------------------------------------------------------------------------------
 
-    def see(self, robot: RobotSnapshot, now: float) -> None:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """See Driver; the reports tell whether the robot stands."""
         self._pose = robot.pose
 
