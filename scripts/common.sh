@@ -72,7 +72,7 @@ deb_packages=(
   "dh-python           dh-python"
   "lintian             lintian"
 )
-pure_libraries=(browser_guard file_replacement fleet_core json_records omron_arcl omron_ld90_sim omron_map route_protocol trajectory_graph vda5050_protocol)  # they need no ROS
+pure_libraries=(browser_guard file_replacement fleet_core json_records omron_arcl omron_ld90_sim omron_map omron_map_converter route_protocol trajectory_graph vda5050_protocol)  # they need no ROS
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
 
 say() { printf '== %s\n' "$*"; }

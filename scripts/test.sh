@@ -89,8 +89,8 @@ wheels() {  # the libraries without ROS install with pip beside Debian's package
   local here="$root/build/wheels"
   scripts/make_wheels.sh &&
     "$here/bin/python" -I -m pip install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
-    (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/ld90_sim --help &&
-      bin/python -I -c 'import fleet_core.supervision.supervisor, omron_arcl, route_protocol, trajectory_graph, vda5050_protocol.codec_3')
+    (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/omron_ros_map --help && bin/ld90_sim --help &&
+      bin/python -I -c 'import fleet_core.supervision.supervisor, omron_arcl, omron_map_converter.converter, route_protocol, trajectory_graph, vda5050_protocol.codec_3')
 }
 
 lint() {

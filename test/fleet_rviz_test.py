@@ -30,7 +30,7 @@ from graph_fleet_manager.nodes.rviz.menus import (
 )
 from graph_fleet_manager.nodes.rviz.robot_picture import GREY
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionStatus
-from omron_ld90.nodes.rviz_view import Configuration
+from omron_ld90.nodes.rviz_view import RvizConfiguration
 from rviz_drawing import drawing
 from system_support import Recorder, run_cases, wait_until
 
@@ -74,7 +74,7 @@ class FleetByMouse(unittest.TestCase):
     def open_rviz(cls) -> RvizWindow:
         configuration = os.path.join(cls.factory.folder, 'fleet.rviz')
         with open(configuration, encoding='utf-8') as stream:
-            view = Configuration(stream.read()).view
+            view = RvizConfiguration(stream.read()).view
         window = RvizWindow(
             cls.screen, os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp'), view.scale, 'omron_ld90',
             'rviz.launch', 'robot_name:=rviz_of_fleet', f'rviz_config:={configuration}',

@@ -13,7 +13,7 @@ from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
 from itrci_nav_msgs.msg import TargetRoute
-from omron_ld90.nodes.rviz.interactive_goals import MENUS, ROBOT_MENU, Action
+from omron_ld90.nodes.rviz.interactive_goals import MENUS, ROBOT_MENU, HandleAction
 from omron_ld90.operator.goal_clicks import TargetKind
 from omron_ld90_msgs.msg import RobotStatus
 from omron_ld90_sim import Simulator
@@ -183,7 +183,7 @@ class RvizTest(RvizTestCase):
     def test_03_a_click_on_a_handle_goes_once_and_its_menu_stops(self):
         self.window.click_handle(self.at('26'))
         self.robot_says('Going to 26')
-        self.window.choose_from_menu(self.at('32'), GOAL_MENU, Action.STOP)
+        self.window.choose_from_menu(self.at('32'), GOAL_MENU, HandleAction.STOP)
         self.robot_says('Stopped')
         self.assertEqual(['goto 26', 'stop'], self.sent())
 
@@ -199,11 +199,11 @@ class RvizTest(RvizTestCase):
         self.robot_says('Stopped')
 
     def test_05_the_menu_of_a_goal_goes_there_and_tells_the_robot_where_it_is(self):
-        self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.GO)
+        self.window.choose_from_menu(self.at('10'), GOAL_MENU, HandleAction.GO)
         self.robot_says('Arrived at 10')
-        self.window.choose_from_menu(self.at('22'), GOAL_MENU, Action.LOCALIZE)
+        self.window.choose_from_menu(self.at('22'), GOAL_MENU, HandleAction.LOCALIZE)
         wait_until(lambda: self.robot_believes_to_be_at('22'), 30.0, 'the robot has a wrong pose')
-        self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.LOCALIZE)
+        self.window.choose_from_menu(self.at('10'), GOAL_MENU, HandleAction.LOCALIZE)
         wait_until(lambda: self.robot_believes_to_be_at('10'), 30.0, 'the robot has the right pose')
         # A late click of the previous test, which clicks until a stop is sent, can send another
         # stop.
@@ -242,7 +242,8 @@ class RvizTest(RvizTestCase):
         self.assertEqual(['dock'], self.sent())
         self.told('Docked')
         here = self.poses.messages[-1].pose.position
-        self.window.choose_from_menu(self.window.pixel(here.x, here.y), ROBOT_MENU, Action.UNDOCK)
+        self.window.choose_from_menu(self.window.pixel(here.x, here.y), ROBOT_MENU,
+                                     HandleAction.UNDOCK)
         self.robot_says('DockingState: Undocked')
         wait_until(lambda: len(self.sent()) > 1, 10.0, 'the command on its topic')
         self.assertEqual(['dock', 'undock'], self.sent())
@@ -252,7 +253,7 @@ class RvizTest(RvizTestCase):
         self.window.tool('c')
         self.window.click(self.at('1'))
         self.robot_says('Arrived at 1')
-        self.window.choose_from_menu(self.at('16'), DOCK_MENU, Action.DOCK)
+        self.window.choose_from_menu(self.at('16'), DOCK_MENU, HandleAction.DOCK)
         self.robot_says('DockingState: Docked')
         self.assertEqual(['goto 1', 'dock'], self.sent())
 

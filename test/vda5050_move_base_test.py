@@ -18,7 +18,7 @@ from nav_msgs.msg import Odometry
 
 from node_lifecycle.periodic import Periodic
 from system_support import kill_node
-from vda5050_bench.master import Master, Message
+from vda5050_bench.master import BenchMaster, Message
 from vda5050_bench.track import Stop, Track, node_ids
 from vda5050_mqtt.link import Broker
 from vda5050_mqtt.own_broker import OwnBroker
@@ -95,7 +95,7 @@ class MoveBase(unittest.TestCase):
         host, _, port = rospy.get_param('~broker').rpartition(':')
         cls.own_broker = OwnBroker(int(port))
         cls.trolley = Trolley()
-        cls.master = Master(Broker(host, int(port)), 'uagv/v2/Other/trolley')
+        cls.master = BenchMaster(Broker(host, int(port)), 'uagv/v2/Other/trolley')
         cls.master.wait(lambda s: not s['errors'], 20, 'a vehicle without errors')
 
     @classmethod

@@ -23,9 +23,9 @@ from itrci_nav_msgs.msg import TargetRoute
 from omron_ld90_msgs.msg import LinkState
 from system_support import Recorder, kill_node, wait_until
 from trajectory_graph import load_graph
-from vda5050_bench.bench import Outcome, scorecard, tried
+from vda5050_bench.bench import RuleOutcome, scorecard, tried
 from vda5050_bench.layout import shortest_edges, track_on
-from vda5050_bench.master import Master, status_of
+from vda5050_bench.master import BenchMaster, status_of
 from vda5050_bench.track import action, node_ids
 from vda5050_bench.trial import SlowAction, Trial
 from vda5050_mqtt.link import Broker
@@ -74,7 +74,7 @@ class Vda5050(unittest.TestCase):
         cls.own_broker = OwnBroker(int(port))
         cls.schemas = Schemas()
         cls.broker = Broker(host, int(port))
-        cls.master = Master(cls.broker, PREFIX, on_payload=cls.schemas.check)
+        cls.master = BenchMaster(cls.broker, PREFIX, on_payload=cls.schemas.check)
         cls.graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
         cls.link_states = Recorder('/omron_ld90/link_state', LinkState)
         cls.routes = Recorder('/omron_ld90/target_route', TargetRoute)
@@ -96,7 +96,7 @@ class Vda5050(unittest.TestCase):
         trial = Trial(self.master, track_on(self.graph, (DOCK, 8, 14), 'map'), 60,
                       self.own_broker, SlowAction('wait', {'seconds': 5}))
         verdicts = list(tried(trial, '2.1.0'))
-        self.assertEqual({v.rule.sentence for v in verdicts if v.outcome is not Outcome.PASSED}
+        self.assertEqual({v.rule.sentence for v in verdicts if v.outcome is not RuleOutcome.PASSED}
                          - MAY_NOT_BE_TRIED, set(), scorecard(verdicts))
         self.assertGreater(self.schemas.counts['state'], 50)
 

@@ -14,19 +14,19 @@ from pathlib import Path
 from typing import Callable, List, NamedTuple, Optional
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / 'src' / 'omron_ld90' / 'test' / 'converter'))
+sys.path.insert(0, str(ROOT / 'src' / 'omron_map_converter' / 'test'))
 
 from converter_builders import map_with  # noqa: E402
 from fence_builders import grid, real_site_graph  # noqa: E402
 from measuring.tables import print_table  # noqa: E402
 
-from omron_ld90.converter.converter import Options, convert  # noqa: E402
-from omron_ld90.converter.corridors import CorridorRules, corridors_of  # noqa: E402
-from omron_ld90.converter.fence_check import check_fences  # noqa: E402
-from omron_ld90.converter.fences import Fences, fence_objects, is_fence  # noqa: E402
-from omron_ld90.converter.goals import dock_pose  # noqa: E402
-from omron_ld90.converter.obstacles import obstacle_points  # noqa: E402
 from omron_map import MapDocument  # noqa: E402
+from omron_map_converter.converter import ConversionOptions, convert  # noqa: E402
+from omron_map_converter.corridors import CorridorRules, corridors_of  # noqa: E402
+from omron_map_converter.fence_check import check_fences  # noqa: E402
+from omron_map_converter.fences import Fences, fence_objects, is_fence  # noqa: E402
+from omron_map_converter.goals import dock_pose  # noqa: E402
+from omron_map_converter.obstacles import obstacle_points  # noqa: E402
 from trajectory_graph import Graph, load_graph  # noqa: E402
 
 REAL = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere') / 'omron-ld-site-a.map'
@@ -73,7 +73,7 @@ def measure(case: Case) -> List[str]:
 
     def conversion() -> bytes:
         document = MapDocument.from_bytes(case.base)
-        convert(case.graph, document, Options(case.dock, fences=case.kind))
+        convert(case.graph, document, ConversionOptions(case.dock, fences=case.kind))
         return document.to_bytes()
 
     fences = fence()

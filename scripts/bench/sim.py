@@ -25,11 +25,11 @@ from measuring.tables import Row, print_table
 from measuring.timing import milliseconds
 from skimage.graph import MCP_Geometric
 
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.devices import laser
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.manoeuvres import manoeuvres
 from omron_ld90_sim.motion.planner import NoWay, Planner
 from omron_map import MapDocument
@@ -199,9 +199,9 @@ def ready(lab: Path) -> Row:
                f'{least / 1000:.2f} s (importing numpy, scipy and scikit-image)', '')
 
 
-def scans(document: MapDocument, floor: Floor, start: Pose) -> Row:
+def scans(document: MapDocument, floor: SimFloor, start: SimPose) -> Row:
     """One scan; the floor is one numpy operation over the same number of rays."""
-    robot = Robot(Clock(), document, floor, start)
+    robot = SimRobot(SimClock(), document, floor, start)
     rays = np.linspace(0.0, 1.0, laser.RAYS)
     ours = milliseconds(robot.scan, 200)
     least = milliseconds(lambda: np.column_stack([np.cos(rays), np.sin(rays)]), 200)
@@ -209,7 +209,7 @@ def scans(document: MapDocument, floor: Floor, start: Pose) -> Row:
                f'{least:.2f} ms (sine and cosine of the rays)', '500 a second')
 
 
-def plans(floor: Floor, start: Pose) -> Row:
+def plans(floor: SimFloor, start: SimPose) -> Row:
     """Plans between random places of the region in which the robot stands."""
     planner = Planner(floor)
     region = floor.regions[floor.planning_cell(start.x, start.y)]
@@ -218,7 +218,7 @@ def plans(floor: Floor, start: Pose) -> Row:
     random, times, searches = np.random.RandomState(1), [], []
     while len(times) < PAIRS:
         a, b = floor.planning_points(cells[random.randint(len(cells), size=2)])
-        pose = Pose(a[0], a[1], random.uniform(-180, 180))
+        pose = SimPose(a[0], a[1], random.uniform(-180, 180))
         begin = time.perf_counter()
         try:
             way = planner.plan(pose, b[0], b[1], 0.0)
@@ -241,12 +241,12 @@ def main() -> None:
     lab = ROOT / 'maps' / 'lab.map'
     path = REAL if REAL.exists() else lab
     document = MapDocument.load(str(path))
-    floor = Floor.from_map(document)
+    floor = SimFloor.from_map(document)
     goal = document.goals[0]
-    start = Pose(goal.x, goal.y, goal.theta)
+    start = SimPose(goal.x, goal.y, goal.theta)
 
     def rows() -> Iterator[Row]:
-        loading = milliseconds(lambda: Floor.from_map(document), 5)
+        loading = milliseconds(lambda: SimFloor.from_map(document), 5)
         reading = milliseconds(lambda: MapDocument.load(str(path)), 5)
         yield Row(f'distance fields of {path.name}', f'{loading:.0f} ms',
                   f'{reading:.0f} ms (reading the file)')

@@ -32,7 +32,7 @@ from std_msgs.msg import Bool
 from ports import free_port
 from trajectory_graph import load_graph
 from vda5050_bench.layout import track_on
-from vda5050_bench.master import Master
+from vda5050_bench.master import BenchMaster
 from vda5050_bench.track import Track
 from vda5050_mqtt.link import Broker, MqttLink, make_client
 from vda5050_mqtt.own_broker import OwnBroker
@@ -93,7 +93,7 @@ def milliseconds(values: Sequence[float]) -> str:
     return p50_and_p99([1e3 * value for value in values])
 
 
-def ready(master: Master) -> None:
+def ready(master: BenchMaster) -> None:
     """Waits until the vehicle is without errors, at the dock."""
     master.wait(lambda s: s['lastNodeId'] and not s['errors'], 60, 'a vehicle that is well')
 
@@ -123,7 +123,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
     return latencies
 
 
-def ros_to_mqtt(master: Master) -> List[float]:
+def ros_to_mqtt(master: BenchMaster) -> List[float]:
     """The time from a field violation on ROS to the state at an MQTT subscriber."""
     publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
     deadline = time.monotonic() + 30.0
@@ -146,7 +146,7 @@ def ros_to_mqtt(master: Master) -> List[float]:
     return latencies
 
 
-def first_with(master: Master, heard: int, pressed: bool) -> float:
+def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
     """The time of the first state with this field violation."""
     for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
         if state['safetyState']['fieldViolation'] == pressed:
@@ -154,7 +154,7 @@ def first_with(master: Master, heard: int, pressed: bool) -> float:
     raise SystemExit('the state with the change did not arrive')
 
 
-def drive(master: Master, track: Track, send: Callable[[str], int]) -> float:
+def drive(master: BenchMaster, track: Track, send: Callable[[str], int]) -> float:
     """Seconds from an order, sent by `send`, to its end."""
     order_id = uuid.uuid4().hex[:8]
     begun = time.monotonic()
@@ -164,12 +164,12 @@ def drive(master: Master, track: Track, send: Callable[[str], int]) -> float:
     return time.monotonic() - begun
 
 
-def whole(master: Master, track: Track) -> Callable[[str], int]:
+def whole(master: BenchMaster, track: Track) -> Callable[[str], int]:
     """Returns a function that sends the order in one message."""
     return lambda order_id: master.send('order', track.order(order_id))
 
 
-def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
+def by_single_edges(master: BenchMaster, track: Track, lengths: Sequence[float],
                     ) -> Callable[[str], int]:
     """Returns a function that sends the order edge by edge, with a base of `AHEAD` m or more."""
     def send(order_id: str) -> int:
@@ -191,7 +191,7 @@ def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
     return send
 
 
-def order_to_arcl(master: Master, tap: ArclTap, graph) -> List[float]:
+def order_to_arcl(master: BenchMaster, tap: ArclTap, graph) -> List[float]:
     """The time from sending an order to the first byte of its command on the ARCL line."""
     latencies = []
     there = track_on(graph, (8, 10), 'map')
@@ -234,7 +234,7 @@ def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int,
     return sent, len(received), received
 
 
-def returns(master: Master, own_broker: OwnBroker) -> List[float]:
+def returns(master: BenchMaster, own_broker: OwnBroker) -> List[float]:
     """Seconds from the broker's return to the state ONLINE."""
     found = []
     for _ in range(RUNS):
@@ -261,7 +261,7 @@ def share_of_core(pid: int, seconds: float) -> float:
 def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
     """Rows: latencies, many vehicles, return of the broker, CPU; the robot runs in real time."""
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
-    master = Master(broker, PREFIX)
+    master = BenchMaster(broker, PREFIX)
     with stack(broker, 1.0, folder) as (_, pid):
         rospy.init_node('vda5050_bench', anonymous=True, disable_signals=True)
         ready(master)
@@ -291,7 +291,7 @@ def part_mission(broker: Broker, folder: Path) -> None:
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     track = track_on(graph, MISSION, 'map')
     lengths = [graph.curve(int(edge)).length for edge in track.edges]
-    master = Master(broker, PREFIX)
+    master = BenchMaster(broker, PREFIX)
     speed = 4.0
     times: Dict[str, List[float]] = {'whole': [], 'single': []}
     with stack(broker, speed, folder) as (tap, _):

@@ -129,6 +129,10 @@ class Conversation:
                 return
             self.sent.append(line.decode())
 
+    def has_begun(self, execution: Execution) -> bool:
+        """Whether the robot has acknowledged a command."""
+        return self.dispatcher.records.has_begun(execution)
+
     def cancel(self, execution: Execution) -> None:
         """Cancels a command; lines that this requires are sent later."""
         self.dispatcher.cancel(execution, self.now)

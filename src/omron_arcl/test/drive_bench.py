@@ -9,7 +9,7 @@ from arcl_builders import Conversation
 from omron_arcl import Execution, Giver, parse_command
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.drives import Drives
-from omron_arcl.records import Memory, MotionState
+from omron_arcl.records import DriveMemory, MotionState
 
 ROUTE, PERSON, OTHER = Giver('/bridge', 'a'), Giver('/rviz', 'b'), Giver('/adapter', 'c')
 DOCKING = 'DockingState: Docking ForcedState: Unforced ChargeState: Not'
@@ -21,9 +21,9 @@ UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 class Bench(Conversation):
     """Programs that give commands; the test plays the robot line by line."""
 
-    def __init__(self, stored: Optional[Memory] = None, is_linked: bool = True) -> None:
+    def __init__(self, stored: Optional[DriveMemory] = None, is_linked: bool = True) -> None:
         super().__init__()
-        self.kept: List[Memory] = []
+        self.kept: List[DriveMemory] = []
         numbers = count(101)
         self.records = Drives(stored, self.kept.append, lambda: next(numbers))
         self.dispatcher = Dispatcher(self.records)
@@ -32,7 +32,7 @@ class Bench(Conversation):
             self.connect()
 
     @property
-    def memory(self) -> Memory:
+    def memory(self) -> DriveMemory:
         return self.records.motion.memory
 
     @property

@@ -65,7 +65,7 @@ def test_lines_of_the_outgoing_link_end_nothing(talk):
                'Goal: 12', 'End of goals', 'Odometer: 8281 mm 210 deg 469 sec',
                'End of ApplicationFaultQuery')
     assert goto.result is None
-    assert goto.begun
+    assert talk.has_begun(goto)
 
 
 # --- ends of drives -------------------------------------------------------------------------------

@@ -7,13 +7,13 @@ import pytest
 from drive_bench import DOCKED, DOCKING, ROUTE, UNDOCKED, UNDOCKING, Bench
 
 from omron_arcl.attribution import ATTRIBUTIONS
-from omron_arcl.records import Cause
+from omron_arcl.records import MotionCause
 
 FAULT = 'FaultCleared: Fault_Driving_Application f "s" "l" true false true'
 REASON = 'CommandErrorDescription: not today'
 POINT = 'Status: Going to 100 200 StateOfCharge: 80.0 Location: 0 0 0 Temperature: 30'
 OTHERS, ITSELF, OURS, START = (
-    Cause.OTHER_CLIENT, Cause.ROBOT, Cause.OTHER_GIVER, Cause.RESTART)
+    MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.OTHER_GIVER, MotionCause.RESTART)
 
 
 def outage(bench: Bench) -> None:
@@ -32,12 +32,13 @@ class Occasion(NamedTuple):
     commands: List[str]
     lines: List[Union[str, Callable[[Bench], None]]]
     ends: List[str]
-    cause: Cause = START
+    cause: MotionCause = START
 
 
 OCCASIONS: Dict[str, Occasion] = {
     # whose stop makes the robot halt
-    'our stop': Occasion('Stopped', ['stop'], ['Stopping', 'Stopped'], ['succeeded'], Cause.STOP),
+    'our stop': Occasion('Stopped', ['stop'], ['Stopping', 'Stopped'], ['succeeded'],
+                         MotionCause.STOP),
     'undocked': Occasion('Docked', ['undock'], [UNDOCKING, UNDOCKED, 'Stopping'], ['succeeded'],
                          OURS),
     'motors enabled': Occasion('Stopped', ['enableMotors'], ['Motors enabled', 'Stopping'],
@@ -64,7 +65,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'no goal of this name': Occasion('Stopped', ['goto 99'], ["No goal '99'"], ['no such goal']),
     'no power': Occasion('Stopped', ['goto 12'],
                          ['CommandError: goto 12', 'CommandErrorDescription: EStop pressed'],
-                         ['emergency stop'], Cause.EMERGENCY_STOP),
+                         ['emergency stop'], MotionCause.EMERGENCY_STOP),
     'refused': Occasion('Stopped', ['getGoals'], ['CommandError: getGoals', REASON],
                         ['rejected']),
     'unknown command': Occasion('Stopped', ['arclStat', 'getGoals'], ['Unknown command arclStat'],
@@ -85,7 +86,7 @@ OCCASIONS: Dict[str, Occasion] = {
         OTHERS),
     'error: emergency stop': Occasion(
         'Stopped', ['goto 12'], ['Going to 12', 'Error: Emergency stop pressed'],
-        ['emergency stop'], Cause.EMERGENCY_STOP),
+        ['emergency stop'], MotionCause.EMERGENCY_STOP),
     'error': Occasion('Stopped', ['goto 12'], ['Going to 12', 'Error: Stalled'], ['failed'], OURS),
     'failed going to a goal': Occasion('Stopped', ['goto 12'],
                                        ['Going to 12', 'Failed going to 12'], ['failed'], OURS),
@@ -95,7 +96,7 @@ OCCASIONS: Dict[str, Occasion] = {
                                    ['failed']),
     'failed to begin': Occasion('Stopped', ['goto 12'], ['Cannot find path'], ['failed']),
     'emergency stop': Occasion('Stopped', ['goto 12'], ['Going to 12', 'EStop pressed'],
-                               ['emergency stop'], Cause.EMERGENCY_STOP),
+                               ['emergency stop'], MotionCause.EMERGENCY_STOP),
     'motors disabled': Occasion('Stopped', ['goto 12'], ['Going to 12', 'Motors disabled'],
                                 ['failed'], OURS),
     # drives
@@ -111,9 +112,8 @@ OCCASIONS: Dict[str, Occasion] = {
     'drive of another client': Occasion('Stopped', [], ['Going to 9'], [], OTHERS),
     # answers
     'stands': Occasion('Stopped', ['stop', 'stop'], ['Stopping', 'Stopped'],
-                       ['succeeded', 'succeeded'], Cause.STOP),
+                       ['succeeded', 'succeeded'], MotionCause.STOP),
     'answer': Occasion('Stopped', ['odometer'], ['Odometer: 1 mm 2 deg 3 sec'], ['succeeded']),
-    'answer begins': Occasion('Stopped', ['stop'], ['Stopping'], ['under way'], Cause.STOP),
     'part of an answer': Occasion('Stopped', ['getGoals'], ['Goal: 1', 'End of goals'],
                                   ['succeeded']),
     'answer that is not documented': Occasion('Stopped', ['arclStat'], ['ARCL is well'],
@@ -122,7 +122,7 @@ OCCASIONS: Dict[str, Occasion] = {
 ROWS = {row.name: part for part, rows in ATTRIBUTIONS.items() for row in rows}
 
 
-def play(occasion: Occasion) -> Tuple[List[str], Cause, Any]:
+def play(occasion: Occasion) -> Tuple[List[str], MotionCause, Any]:
     """What became of each command, why the epoch began, and all else that is told."""
     bench = Bench()
     bench.status(occasion.shown)
@@ -132,7 +132,7 @@ def play(occasion: Occasion) -> Tuple[List[str], Cause, Any]:
             bench.robot(line)
         else:
             line(bench)
-    ends = [e.result.outcome.value if e.result else 'under way' if e.begun else 'sent'
+    ends = [e.result.outcome.value if e.result else 'under way' if bench.has_begun(e) else 'sent'
             for e in executions]
     return ends, bench.memory.cause, (
         bench.sent, bench.state, bench.memory.records, [e.result for e in executions])

@@ -29,7 +29,7 @@ from omron_arcl import (
     Outcome,
     SessionLog,
 )
-from omron_arcl.commands import Course
+from omron_arcl.commands import DriveCourse
 from omron_arcl.drive_watch import SETTLE
 from omron_arcl.errors import StopOwed
 from omron_arcl.transport import TICK
@@ -271,7 +271,7 @@ def test_cancelling_a_drive_sends_stop(robot):
 
 
 def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot, monkeypatch):
-    monkeypatch.setitem(SETTLE, Course.TO_A_PLACE, 1.0)
+    monkeypatch.setitem(SETTLE, DriveCourse.TO_A_PLACE, 1.0)
     robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status always says Stopped
     with connected_client(robot) as client:
         goto = client.execute('goto 12')

@@ -10,7 +10,7 @@ import pytest
 from arcl_builders import lines
 
 from omron_arcl import Backoff, connection
-from omron_arcl.connection import Connection, Peer, is_host, reason_of, resolve
+from omron_arcl.connection import ArclConnection, LivePeer, is_host, reason_of, resolve
 from omron_arcl.errors import ConnectionFailed, ConnectionLost, PeerSilent, WrongPassword
 from omron_arcl.session import Received, Session
 
@@ -24,7 +24,7 @@ def never() -> bool:
 @pytest.mark.parametrize('host', ['10.0..5', 'a' * 64 + '.b', 'ro\x00bot', 'a b'])
 def test_a_text_that_can_be_no_host_has_no_address_and_the_reason_names_it(host):
     with pytest.raises(OSError) as failure:
-        Connection.open(host, 7171, 1.0, never)
+        ArclConnection.open(host, 7171, 1.0, never)
     assert 'neither an address nor a name' in reason_of(failure.value)
 
 
@@ -41,7 +41,7 @@ def test_the_next_address_is_tried_where_one_cannot_be_reached(monkeypatch):
         good = (socket.AF_INET, socket.SOCK_STREAM, 0, '', ('127.0.0.1', port))
         bad = (socket.AF_INET, socket.SOCK_STREAM, 0, '', ('127.0.0.1', 1))
         monkeypatch.setattr(connection, 'resolve', lambda host, port: [bad, good])
-        with Connection.open('robot', port, 1.0, never) as opened:
+        with ArclConnection.open('robot', port, 1.0, never) as opened:
             assert opened.socket.getpeername() == ('127.0.0.1', port)
 
 
@@ -53,7 +53,7 @@ def test_an_address_that_fails_at_once_is_not_connected(monkeypatch):
 
     monkeypatch.setattr(connection.socket, 'socket', Unreachable)
     with pytest.raises(OSError) as failure:
-        Connection.open('127.0.0.1', 7171, 1.0, never)
+        ArclConnection.open('127.0.0.1', 7171, 1.0, never)
     assert failure.value.errno == errno.ENETUNREACH
     assert reason_of(failure.value) == 'network is unreachable'
 
@@ -63,7 +63,7 @@ def test_without_descriptors_it_fails_and_leaves_none(monkeypatch):
         raise OSError(errno.EMFILE, 'too many open files')
     monkeypatch.setattr(connection.socket, 'socket', none_left)
     with pytest.raises(OSError, match='too many'):
-        Connection.open('127.0.0.1', 7171, 1.0, never)
+        ArclConnection.open('127.0.0.1', 7171, 1.0, never)
 
 
 def test_a_host_may_have_several_addresses():
@@ -73,18 +73,18 @@ def test_a_host_may_have_several_addresses():
 # --- peers ----------------------------------------------------------------------------------------
 
 @pytest.fixture
-def pair() -> Iterator[Tuple[Peer, socket.socket]]:
+def pair() -> Iterator[Tuple[LivePeer, socket.socket]]:
     ours, robot = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
-    peer = Peer.__new__(Peer)
-    bare = Connection.__new__(Connection)  # a socket pair has none of TCP's options
+    peer = LivePeer.__new__(LivePeer)
+    bare = ArclConnection.__new__(ArclConnection)  # a socket pair has none of TCP's options
     bare.socket, bare.unsent = ours, b''
     ours.setblocking(False)
-    Peer.__init__(peer, bare, Session(None), timeout=2.0)
+    LivePeer.__init__(peer, bare, Session(None), timeout=2.0)
     with ours, robot:
         yield peer, robot
 
 
-def heard(peer: Peer, now: float, waited: float = 0.1) -> List[Received]:
+def heard(peer: LivePeer, now: float, waited: float = 0.1) -> List[Received]:
     return [event for event in peer.receive(now, waited) if isinstance(event, Received)]
 
 

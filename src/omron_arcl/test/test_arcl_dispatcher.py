@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import pytest
-from arcl_builders import DOCK, UNDOCKED, Conversation, Noted, outcome
+from arcl_builders import DOCK, UNDOCK, UNDOCKED, Conversation, Noted, outcome
 
 from omron_arcl import Busy, Outcome, parse_command
 from omron_arcl.command_queue import MAXIMUM_WAITING
@@ -142,7 +142,7 @@ def test_an_event_answers_the_query_and_still_reaches_the_drive(talk):
     query, dock = talk.give('queryDockStatus'), talk.give('dock')
     talk.robot(DOCK[1])
     assert outcome(query) is Outcome.SUCCEEDED
-    assert dock.begun
+    assert talk.has_begun(dock)
 
 
 def test_an_answer_of_unknown_length_ends_when_the_robot_is_quiet(talk):
@@ -344,6 +344,18 @@ def test_a_stop_that_the_robot_may_not_have_read_yet_waits_for_what_it_does(talk
     talk.robot('Interrupted: Going to A', 'Going to B')
     assert stop.result is None
     talk.robot('Interrupted: Going to B', 'Stopping', 'Stopped')
+    assert outcome(stop) is Outcome.SUCCEEDED
+
+
+def test_the_halt_after_undocking_is_not_that_of_a_stop_behind_an_unanswered_drive(talk):
+    undock = talk.give('undock')
+    talk.robot(*UNDOCK[:-2])
+    assert outcome(undock) is Outcome.SUCCEEDED
+    talk.give('goto 12')
+    stop = talk.give('stop')
+    talk.robot(*UNDOCK[-2:], 'Going to 9')
+    assert stop.result is None, 'the robot has not answered it'
+    talk.robot('Going to 12', 'Stopping', 'Stopped')
     assert outcome(stop) is Outcome.SUCCEEDED
 
 

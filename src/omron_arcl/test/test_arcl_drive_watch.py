@@ -8,7 +8,7 @@ from arcl_builders import DOCK, Conversation, outcome
 
 from omron_arcl import ActivityKind, Execution, Outcome
 from omron_arcl import drive_watch as watch
-from omron_arcl.commands import Course
+from omron_arcl.commands import DriveCourse
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def begun(talk: Conversation, text: str = 'goto 12', *said: str) -> Execution:
     """A command that the robot has acknowledged."""
     execution = talk.give(text)
     talk.robot(*(said or ('Going to 12',)))
-    assert execution.begun
+    assert talk.has_begun(execution)
     return execution
 
 
@@ -159,7 +159,7 @@ def test_a_status_right_after_the_command_may_be_the_one_before(talk):
 def test_a_robot_that_shows_the_goal_has_begun_though_it_did_not_say_so(talk):
     goto = talk.give('goto 12')
     shows(talk, 'Going to 12', 3.0)
-    assert goto.begun
+    assert talk.has_begun(goto)
     talk.robot('Interrupted: Going to 12')
     assert outcome(goto) is Outcome.INTERRUPTED
 
@@ -285,7 +285,7 @@ def setting_out(talk: Conversation, before: str = DOCKED, text: str = 'goto 12',
     talk.robot(f'Status: {before} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
     execution = talk.give(text)
     talk.robot(sign)
-    assert not execution.begun
+    assert not talk.has_begun(execution)
     return execution
 
 
@@ -319,7 +319,7 @@ def test_an_interruption_after_which_the_robot_leaves_its_dock_was_of_another_dr
     shows(talk, 'Stopped', 15.0)
     assert goto.result is None
     talk.robot('Going to 12')
-    assert goto.begun
+    assert talk.has_begun(goto)
 
 
 def test_undocking_that_ends_with_stopping_and_stopped_is_no_stop_of_somebody(talk):
@@ -328,7 +328,7 @@ def test_undocking_that_ends_with_stopping_and_stopped_is_no_stop_of_somebody(ta
     shows(talk, 'Stopped', 30.0)
     assert goto.result is None
     talk.robot('Going to 12')
-    assert goto.begun
+    assert talk.has_begun(goto)
 
 
 def test_a_robot_that_left_its_dock_before_is_interrupted_in_that_not_in_the_drive(talk):
@@ -361,7 +361,8 @@ def sight(talk: Conversation, command: str, lines: Tuple[str, ...], status: str,
     execution = talk.give(command)
     talk.robot(*lines)
     shows(talk, status, 1.5)
-    return execution.begun, execution.doubt and execution.doubt.outcome, execution.heard
+    doubt, heard = execution.progress.doubt, execution.progress.heard
+    return talk.has_begun(execution), doubt and doubt.outcome, heard
 
 
 ON = ('Going to 12',)
@@ -394,10 +395,10 @@ def test_a_judgement_decides_and_nothing_else_stands_for_it(row, monkeypatch):
     assert sight(Conversation(), *SIGHTS[row.name]) != expected
 
 
-BEGUN = {Course.TO_A_PLACE: ('gotoPoint 1 2', ('Going to point',)),
-         Course.INTO_THE_DOCK: ('dock', (DOCK[1],)),
-         Course.OUT_OF_THE_DOCK: ('undock', (UNDOCKING,)),
-         Course.OF_TASKS: ('doTask wait 9', ('Doing task wait 9',))}
+BEGUN = {DriveCourse.TO_A_PLACE: ('gotoPoint 1 2', ('Going to point',)),
+         DriveCourse.INTO_THE_DOCK: ('dock', (DOCK[1],)),
+         DriveCourse.OUT_OF_THE_DOCK: ('undock', (UNDOCKING,)),
+         DriveCourse.OF_TASKS: ('doTask wait 9', ('Doing task wait 9',))}
 KINDS = ActivityKind
 TEXTS = {
     KINDS.STOPPED: 'Stopped', KINDS.STOPPING: 'Stopping', KINDS.GOING_TO_GOAL: 'Going to 77',

@@ -13,7 +13,7 @@ from drive_bench import DOCKED, DOCKING, OTHER, PERSON, ROUTE, UNDOCKED, Bench
 
 from omron_arcl import Giver, Outcome, parse_command
 from omron_arcl.drives import LOOK, RETRY, Overruled, Unclear, draw_epoch
-from omron_arcl.records import Cause, CommandFate, Fate, Memory, MotionState
+from omron_arcl.records import CommandFate, DriveMemory, Fate, MotionCause, MotionState
 
 
 @pytest.fixture
@@ -33,16 +33,16 @@ class TestEpochs:
         bench.drive(ROUTE, 'goto 2', known_epoch=epoch)
         bench.robot('Going to 2')
         assert (bench.epoch, bench.memory.giver, bench.memory.cause) == (
-            epoch, ROUTE, Cause.OTHER_GIVER)
+            epoch, ROUTE, MotionCause.OTHER_GIVER)
 
     @pytest.mark.parametrize(('does', 'cause'), [
         (lambda bench: (bench.drive(PERSON, 'goto 3'), bench.robot('Going to 3')),
-         Cause.OTHER_GIVER),
-        (lambda bench: bench.stop(PERSON), Cause.STOP),
-        (lambda bench: bench.robot('Stopping'), Cause.OTHER_CLIENT),
-        (lambda bench: bench.robot('Going to 9'), Cause.OTHER_CLIENT),
-        (lambda bench: bench.robot('EStop pressed'), Cause.EMERGENCY_STOP),
-        (lambda bench: bench.status('Teleop driving', 2.0), Cause.OTHER_CLIENT)])
+         MotionCause.OTHER_GIVER),
+        (lambda bench: bench.stop(PERSON), MotionCause.STOP),
+        (lambda bench: bench.robot('Stopping'), MotionCause.OTHER_CLIENT),
+        (lambda bench: bench.robot('Going to 9'), MotionCause.OTHER_CLIENT),
+        (lambda bench: bench.robot('EStop pressed'), MotionCause.EMERGENCY_STOP),
+        (lambda bench: bench.status('Teleop driving', 2.0), MotionCause.OTHER_CLIENT)])
     def test_another_begins_with_what_others_do_and_the_driver_does_not_pass_it(
             self, bench, does, cause):
         bench.drive(ROUTE)
@@ -51,7 +51,7 @@ class TestEpochs:
         known = bench.epoch
         does(bench)
         # if there is only a status, it must last for some time
-        if cause is Cause.OTHER_CLIENT and bench.epoch == known:
+        if cause is MotionCause.OTHER_CLIENT and bench.epoch == known:
             bench.status('Teleop driving', 5.0)
             bench.pass_time(5.0)
         assert (bench.memory.cause, bench.memory.previous_epoch) == (cause, known)
@@ -108,8 +108,8 @@ class TestEpochs:
             bench.drive(ROUTE, known_epoch=7)
 
     def test_a_start_begins_one_and_names_the_one_before(self):
-        bench = Bench(Memory(55, cause=Cause.STOP))
-        assert (bench.memory.cause, bench.memory.previous_epoch) == (Cause.RESTART, 55)
+        bench = Bench(DriveMemory(55, cause=MotionCause.STOP))
+        assert (bench.memory.cause, bench.memory.previous_epoch) == (MotionCause.RESTART, 55)
         assert bench.kept[0] == bench.memory, 'the memory must be stored before anything is sent'
 
     def test_what_changes_is_kept_before_it_is_sent(self, bench):
@@ -176,7 +176,7 @@ class TestAnotherClientOfTheRobot:
         bench.robot('Stopping', 'Stopped')
         assert bench.epoch == known
         bench.robot('Stopping')
-        assert bench.memory.cause is Cause.OTHER_CLIENT, 'one stop gets one `Stopping`'
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT, 'one stop gets one `Stopping`'
 
     def test_nor_one_that_stops_for_an_instant_to_replace_a_drive(self, bench):
         bench.drive(ROUTE, 'goto 1')
@@ -219,7 +219,7 @@ class TestAnotherClientOfTheRobot:
         bench.robot('Stopping')
         bench.send()
         assert bench.sent == ['goto 12', 'stop']
-        assert bench.memory.cause is Cause.OTHER_CLIENT
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
 
     def test_also_one_that_was_to_replace_another(self, bench):
         bench.drive(ROUTE, 'goto 1')
@@ -248,7 +248,7 @@ class TestAnotherClientOfTheRobot:
         for _ in range(3):
             bench.status('Going to 9', 1.0)
         assert bench.epoch != known
-        assert bench.memory.cause is Cause.OTHER_CLIENT
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
 
     def test_one_that_stops_a_robot_at_its_goal_is_seen_by_the_status(self, bench):
         bench.drive(ROUTE)
@@ -262,7 +262,7 @@ class TestAnotherClientOfTheRobot:
     def test_a_robot_that_docks_by_itself_is_told_so(self, bench):
         bench.robot(UNDOCKED)
         bench.robot(DOCKING)
-        assert bench.memory.cause is Cause.ROBOT
+        assert bench.memory.cause is MotionCause.ROBOT
 
 
 class TestAfterAnOutage:
@@ -334,7 +334,7 @@ class TestAfterAnOutage:
         bench.connect()
         known = bench.epoch
         bench.status('Going to 12')
-        assert (bench.epoch != known, bench.memory.cause) == (True, Cause.OTHER_CLIENT)
+        assert (bench.epoch != known, bench.memory.cause) == (True, MotionCause.OTHER_CLIENT)
 
     @pytest.mark.parametrize('outage', ['lost link', 'restart'])
     def test_one_that_we_stopped_and_that_stands_was_not_driven_by_another_client(self, outage):
@@ -348,7 +348,7 @@ class TestAfterAnOutage:
             bench.connect()
         known = bench.epoch
         bench.status('Stopped')
-        assert (bench.epoch != known, bench.memory.cause) == (True, Cause.RESTART)
+        assert (bench.epoch != known, bench.memory.cause) == (True, MotionCause.RESTART)
         with pytest.raises(Overruled):
             bench.drive(ROUTE, known_epoch=known)
 
@@ -359,7 +359,7 @@ class TestAfterAnOutage:
         bench.lose()
         bench.connect()
         bench.status(shown)
-        assert (bench.epoch, bench.memory.cause) == (known, Cause.RESTART)
+        assert (bench.epoch, bench.memory.cause) == (known, MotionCause.RESTART)
 
     @pytest.mark.parametrize('outage', ['lost link', 'restart'])
     def test_no_program_drives_before_the_robot_has_said_what_it_does(self, outage):
@@ -433,7 +433,7 @@ class TestOwedStop:
         bench.status(shown)
         bench.pass_time(2 * LOOK)
         assert bench.sent == ['goto 12']
-        assert (bench.memory.stop_owed, bench.memory.cause) == (False, Cause.OTHER_CLIENT)
+        assert (bench.memory.stop_owed, bench.memory.cause) == (False, MotionCause.OTHER_CLIENT)
 
     def test_it_outlives_a_restart(self, bench):
         bench.drive(ROUTE)
@@ -512,7 +512,7 @@ class TestOwedStop:
         bench.dispatcher.cancel(drive, bench.now, PERSON)
         bench.send()
         assert bench.sent == ['goto 12', 'stop']
-        assert bench.memory.cause is Cause.CANCEL
+        assert bench.memory.cause is MotionCause.CANCEL
         with pytest.raises(Overruled, match='a cancellation of /rviz'):
             bench.drive(ROUTE, known_epoch=known)
 
@@ -554,7 +554,7 @@ class TestOwedStop:
         bench.drive(PERSON, 'goto 4')
         bench.records.all_cancelled(PERSON)
         bench.robot('Going to 3')  # sent before `goto 4` reached the robot
-        assert bench.memory.cause is Cause.OTHER_CLIENT
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
         assert bench.sent == ['goto 4', 'stop'], 'otherwise the robot would drive on to 4'
 
     def test_a_drive_on_its_way_is_stopped_that_an_emergency_stop_seems_to_have_ended(self, bench):
@@ -643,7 +643,7 @@ class TestWhoseStopping:
         bench.robot(*lines, 'Going to 14')
         assert bench.sent[-1] == 'goto 14', 'the drive was stopped'
         assert (bench.memory.giver, drive.result) == (ROUTE, None)
-        assert bench.memory.cause is not Cause.OTHER_CLIENT, known
+        assert bench.memory.cause is not MotionCause.OTHER_CLIENT, known
 
     @pytest.mark.parametrize('before', ['own', 'lost link', 'restart', 'another client'])
     def test_a_robot_that_replaces_a_drive_may_stop_for_an_instant(self, before):
@@ -722,7 +722,7 @@ class TestWhoseStopping:
         bench.drive(ROUTE)
         bench.robot('Going to 12')
         bench.robot('Stopping')
-        assert bench.memory.cause is Cause.OTHER_CLIENT
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
 
     def test_a_stop_of_a_robot_that_only_replaced_a_drive_is_another_clients(self, bench):
         bench.drive(ROUTE)
@@ -731,7 +731,7 @@ class TestWhoseStopping:
         bench.drive(ROUTE, 'goto 14')
         bench.robot('Stopping', 'Stopped')
         assert bench.sent == ['goto 12', 'goto 14', 'stop'], 'the newer drive may still come'
-        assert bench.memory.cause is Cause.OTHER_CLIENT
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
 
 
     def test_the_stopped_of_another_client_does_not_end_our_stop(self, bench):

@@ -29,7 +29,7 @@ from omron_arcl import (
 from omron_arcl.command_line import LONGEST_COMMAND
 from omron_arcl.framing import LineBuffer, decode
 from omron_arcl.parser import _TABLE
-from omron_arcl.session import Closed, Session, State
+from omron_arcl.session import Closed, Session, SessionState
 
 EXAMPLES = 50 * settings.default.max_examples  # examples in a batch, all of it in memory
 BATCHES = 40 if os.environ.get('LD90_LONG_TESTS') == '1' else 1
@@ -109,7 +109,7 @@ def test_good_lines_come_out_between_bad_ones_however_they_are_cut(blob, sizes):
     good = [line for line in said if line in GOOD]
     assert [event.raw for event in events if event.raw in GOOD] == good
     assert len(events) <= len(said)
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
 
 
 @share(10)
@@ -128,7 +128,7 @@ def test_a_login_takes_any_bytes(blob, sizes, as_lines):
 def test_noise_in_the_login_never_raises(blob, at):
     session = Session(PASSWORD)
     session.receive(lines(*LOGIN[:at], *lines_of(blob), *LOGIN[at:], *STATUS))
-    assert session.state in (State.READY, State.CLOSED)
+    assert session.state in (SessionState.READY, SessionState.CLOSED)
 
 
 @share(10)
@@ -252,6 +252,6 @@ def test_a_flood_of_twenty_megabytes_of_garbage_leaves_the_session_small_and_san
     garbage = bytes(range(256)) * 256
     for _ in range(20 * 16):
         session.receive(garbage)
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
     assert len(session._lines._tail) < 1000
     assert texts(session.receive(b'\n' + lines(b'Stopped')))[-1] == 'Stopped'

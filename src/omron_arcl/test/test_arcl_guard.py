@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import pytest
+from drive_bench import ROUTE, Bench
 
-from omron_arcl import Execution, HelpList, InvalidCommand, Outcome, parse_command
+from omron_arcl import HelpList, InvalidCommand, parse_command
 from omron_arcl.guard import Guard, is_unlisted
-from omron_arcl.records import MotionState
+from omron_arcl.records import DriveMemory, MotionState, RobotMotion
 
 
 @pytest.fixture
@@ -94,7 +95,7 @@ LOCALIZE = ('localizeToPoint 1 2 3', 'localizeAtGoal 12', 'LocalizeToPoint 1 2 3
 @pytest.mark.parametrize('state', [MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING,
                                    MotionState.UNDOCKING])
 def test_a_robot_that_drives_is_not_localized(guard, text, state):
-    guard.motion = state
+    guard.motion = RobotMotion(DriveMemory(0), state)
     assert 'the robot drives: stop it first' in reason(guard, text)
     passes(guard, 'goto 12')
 
@@ -103,15 +104,19 @@ def test_a_robot_that_drives_is_not_localized(guard, text, state):
 @pytest.mark.parametrize('state', [MotionState.STANDING, MotionState.DOCKED, MotionState.UNKNOWN,
                                    MotionState.MANUAL])
 def test_a_robot_that_stands_or_that_a_person_drives_is_localized(guard, text, state):
-    guard.motion = state
+    guard.motion = RobotMotion(DriveMemory(0), state)
     passes(guard, text)
 
 
 def test_a_robot_that_was_just_told_to_drive_is_not_localized_until_the_drive_ends(guard):
     """The robot's status shows the drive only a moment later."""
-    drive, query = (Execution(parse_command(text)) for text in ('goto 12', 'status'))
-    for execution in (drive, query):
-        guard.given(execution)
-    assert 'the robot drives' in reason(guard, LOCALIZE[0])
-    drive.end(Outcome.SUCCEEDED, 'Arrived at 12')
+    bench = Bench()
+    bench.status('Docked')
+    bench.drive(ROUTE, 'goto 12')
+    for lines in ((), ('Going to 12',)):
+        bench.robot(*lines)
+        guard.motion = bench.records.motion
+        assert 'the robot drives' in reason(guard, LOCALIZE[0])
+    bench.robot('Arrived at 12')
+    guard.motion = bench.records.motion
     passes(guard, LOCALIZE[0])

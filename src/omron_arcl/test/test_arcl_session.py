@@ -29,7 +29,7 @@ from omron_arcl.session import (
     Event,
     LoggedIn,
     Session,
-    State,
+    SessionState,
 )
 
 
@@ -40,7 +40,7 @@ def test_a_session_logs_in_and_reads_the_help_list(feed):
     assert isinstance(event, LoggedIn)
     assert event.help.descriptions['quit'] == 'closes this connection to the server'
     assert len(event.help) == 6
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
     assert session.take_output() == b'adept\necho off\n'
 
 
@@ -51,7 +51,8 @@ def test_the_states_of_the_login_follow_the_robots_lines():
         session.receive(lines(line))
         if session.state is not seen[-1]:
             seen.append(session.state)
-    assert seen == [State.AWAITING_PROMPT, State.LOGGING_IN, State.DRAINING_HELP_LIST, State.READY]
+    assert seen == [SessionState.AWAITING_PROMPT, SessionState.LOGGING_IN,
+                    SessionState.DRAINING_HELP_LIST, SessionState.READY]
 
 
 @pytest.mark.parametrize('prompt', [
@@ -64,7 +65,7 @@ def test_whatever_asks_for_a_password_is_a_prompt_with_or_without_a_line_end(pro
         assert session.take_output() == b'adept\n'
         feed(session, b'\r\n')
         feed(session, lines(*LOGIN[1:]))
-        assert session.state is State.READY
+        assert session.state is SessionState.READY
 
 
 def test_a_prompt_is_not_answered_before_it_is_all_there():
@@ -88,16 +89,16 @@ def test_without_a_prompt_the_password_is_sent_after_a_moment(greeting):
     after(session, 100.0 + PROMPT_TIMEOUT)
     assert session.take_output() == b'adept\n'
     session.receive(b'\r\n' + lines(*LOGIN[1:]))
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
 
 
 def test_a_prompt_that_comes_late_is_not_a_refusal():
     session = Session(PASSWORD)
     after(session, 0.0, 2.0)
     session.receive(lines(*LOGIN[:1]))
-    assert session.state is State.LOGGING_IN
+    assert session.state is SessionState.LOGGING_IN
     session.receive(lines(*LOGIN[1:]))
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
     assert session.take_output() == b'adept\necho off\n'
 
 
@@ -116,7 +117,7 @@ def test_without_a_help_list_the_login_ends_when_the_robot_is_quiet():
     assert after(session, 0.0, HELP_TIMEOUT - 0.1) == []
     (event,) = after(session, HELP_TIMEOUT)
     assert not event.help.complete
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
 
 
 def test_a_help_list_without_its_end_is_taken_as_far_as_it_came():
@@ -186,7 +187,7 @@ def test_a_server_that_leaves_on_a_password_it_did_not_ask_for_has_not_refused_i
 
 def test_a_session_without_login_speaks_at_once():
     session = Session(None)
-    assert session.state is State.READY
+    assert session.state is SessionState.READY
     assert texts(session.receive(lines(*STATUS))) == [line.decode() for line in STATUS]
     assert session.take_output() == b''
 
@@ -233,7 +234,7 @@ def test_the_end_of_the_connection_means_what_the_state_says(said, cause, words)
     (event,) = session.receive_eof()
     assert type(event.cause) is cause
     assert words in str(event.cause)
-    assert session.state is State.CLOSED
+    assert session.state is SessionState.CLOSED
 
 
 def test_a_second_prompt_means_a_wrong_password():

@@ -84,13 +84,7 @@ def test_a_replaced_word_is_no_identifier(word):
 # -- class names -----------------------------------------------------------------------------------
 
 AMBIGUOUS = set(re.findall(r'\w+', """
-Acceptance Action Activity Battery Call Change Command
-Configuration ConfigurationError Connection Content DockingState EStop Edge
-Entry Errand Failure Field Floor Host Kind Link Localizing Located
-Location Memory Motion Motors Note Notice Odometer Options Outcome Parameter
-Phase Place Plan Pose Record Reference Refused Robot RobotView Role Route
-RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign State
-Task Track
+Change Command Content Entry Errand Location Outcome Place Plan Robot Role
 """))
 """Class names that still stand for two or more things. Rename one of them instead of adding here.
 """

@@ -41,6 +41,7 @@ LAYERS: Dict[str, Layer] = {
     'trajectory_graph': layer('file_replacement'),
     'route_protocol': layer(),
     'omron_map': layer('file_replacement'),
+    'omron_map_converter': layer('omron_map trajectory_graph'),
     'omron_arcl': layer('browser_guard', sockets='connection transport client listener'),
     'node_program': layer(),
     'xmlrpc_guard': layer('browser_guard', ros=True),
@@ -92,7 +93,7 @@ LAYERS: Dict[str, Layer] = {
         'graph_fleet_manager.commands graph_fleet_manager.messages graph_fleet_manager.nodes '
         'graph_topic node_lifecycle trajectory_graph', ros=True, sockets='*'),
     'fleet_bringup': layer(
-        'fleet_core fleet_core.files fleet_core.planning omron_ld90.converter omron_map '
+        'fleet_core fleet_core.files fleet_core.planning omron_map omron_map_converter '
         'trajectory_graph', ros=True, sockets='*'),
     'fleet_services': layer(
         'fleet_bringup fleet_core.files fleet_core.supervision trajectory_graph', ros=True),
@@ -107,15 +108,14 @@ LAYERS: Dict[str, Layer] = {
         'graph_editor graph_editor.checking graph_editor.editor graph_editor.making '
         'node_lifecycle omron_map rviz_drawing trajectory_graph', ros=True),
     # the LD-90
-    'omron_ld90': layer('trajectory_graph'),
-    'omron_ld90.bridge': layer('omron_arcl omron_ld90 route_protocol trajectory_graph'),
-    'omron_ld90.converter': layer('omron_ld90 omron_map trajectory_graph'),
-    'omron_ld90.operator': layer(
-        'omron_arcl omron_ld90 omron_map route_protocol'),
+    'omron_ld90': layer(),
+    'omron_ld90.bridge': layer(
+        'omron_arcl omron_ld90 omron_map_converter route_protocol trajectory_graph'),
+    'omron_ld90.operator': layer('omron_arcl omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
         'file_replacement fleet_requests graph_topic json_records node_lifecycle omron_arcl '
-        'omron_ld90 omron_ld90.bridge omron_ld90.converter '
-        'omron_ld90.operator omron_map route_protocol rviz_drawing trajectory_graph', ros=True),
+        'omron_ld90 omron_ld90.bridge omron_ld90.operator omron_map omron_map_converter '
+        'route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
     'omron_ld90_sim.motion': layer('omron_map'),
     'omron_ld90_sim.devices': layer('omron_ld90_sim omron_ld90_sim.motion'),

@@ -10,6 +10,7 @@ import pytest
 from omron_ld90 import robot_model
 from omron_ld90_sim.devices import laser
 from omron_ld90_sim.motion.kinematics import LD90_BODY, LD90_LIMITS
+from omron_map_converter import footprint
 
 URDF = ElementTree.parse(Path(__file__).resolve().parents[1] / 'urdf' / 'ld90.urdf').getroot()
 MM = 1000.0
@@ -32,8 +33,8 @@ def boxes(kind: str):
 def test_the_urdf_has_the_robots_size(kind):
     low = [min(centre[i] - size[i] / 2 for centre, size in boxes(kind)) for i in range(3)]
     high = [max(centre[i] + size[i] / 2 for centre, size in boxes(kind)) for i in range(3)]
-    assert high[0] - low[0] == pytest.approx(robot_model.LENGTH)
-    assert high[1] - low[1] == pytest.approx(robot_model.WIDTH)
+    assert high[0] - low[0] == pytest.approx(footprint.LENGTH)
+    assert high[1] - low[1] == pytest.approx(footprint.WIDTH)
     assert high[2] == pytest.approx(robot_model.HEIGHT)
 
 
@@ -44,13 +45,13 @@ def test_the_urdf_has_the_laser_where_it_is():
 
 
 def test_the_half_diagonal_is_that_of_the_size_rounded_up():
-    exact = math.hypot(robot_model.LENGTH, robot_model.WIDTH) / 2
-    assert exact <= robot_model.HALF_DIAGONAL < exact + 0.001
+    exact = math.hypot(footprint.LENGTH, footprint.WIDTH) / 2
+    assert exact <= footprint.HALF_DIAGONAL < exact + 0.001
 
 
 def test_the_simulated_robot_is_the_same_robot():
     assert (LD90_BODY.length, LD90_BODY.width) == (
-        robot_model.LENGTH * MM, robot_model.WIDTH * MM)
+        footprint.LENGTH * MM, footprint.WIDTH * MM)
     assert (LD90_LIMITS.speed, LD90_LIMITS.acceleration, LD90_LIMITS.goal_deceleration) == (
         robot_model.TOP_SPEED * MM, robot_model.ACCELERATION * MM,
         robot_model.BRAKING_TO_GOAL * MM)

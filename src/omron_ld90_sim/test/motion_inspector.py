@@ -7,7 +7,7 @@ import numpy as np
 from sim_builders import Obstacles
 
 from omron_ld90_sim.motion.base import STEP, Base
-from omron_ld90_sim.motion.kinematics import LD90_BODY, LD90_LIMITS, Pose
+from omron_ld90_sim.motion.kinematics import LD90_BODY, LD90_LIMITS, SimPose
 from omron_ld90_sim.motion.track import Turn
 
 
@@ -62,9 +62,9 @@ class Inspector:
         self._hold(~turning | (clear >= LD90_BODY.half_diagonal), 'too near while turning')
         # beyond half its diagonal the body cannot touch anything
         for number in np.flatnonzero(clear <= LD90_BODY.half_diagonal):
-            pose = Pose(*rows[number + 1, :3])
+            pose = SimPose(*rows[number + 1, :3])
             assert self.obstacles.distance(pose) > 0.0, f'collision at {pose}'
 
     def _hold(self, held: np.ndarray, fault: str) -> None:
         broken = np.flatnonzero(~held)
-        assert not len(broken), f'{fault} at {Pose(*self._rows[broken[0] + 1][:3])}'
+        assert not len(broken), f'{fault} at {SimPose(*self._rows[broken[0] + 1][:3])}'

@@ -10,13 +10,13 @@ from typing import List, Optional, Tuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.commands import execute
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import SimSession
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import LD90_BODY, SimPose
 from omron_map import MapDocument, MapObject, RotatedRectangle
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -71,17 +71,17 @@ def corridor(width: float) -> MapDocument:
         f'LINES\n{lines}\n'.encode(), name='corridor.map')
 
 
-def lonely_floor(*walls: Tuple[float, float, float, float]) -> Floor:
+def lonely_floor(*walls: Tuple[float, float, float, float]) -> SimFloor:
     """A floor of 10 x 8 m with walls around it, and more walls if given."""
     everything = np.array([[-5000, -4000, 5000, -4000], [-5000, 4000, 5000, 4000],
                            [-5000, -4000, -5000, 4000], [5000, -4000, 5000, 4000], *walls], float)
-    return Floor(np.empty((0, 2)), everything, np.empty((0, 4)), [], 20, np.empty((0, 2)))
+    return SimFloor(np.empty((0, 2)), everything, np.empty((0, 4)), [], 20, np.empty((0, 2)))
 
 
 @lru_cache(maxsize=4)
-def floor_of(document: MapDocument) -> Floor:
+def floor_of(document: MapDocument) -> SimFloor:
     """The floor of a map that no event changes."""
-    return Floor.from_map(document)
+    return SimFloor.from_map(document)
 
 
 class Rig:
@@ -91,12 +91,12 @@ class Rig:
                  start: Optional[Tuple[float, float, float]] = (-3000.0, 0.0, 0.0),
                  seed: int = 0, battery: float = 100.0,
                  arrival_error: Tuple[float, float] = (0.0, 0.0),
-                 clock: Optional[Clock] = None) -> None:
-        self.clock = clock or Clock()
+                 clock: Optional[SimClock] = None) -> None:
+        self.clock = clock or SimClock()
         document = document or room()
-        self.robot = Robot(self.clock, document, floor_of(document),
-                           Pose(*start) if start else None, seed, battery,
-                           arrival_error=arrival_error)
+        self.robot = SimRobot(self.clock, document, floor_of(document),
+                              SimPose(*start) if start else None, seed, battery,
+                              arrival_error=arrival_error)
         self.server = ArclServer(self.clock, self.robot, 'adept', execute)
 
     def client(self) -> Client:
@@ -109,7 +109,7 @@ class Rig:
 
 def fleet(document: MapDocument, *starts: Tuple[float, float, float], seed: int = 0) -> List[Rig]:
     """Robots that see each other, on one clock."""
-    clock = Clock()
+    clock = SimClock()
     rigs = [Rig(document, start, seed + number, clock=clock)
             for number, start in enumerate(starts)]
     for rig in rigs:
@@ -119,7 +119,7 @@ def fleet(document: MapDocument, *starts: Tuple[float, float, float], seed: int 
 
 
 def _outline() -> np.ndarray:
-    corners = LD90_BODY.corners(Pose(0.0, 0.0, 0.0))
+    corners = LD90_BODY.corners(SimPose(0.0, 0.0, 0.0))
     return np.concatenate([np.linspace(start, end, 40) for start, end in
                            zip(corners, np.roll(corners, -1, axis=0))])
 
@@ -128,13 +128,13 @@ OUTLINE = _outline()        # points all around the body at the origin
 FAR = 300.0  # mm between two bodies, beyond which an approximate value is enough
 
 
-def gap(a: Pose, b: Pose) -> float:
+def gap(a: SimPose, b: SimPose) -> float:
     """The gap between two robots' bodies (mm): 0 if they touch, a lower bound if it is large."""
     apart = a.distance_to(b.x, b.y) - 2.0 * LD90_BODY.half_diagonal
     if apart > FAR:
         return apart
 
-    def one_way(a: Pose, b: Pose) -> float:
+    def one_way(a: SimPose, b: SimPose) -> float:
         angle = math.radians(b.theta)
         turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
         return float(outside(a, OUTLINE @ turn + [b.x, b.y]).min())
@@ -142,7 +142,7 @@ def gap(a: Pose, b: Pose) -> float:
     return min(one_way(a, b), one_way(b, a))
 
 
-def outside(pose: Pose, points: np.ndarray) -> np.ndarray:
+def outside(pose: SimPose, points: np.ndarray) -> np.ndarray:
     """The distance from the body at `pose` to each point (N, 2), in mm; 0 inside."""
     angle = math.radians(pose.theta)
     delta = points - [pose.x, pose.y]
@@ -207,12 +207,12 @@ class Obstacles:
         self._points = np.concatenate(pieces)
         self.areas: List[RotatedRectangle] = [o.rectangle for o in document.forbidden_areas]
 
-    def forbidden(self, pose: Pose) -> bool:
+    def forbidden(self, pose: SimPose) -> bool:
         """True if the turning centre is inside a forbidden area."""
         centre = np.array([[pose.x, pose.y]])
         return any(area.contains(centre)[0] for area in self.areas)
 
-    def distance(self, pose: Pose) -> float:
+    def distance(self, pose: SimPose) -> float:
         """The distance from the body's outline to the nearest wall, point or border of an area
         (mm).
         """

@@ -6,12 +6,12 @@ from typing import List
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_ld90_sim.clock import Clock, Ticker
+from omron_ld90_sim.clock import SimClock, Ticker
 
 
 @given(st.lists(st.floats(0.0, 100.0), max_size=30))
 def test_callbacks_run_at_their_times_in_order(times: List[float]) -> None:
-    clock, seen = Clock(), []
+    clock, seen = SimClock(), []
     for time in times:
         clock.at(time, lambda: seen.append(clock.now))
     clock.advance(100.0)
@@ -19,7 +19,7 @@ def test_callbacks_run_at_their_times_in_order(times: List[float]) -> None:
 
 
 def test_equal_times_keep_the_order_of_asking() -> None:
-    clock, seen = Clock(), []
+    clock, seen = SimClock(), []
     for name in 'abc':
         clock.at(1.0, lambda name=name: seen.append(name))
     clock.advance(1.0)
@@ -27,7 +27,7 @@ def test_equal_times_keep_the_order_of_asking() -> None:
 
 
 def test_a_cancelled_callback_does_not_run_nor_wake_anybody() -> None:
-    clock, seen = Clock(), []
+    clock, seen = SimClock(), []
     clock.at(1.0, lambda: seen.append(1)).cancel()
     assert clock.next_time is None
     clock.advance(2.0)
@@ -35,7 +35,7 @@ def test_a_cancelled_callback_does_not_run_nor_wake_anybody() -> None:
 
 
 def test_what_is_late_runs_at_once_and_never_goes_back_in_time() -> None:
-    clock, seen = Clock(), []
+    clock, seen = SimClock(), []
     clock.advance(5.0)
     clock.at(1.0, lambda: seen.append(clock.now))
     clock.advance(5.0)
@@ -43,7 +43,7 @@ def test_what_is_late_runs_at_once_and_never_goes_back_in_time() -> None:
 
 
 def test_a_ticker_does_not_drift_over_a_day() -> None:
-    clock, seen = Clock(), []
+    clock, seen = SimClock(), []
     ticker = Ticker(clock, 0.1, lambda: seen.append(clock.now))
     clock.advance(86400.05)
     ticker.stop()

@@ -9,13 +9,13 @@ from vda_schemas import problems
 from vda_toy_vehicle import LINE, DirectMaster, ToyVehicle
 
 from vda5050_bench.bench import (
-    Outcome,
+    RuleOutcome,
     Verdict,
     read_slow_action,
     scorecard,
     tried,
 )
-from vda5050_bench.rules import Level, rules_of
+from vda5050_bench.rules import RuleLevel, rules_of
 from vda5050_bench.trial import SlowAction, Trial
 
 BLINK = SlowAction('blink')
@@ -27,7 +27,7 @@ def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
     return list(tried(Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK), version))
 
 
-def found(verdicts: List[Verdict], *outcomes: Outcome) -> Dict[str, str]:
+def found(verdicts: List[Verdict], *outcomes: RuleOutcome) -> Dict[str, str]:
     """The sentences with one of these outcomes, and the observations."""
     return {verdict.rule.sentence: verdict.text for verdict in verdicts
             if verdict.outcome in outcomes}
@@ -36,9 +36,9 @@ def found(verdicts: List[Verdict], *outcomes: Outcome) -> Dict[str, str]:
 @pytest.mark.parametrize('version', ['2.0.0', '2.1.0', '3.0.0'])
 def test_a_vehicle_that_is_right_passes(version):
     verdicts = verdicts_of(version=version)
-    assert not found(verdicts, Outcome.BROKEN, Outcome.NOT_FOLLOWED), scorecard(verdicts)
+    assert not found(verdicts, RuleOutcome.BROKEN, RuleOutcome.NOT_FOLLOWED), scorecard(verdicts)
     assert len({verdict.rule.sentence for verdict in verdicts}) == len(verdicts)
-    not_tried = found(verdicts, Outcome.NOT_TRIED)
+    not_tried = found(verdicts, RuleOutcome.NOT_TRIED)
     assert set(not_tried.values()) == {'needs --own-broker'}, scorecard(verdicts)
 
 
@@ -74,40 +74,40 @@ def test_a_vehicle_that_is_right_passes(version):
         'INVALID_INSTANT_ACTION stays until a new instant action is accepted'})])
 def test_the_rule_for_a_defect_finds_it_and_no_other_rule_does(version, defect, sentences):
     verdicts = verdicts_of(defect, version=version)
-    broken = found(verdicts, Outcome.BROKEN, Outcome.NOT_FOLLOWED)
+    broken = found(verdicts, RuleOutcome.BROKEN, RuleOutcome.NOT_FOLLOWED)
     assert set(broken) == sentences, scorecard(verdicts)
 
 
 def test_advice_that_is_not_followed_is_no_broken_rule():
     verdicts = verdicts_of('no references')
-    assert all(verdict.rule.level is Level.SHOULD for verdict in verdicts
-               if verdict.outcome is Outcome.NOT_FOLLOWED)
-    assert all(verdict.rule.level is Level.MUST for verdict in verdicts
-               if verdict.outcome is Outcome.BROKEN)
+    assert all(verdict.rule.level is RuleLevel.SHOULD for verdict in verdicts
+               if verdict.outcome is RuleOutcome.NOT_FOLLOWED)
+    assert all(verdict.rule.level is RuleLevel.MUST for verdict in verdicts
+               if verdict.outcome is RuleOutcome.BROKEN)
 
 
 def test_a_vehicle_of_3_0_that_wants_the_ends_of_edges_is_found():
     """3.0 has no startNodeId, endNodeId; such a vehicle refuses every order of the standard."""
     verdicts = verdicts_of('wants the ends of edges', version='3.0.0')
     assert 'a new order is accepted: the state has its orderId, nodes and edges' in found(
-        verdicts, Outcome.BROKEN), scorecard(verdicts)
+        verdicts, RuleOutcome.BROKEN), scorecard(verdicts)
 
 
 def test_a_vehicle_that_dies_is_tried_again_after_its_return():
     verdicts = verdicts_of('dies')
-    not_tried = found(verdicts, Outcome.NOT_TRIED)
+    not_tried = found(verdicts, RuleOutcome.NOT_TRIED)
     died = [text for text in not_tried.values() if 'has died' in text]
     assert len(died) == 1, scorecard(verdicts)
     assert 'the connection does not break as long as the broker runs' in found(
-        verdicts, Outcome.NOT_FOLLOWED)
-    assert len(found(verdicts, Outcome.PASSED)) > 40, scorecard(verdicts)
+        verdicts, RuleOutcome.NOT_FOLLOWED)
+    assert len(found(verdicts, RuleOutcome.PASSED)) > 40, scorecard(verdicts)
 
 
 @pytest.mark.parametrize('sentence, level', [
     ('the master can request the factsheet by factsheetRequest', None),
     ('all messages on factsheet are retained', None),
-    ('all messages on connection are retained', Level.SHOULD),
-    ('sequenceId runs over nodes and edges, without gaps', Level.DERIVED)])
+    ('all messages on connection are retained', RuleLevel.SHOULD),
+    ('sequenceId runs over nodes and edges, without gaps', RuleLevel.DERIVED)])
 def test_2_0_0_demands_only_what_its_text_says(sentence, level):
     found_levels = {rule.sentence: rule.level for rule in rules_of('2.0.0')}
     assert found_levels.get(sentence) is level
@@ -115,15 +115,15 @@ def test_2_0_0_demands_only_what_its_text_says(sentence, level):
 
 def test_a_vehicle_that_falls_silent_is_reported_once():
     verdicts = verdicts_of('silent')
-    broken = found(verdicts, Outcome.BROKEN)
+    broken = found(verdicts, RuleOutcome.BROKEN)
     assert list(broken) == ['a state is published on events, or at the latest every 30 s']
-    assert set(found(verdicts, Outcome.NOT_TRIED).values()) <= {'the vehicle is silent',
-                                                                'needs --own-broker'}
+    assert set(found(verdicts, RuleOutcome.NOT_TRIED).values()) <= {'the vehicle is silent',
+                                                                    'needs --own-broker'}
 
 
 def test_states_without_a_required_field_end_no_run():
     verdicts = verdicts_of('no batteryState')
-    broken = found(verdicts, Outcome.BROKEN)
+    broken = found(verdicts, RuleOutcome.BROKEN)
     assert list(broken) == ['every message is as the standard has it']
     assert 'there is no batteryState, safetyState' in broken[list(broken)[0]]
 
@@ -131,12 +131,12 @@ def test_states_without_a_required_field_end_no_run():
 def test_a_vehicle_that_no_cancellation_stops_is_still_tried_by_all_other_rules():
     verdicts = verdicts_of('drives on')
     assert 'cancelOrder is FINISHED when all movement has stopped, and the order is deleted' \
-        in found(verdicts, Outcome.BROKEN), scorecard(verdicts)
-    assert len(found(verdicts, Outcome.PASSED)) > 30, scorecard(verdicts)
+        in found(verdicts, RuleOutcome.BROKEN), scorecard(verdicts)
+    assert len(found(verdicts, RuleOutcome.PASSED)) > 30, scorecard(verdicts)
 
 
 def test_a_stateRequest_that_is_only_finished_is_answered_by_its_own_actionState():
-    assert not found(verdicts_of('no stateRequest'), Outcome.BROKEN)
+    assert not found(verdicts_of('no stateRequest'), RuleOutcome.BROKEN)
 
 
 @pytest.mark.parametrize('garbage', [None, 5, 'text', [5], {'a': 1}])

@@ -9,7 +9,7 @@ import json
 import math
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from vda5050_bench.master import Master
+from vda5050_bench.master import BenchMaster
 from vda5050_bench.track import Stop, Track
 from vda5050_mqtt.link import Broker
 
@@ -383,7 +383,7 @@ class ToyVehicle:
             self.driving = bool(self.nodes and self.nodes[0]['released'])
 
 
-class DirectMaster(Master):
+class DirectMaster(BenchMaster):
     """A master beside the vehicle, without a broker, in the vehicle's time."""
 
     def __init__(self, vehicle: ToyVehicle) -> None:

@@ -5,8 +5,8 @@ import itertools
 
 import pytest
 
-from vda5050_protocol.acceptance import Acceptance, Held, Rejection, judge
-from vda5050_protocol.values import Edge, Node, Order
+from vda5050_protocol.acceptance import Held, OrderAcceptance, Rejection, judge
+from vda5050_protocol.values import OrderEdge, OrderMessage, OrderNode
 
 BASE_END, LAST = ('b', 4), ('a', 2)
 SAME, OTHER = 'held', 'another'
@@ -14,9 +14,9 @@ SAME, OTHER = 'held', 'another'
 
 def order(order_id, update, start):
     node_id, sequence = start
-    return Order(order_id, update, (
-        Node(node_id, sequence, True), Node('z', sequence + 2, True)),
-        (Edge('e', sequence + 1, True, node_id, 'z'),))
+    return OrderMessage(order_id, update, (
+        OrderNode(node_id, sequence, True), OrderNode('z', sequence + 2, True)),
+        (OrderEdge('e', sequence + 1, True, node_id, 'z'),))
 
 
 def expected(is_new, busy, near, update, start, cancelled):
@@ -24,16 +24,16 @@ def expected(is_new, busy, near, update, start, cancelled):
     if is_new:
         if busy:
             return 'orderError'
-        return Acceptance.NEW if near else 'noRouteError'
+        return OrderAcceptance.NEW if near else 'noRouteError'
     if update < 5:
         return 'orderUpdateError'
     if update == 5:
-        return Acceptance.DUPLICATE
+        return OrderAcceptance.DUPLICATE
     if cancelled:
         return 'orderUpdateError'
     if busy:
-        return Acceptance.APPEND if start == BASE_END else 'orderUpdateError'
-    return Acceptance.CONTINUE if start == LAST else 'orderUpdateError'
+        return OrderAcceptance.APPEND if start == BASE_END else 'orderUpdateError'
+    return OrderAcceptance.CONTINUE if start == LAST else 'orderUpdateError'
 
 
 def expected_in_3(is_new, busy, near, update, start, cancelled):
@@ -59,7 +59,7 @@ def test_the_figure(is_new, busy, near, update, start, cancelled):
     for is_3, figure in ((False, expected), (True, expected_in_3)):
         verdict = judge(held, order(OTHER if is_new else SAME, update, start), near, is_3)
         wanted = figure(is_new, busy, near, update, start, cancelled)
-        if isinstance(wanted, Acceptance):
+        if isinstance(wanted, OrderAcceptance):
             assert verdict is wanted
         else:
             assert isinstance(verdict, Rejection)
@@ -69,10 +69,10 @@ def test_the_figure(is_new, busy, near, update, start, cancelled):
 
 @pytest.mark.parametrize('held, order_id, update, wanted', [
     (Held(SAME, 5, acting='say'), OTHER, 0, 'orderError'),
-    (Held(SAME, 5, acting='say', last_node=LAST), SAME, 6, Acceptance.CONTINUE),
+    (Held(SAME, 5, acting='say', last_node=LAST), SAME, 6, OrderAcceptance.CONTINUE),
     (Held(SAME, 5, moving='dock'), OTHER, 0, 'orderError'),
     (Held(SAME, 5, moving='dock', last_node=LAST), SAME, 6, 'orderUpdateError'),
-    (Held(SAME, 5, moving='dock'), SAME, 5, Acceptance.DUPLICATE)])
+    (Held(SAME, 5, moving='dock'), SAME, 5, OrderAcceptance.DUPLICATE)])
 def test_an_instant_action_under_way(held, order_id, update, wanted):
     verdict = judge(held, order(order_id, update, LAST), True)
     assert getattr(verdict, 'error', None) is None or verdict.error.kind.name == wanted
@@ -83,7 +83,7 @@ def test_an_instant_action_under_way(held, order_id, update, wanted):
 
 
 def test_a_vehicle_without_any_order_takes_a_new_one():
-    assert judge(Held(), order('first', 0, ('a', 0)), True) is Acceptance.NEW
+    assert judge(Held(), order('first', 0, ('a', 0)), True) is OrderAcceptance.NEW
 
 
 def test_a_rejection_refers_to_order_and_update():

@@ -6,15 +6,15 @@ import pytest
 from vda5050_protocol.action_queue import (
     MAX_ENDED_INSTANT_ACTIONS,
     ActionQueue,
-    Entry,
+    QueuedAction,
     Scope,
 )
-from vda5050_protocol.values import Action, ActionStatus, BlockingType
+from vda5050_protocol.values import ActionStatus, BlockingType, VdaAction
 
 
 def queue_of(kinds):
     return ActionQueue().with_entries(*(
-        Entry(Action('say', f'{n}{kind}', BlockingType(kind)), Scope.NODE, 2)
+        QueuedAction(VdaAction('say', f'{n}{kind}', BlockingType(kind)), Scope.NODE, 2)
         for n, kind in enumerate(kinds)))
 
 
@@ -75,7 +75,8 @@ def test_an_action_ends_once():
 
 def test_a_new_order_keeps_running_instant_actions_only():
     queue = queue_of([N])
-    queue = queue.with_entries(*(Entry(Action('say', name, BlockingType.NONE), Scope.INSTANT)
+    queue = queue.with_entries(*(QueuedAction(VdaAction('say', name, BlockingType.NONE),
+                                              Scope.INSTANT)
                                  for name in ('running', 'ended')))
     queue = queue.updated('running', ActionStatus.RUNNING)
     queue = queue.updated('ended', ActionStatus.FINISHED)
@@ -87,6 +88,6 @@ def test_ended_instant_actions_do_not_pile_up_for_ever():
     queue = ActionQueue()
     for n in range(3 * MAX_ENDED_INSTANT_ACTIONS):
         queue = queue.with_entries(
-            Entry(Action('stateRequest', str(n), BlockingType.NONE), Scope.INSTANT))
+            QueuedAction(VdaAction('stateRequest', str(n), BlockingType.NONE), Scope.INSTANT))
         queue = queue.updated(str(n), ActionStatus.FINISHED)
     assert len(queue.states) <= MAX_ENDED_INSTANT_ACTIONS + 1

@@ -36,7 +36,7 @@ from trajectory_graph import Edge, Graph, Vertex
 from vda5050_vehicle.drivers.driver import Leg
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 from vda5050_vehicle.drivers.route_driver import ME, PATIENCE, RouteDrive, RouteDriver
 
 LAST = 4       # the last vertex
@@ -221,7 +221,8 @@ class RouteWorld:
         self._clock = world.drawn[0] + 1
         driver._is_heard = world.heard
         driver._given_at = driver._sent_at = 0.0
-        driver.see(RobotView(pose=RobotPose(LENGTH * world.robot.place / 2.0, 0.0, 0.0)), 0.0)
+        pose = RobotPose(LENGTH * world.robot.place / 2.0, 0.0, 0.0)
+        driver.robot_seen(RobotSnapshot(pose=pose), 0.0)
         return driver
 
     def _settled(self, world: World) -> World:

@@ -19,7 +19,7 @@ from vda5050_protocol.fields import (
     MAX_MESSAGE,
     ListOf,
     Malformed,
-    Record,
+    ObjectKind,
     read_json,
     write_json,
 )
@@ -27,10 +27,10 @@ from vda5050_protocol.headers import Headers, timestamp
 from vda5050_protocol.values import (
     AgvPosition,
     BlockingType,
-    Connection,
+    ConnectionMessage,
     ConnectionState,
     Deviation,
-    EStop,
+    EmergencyStop,
     Velocity,
     Visualization,
 )
@@ -54,7 +54,8 @@ def test_what_the_vehicle_sends_is_valid(version):
     headers = Headers(version, 'OMRON', 'lab', lambda: 1e9)
     lab = busy_lab(VERSION_2_1)
     sent = {
-        'state': state_of(lab.vehicle.context), 'connection': Connection(ConnectionState.ONLINE),
+        'state': state_of(lab.vehicle.context),
+        'connection': ConnectionMessage(ConnectionState.ONLINE),
         'visualization': Visualization(AgvPosition(1.0, 2.0, 0.5, 'map'), Velocity(1.0, 0.0, 0.1)),
         'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.context.table,
                                      lab.driver.longest)}
@@ -88,7 +89,7 @@ def is_read(record, path):
     kind = record
     for key in path.split('.'):
         kind = getattr(kind, 'kind', kind) if isinstance(kind, ListOf) else kind
-        if not isinstance(kind, Record):
+        if not isinstance(kind, ObjectKind):
             return True
         field = next((field for field in kind.fields if key in (field.key, *field.aliases)), None)
         if field is None:
@@ -379,7 +380,7 @@ def test_3_0_is_read_under_its_own_keys():
 def test_3_0_is_written_under_its_own_keys():
     headers = Headers('3.0.0', 'OMRON', 'lab', lambda: 1e9)
     lab = busy_lab(VERSION_2_1)
-    lab.see(e_stop=EStop.MANUAL)
+    lab.see(e_stop=EmergencyStop.MANUAL)
     lab.act('initPosition', x=0.0, y=0.0, theta=0.0, mapId='map')
     wire = VERSION_3_0.write('state', headers.make('state'), state_of(lab.vehicle.context))
     assert wire['powerSupply']['stateOfCharge'] == 80.0

@@ -5,7 +5,7 @@ import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
 from route_protocol.values import EpochCause, Reason, ReasonCode, SymbolicPose
-from vda5050_protocol.values import EStop
+from vda5050_protocol.values import EmergencyStop
 from vda5050_vehicle.drivers.robot_view import RobotPose, silence
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 
@@ -72,12 +72,12 @@ def test_a_held_order_is_cancelled_and_another_one_drives():
 
 def test_an_emergency_stop_is_told_and_stop_pause_waits_for_its_release():
     lab = failed('emergency stop')
-    lab.see(e_stop=EStop.MANUAL)
+    lab.see(e_stop=EmergencyStop.MANUAL)
     assert lab.state['safetyState']['eStop'] == 'MANUAL'
     assert set(lab.errors) == {'driveError', 'emergencyStop'}
     routes = len(lab.robot.routes)
     assert lab.status(lab.act('stopPause')) == 'FAILED'
-    lab.see(e_stop=EStop.NONE)
+    lab.see(e_stop=EmergencyStop.NONE)
     lab.wait(5.0)
     assert len(lab.robot.routes) == routes, 'the release of the stop must not start a drive'
     assert lab.status(lab.act('stopPause')) == 'FINISHED'
@@ -131,7 +131,7 @@ def test_a_robot_is_lost_once_it_was_silent_for_its_time(heard_at, now, words):
 
 
 @pytest.mark.parametrize('changes', [
-    {'e_stop': EStop.MANUAL}, {'lost': 'silent', 'pose': None}, {'localized': False}])
+    {'e_stop': EmergencyStop.MANUAL}, {'lost': 'silent', 'pose': None}, {'localized': False}])
 def test_an_error_of_the_robot_is_told_as_none_of_an_order(changes):
     """vda-5050-lib treats an error without references as a rejection of its last order."""
     lab = Lab()

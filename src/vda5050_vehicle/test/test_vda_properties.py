@@ -22,7 +22,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from vda_builders import DRIVING, STANDING, Lab, lab, say, way
 
 from vda5050_protocol.action_queue import Scope
-from vda5050_protocol.values import EStop
+from vda5050_protocol.values import EmergencyStop
 from vda5050_vehicle.core import journal
 
 VERTICES = sorted(lab().vertices)
@@ -197,7 +197,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule(pressed=st.booleans())
     def emergency_stop(self, pressed):
-        self.lab.see(e_stop=EStop.MANUAL if pressed else EStop.NONE)
+        self.lab.see(e_stop=EmergencyStop.MANUAL if pressed else EmergencyStop.NONE)
 
     @rule(lost=st.booleans())
     def lose(self, lost):

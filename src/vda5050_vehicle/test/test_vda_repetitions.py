@@ -5,7 +5,7 @@ import pytest
 from vda_builders import SAY, Lab, way
 
 from vda5050_bench.checker import VehicleChecker
-from vda5050_protocol.values import EStop
+from vda5050_protocol.values import EmergencyStop
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.errors import MAX_REJECTIONS
 
@@ -48,7 +48,7 @@ def test_a_resumption_with_a_known_id_that_is_refused_now_is_reported_as_failed(
     lab = under_way()
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FINISHED'
-    lab.see(e_stop=EStop.MANUAL)
+    lab.see(e_stop=EmergencyStop.MANUAL)
     lab.checker = VehicleChecker('OMRON', 'lab')  # to it, an action that has ended never changes
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FAILED'

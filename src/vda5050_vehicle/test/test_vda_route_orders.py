@@ -83,8 +83,8 @@ class KeepsOpenOrders(RouteDriver):
 class IgnoresCause(RouteDriver):
     """It drives on in a new epoch, whoever began it."""
 
-    def _look_at_orders(self, before, said, news, now):
-        super()._look_at_orders(before, said, replace(news, cause=None), now)
+    def _judge_orders(self, before, said, news, now):
+        super()._judge_orders(before, said, replace(news, cause=None), now)
 
 
 class NeverFails(RouteDriver):
@@ -97,8 +97,8 @@ class NeverFails(RouteDriver):
 class IgnoresUnknownOrders(RouteDriver):
     """It does not stop a robot that follows an order of a lost journal."""
 
-    def _look_at_orders(self, before, said, news, now):
-        super()._look_at_orders(before, said, replace(news, is_older=False), now)
+    def _judge_orders(self, before, said, news, now):
+        super()._judge_orders(before, said, replace(news, is_older=False), now)
 
 
 class DoesNotLookForLostJournals(RouteDriver):

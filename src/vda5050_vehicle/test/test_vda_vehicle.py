@@ -11,7 +11,7 @@ from vda_builders import lab as laboratory
 from vda_messages import payload
 
 from trajectory_graph import Graph
-from vda5050_protocol.values import EStop
+from vda5050_protocol.values import EmergencyStop
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.drivers.robot_view import RobotPose
 
@@ -42,7 +42,7 @@ def test_the_journal_is_written_before_the_robot_is_sent():
     lab = Lab()
     lab.order(HALL.order('o'))
     kinds = [type(effect) for effect in lab.effects[-3:]]
-    assert kinds == [fx.Keep, fx.Command, fx.SendState]
+    assert kinds == [fx.Keep, fx.DriverCommand, fx.SendState]
 
 
 def test_an_update_extends_the_route_under_its_id_at_once():
@@ -634,7 +634,7 @@ def test_states_come_twice_a_second_while_it_drives_and_seldom_else():
 
 
 @pytest.mark.parametrize('changes', [
-    {'velocity': DRIVING}, {'e_stop': EStop.MANUAL}, {'localized': False},
+    {'velocity': DRIVING}, {'e_stop': EmergencyStop.MANUAL}, {'localized': False},
     {'field_violation': True}, {'lost': 'gone', 'pose': None}])
 def test_a_change_is_told_at_once(changes):
     lab = Lab()

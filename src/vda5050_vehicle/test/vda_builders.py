@@ -44,7 +44,7 @@ from vda5050_vehicle.core.vehicle import MakeDriver, VdaVehicle
 from vda5050_vehicle.drivers.driver import SETTLING
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 from vda5050_vehicle.drivers.route_driver import ME, RouteDriver
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -214,7 +214,7 @@ class Lab:
         self.is_seen = True  # the robot reports its velocity all the time, if it reports it at all
         self.checker = VehicleChecker('OMRON', 'lab', codec.version)
         self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
-        self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
+        self.view = RobotSnapshot(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
         self.begin_to_command()
         if at is not None:  # otherwise the robot has not reported yet
             self.stand_at(at)
@@ -238,7 +238,7 @@ class Lab:
     def see(self, **changes: Any) -> None:
         """The vehicle receives the robot's state, with changes."""
         self.view = replace(self.view, seen_at=self.now, **changes)
-        self.do(self.vehicle.see(self.view, self.now))
+        self.do(self.vehicle.robot_seen(self.view, self.now))
 
     def order(self, order: Dict[str, Any]) -> bytes:
         """An order arrives; returns its message."""
@@ -318,7 +318,7 @@ class Lab:
         """Carries out the effects that the vehicle requests."""
         for effect in effects:
             self.effects.append(effect)
-            if isinstance(effect, fx.Command):
+            if isinstance(effect, fx.DriverCommand):
                 self.robot.arrive(effect.command)
             elif isinstance(effect, fx.SendState):
                 message = write_json(self.codec.write('state', self.headers.make('state'),

@@ -10,9 +10,14 @@ import yaml
 
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.robot_entries import LD90, Entry
-from omron_ld90.converter.converter import ConversionError, ExistingGoals, Options, convert_file
-from omron_ld90.converter.fences import Fences
 from omron_map import MapError
+from omron_map_converter.converter import (
+    ConversionError,
+    ConversionOptions,
+    ExistingGoals,
+    convert_file,
+)
+from omron_map_converter.fences import Fences
 from trajectory_graph import Graph, save_graph
 
 
@@ -40,8 +45,9 @@ def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Site:
     output = os.path.join(folder, 'fleet.map')
     try:
         convert_file(graph, base_map, output,
-                     Options(dock_vertex=site.dock or None, existing_goals=ExistingGoals.REPLACE,
-                             fences=Fences.AREAS))
+                     ConversionOptions(dock_vertex=site.dock or None,
+                                       existing_goals=ExistingGoals.REPLACE,
+                                       fences=Fences.AREAS))
     except (ConversionError, MapError) as error:
         raise CannotStart(
             f'The map of the LD-90s cannot be made from {base_map}: {error}') from None

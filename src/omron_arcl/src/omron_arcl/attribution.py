@@ -2,8 +2,8 @@
 
 The robot answers in the order of sending, and its lines carry no id. Only their text, and what the
 robot did before, connect them with a command. A line may concern several parts of this program
-(`Part`); in each part the first row that holds decides. A row that ends, acknowledges or continues
-commands finds them among those that were sent. `drives` keeps what follows from that, and
+(`LinePart`); in each part the first row that holds decides. A row that ends, acknowledges or
+continues commands finds them among those that were sent. `drives` keeps what follows from that, and
 `drive_watch` judges drives by the robot's activity where no line names them.
 
 Sources are pages of OMRON's ARCL manual I617-E-01, or of I617-E-02 where that is named. `observed`:
@@ -20,12 +20,12 @@ from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, T
 from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Course, Predicate
+from omron_arcl.commands import DriveCourse, Predicate
 from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.parser import parse_line
-from omron_arcl.records import Cause
+from omron_arcl.records import MotionCause
 from omron_arcl.replies import Reply, coordinates
 from omron_arcl.secret import redact_passwords
 
@@ -36,8 +36,8 @@ _EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
 _ABOUT_DRIVING = re.compile(r'\b(path|goal|plan|route|drive|driving|reach|dock)\b', re.IGNORECASE)
 _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
 # Activities that some robots report with a word of their own instead of a docking state.
-_IN_WORDS = {ActivityKind.DOCKING: Course.INTO_THE_DOCK,
-             ActivityKind.UNDOCKING: Course.OUT_OF_THE_DOCK}
+_IN_WORDS = {ActivityKind.DOCKING: DriveCourse.INTO_THE_DOCK,
+             ActivityKind.UNDOCKING: DriveCourse.OUT_OF_THE_DOCK}
 # Lines to all clients, and refusals. They never answer a command whose answer is not documented.
 _NO_ANSWER = frozenset((
     replies.DockingStatus, replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt,
@@ -50,7 +50,7 @@ _NO_ANSWER = frozenset((
     replies.Usage))
 
 
-class Part(Enum):
+class LinePart(Enum):
     """What a line may concern; each part decides on its own."""
 
     HALT = 'whose stop makes the robot halt'
@@ -101,17 +101,19 @@ class Attribution:
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot: `reply` is its meaning, `text` its words."""
         records = self._commands.records
-        for row, _ in self._decide(Part.HALT, reply):
+        for row, stops in self._decide(LinePart.HALT, reply):
+            for stop in stops:
+                self._commands.add_line(stop, text, now)
             records.begins_to_stop(StopOf(row.meaning))
         records.said(reply)
-        claimed = self._apply(Part.COMMAND, reply, text, now)
+        claimed = self._apply(LinePart.COMMAND, reply, text, now)
         if records.heard.sets_out and not claimed:
-            for row, _ in self._decide(Part.START, reply):
+            for row, _ in self._decide(LinePart.START, reply):
                 self._starts(Begins(row.meaning), reply, text)
-        answered = self._apply(Part.ANSWER, reply, text, now, bool(claimed))
+        answered = self._apply(LinePart.ANSWER, reply, text, now, bool(claimed))
         self._watch(reply, text, now, answered)
 
-    def _decide(self, part: Part, reply: Reply, claimed: bool = False
+    def _decide(self, part: LinePart, reply: Reply, claimed: bool = False
                 ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
         """The row that decides in this part, and the commands that it is about; or nothing."""
         for row in ATTRIBUTIONS[part]:
@@ -123,7 +125,7 @@ class Attribution:
                 return [(row, () if isinstance(found, bool) else found)]
         return []
 
-    def _apply(self, part: Part, reply: Reply, text: str, now: float,
+    def _apply(self, part: LinePart, reply: Reply, text: str, now: float,
                claimed: bool = False) -> Sequence[Execution]:
         """Tells the commands that the line is about, and returns them."""
         for row, executions in self._decide(part, reply, claimed):
@@ -147,20 +149,19 @@ class Attribution:
         dock; once it docks, no other name can be.
         """
         activity = activity_of(reply)
-        before = execution.shown_when_sent
+        before = execution.progress.shown_when_sent
         if activity.kind in ABOUT_THE_DOCK and before is not None and before.kind in STANDING:
-            execution.set_out = True
+            execution.progress.set_out = True
         if activity.kind is ActivityKind.GOING_TO_GOAL:
-            execution.dock_name = activity.goal.casefold()
-        stands = execution.command.spec.drives and execution.begun and activity.kind in STANDING
+            execution.progress.dock_name = activity.goal.casefold()
+        stands = execution in self._commands.begun_drives and activity.kind in STANDING
         self._commands.add_line(execution, text, now, sign_of_life=not stands)
 
     def _refused_soon(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        execution.rejected_at = now
+        execution.progress.rejected_at = now
         self._commands.add_line(execution, text, now)
 
     def _answered(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        execution.begun = True
         self._commands.add_line(execution, text, now)
 
     def _starts(self, why: Begins, reply: Reply, text: str) -> None:
@@ -174,8 +175,8 @@ class Attribution:
             records.begins_late(activity_of(reply).goal)
         else:
             records.driven_by_others(
-                Cause.ROBOT if why is Begins.ITSELF else Cause.OTHER_CLIENT, text)
-        for execution in [e for e in self._commands.motion_executions if e.begun]:
+                MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT, text)
+        for execution in [e for e in self._commands.motion_executions if records.has_begun(e)]:
             self._commands.end_before(execution, f'taken over: {text}')
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
@@ -237,14 +238,19 @@ def _queries(commands: CommandQueue) -> Sequence[Execution]:
     return [e for e in _others(commands) if not e.command.spec.stops]
 
 
-def _not_begun(commands: CommandQueue) -> Sequence[Execution]:
-    """Stops without a `Stopping`, and queries."""
-    return [e for e in _others(commands) if not e.begun]
+def _not_begun(commands: CommandQueue) -> List[Execution]:
+    """The commands that the robot has not acknowledged or begun to answer."""
+    return [e for e in commands.sent if not commands.records.has_begun(e)]
+
+
+def _not_refused(commands: CommandQueue) -> List[Execution]:
+    """The same without those whose refusal was told."""
+    return [e for e in _not_begun(commands) if e.progress.rejected_at is None]
 
 
 def _fresh(commands: CommandQueue) -> List[Execution]:
     """The drives that the robot has not acknowledged, the oldest first."""
-    return [e for e in commands.drives if not e.begun]
+    return [e for e in _not_begun(commands) if e.command.spec.drives]
 
 
 def _began(commands: CommandQueue) -> List[Execution]:
@@ -256,7 +262,8 @@ def _began(commands: CommandQueue) -> List[Execution]:
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
         return begun
-    stops = [e.order for e in commands.sent if e.begun and e.command.spec.stops]
+    stops = [e.order for e in commands.motion_executions
+             if e.command.spec.stops and commands.records.has_begun(e)]
     return [e for e in begun if e.order > max(stops, default=0)]
 
 
@@ -275,13 +282,13 @@ def _present(commands: CommandQueue) -> Sequence[Execution]:
 
 def _refused(commands: CommandQueue) -> Sequence[Execution]:
     """The oldest command whose refusal was told without a reason."""
-    return [e for e in commands.sent if e.rejected_at is not None][:1]
+    return [e for e in commands.sent if e.progress.rejected_at is not None][:1]
 
 
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
     """The newest command without any answer, for a line that names none. A drive is the last
     choice: if the robot carries it out nevertheless, it must have a giver."""
-    unanswered = [e for e in commands.sent if not (e.begun or e.set_out)]
+    unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
     return (others or unanswered)[-1:]
 
@@ -295,11 +302,11 @@ def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """The stops that a `Stopped` ends: those whose `Stopping` has come, and those before which no
     unanswered drive was sent, because the robot answers in the order of sending."""
-    heard = commands.records.heard
-    stops = [e for e in commands.sent if e.command.spec.stops and heard.stopped_by_us]
+    if not commands.records.heard.stopped_by_us:
+        return []
     first = next((e.order for e in _fresh(commands)), math.inf)
-    return [stop for number, stop in enumerate(stops)
-            if stop.order < first or number < len(stops) - heard.unheard_stops]
+    return [e for e in commands.motion_executions if e.command.spec.stops
+            and (e.order < first or commands.records.has_begun(e))]
 
 
 # --- does a line fit a command? -------------------------------------------------------------------
@@ -321,13 +328,21 @@ def _acknowledges(execution: Execution, reply: Reply) -> bool:
 
 
 def _continues(execution: Execution, reply: Reply) -> bool:
-    """Whether it is a further line. A robot that docks drives to no goal but its dock, see
-    `Attribution._goes_on`."""
+    return _fits(execution.command.spec.related, execution, reply)
+
+
+def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
+    """Whether the robot drives to a goal that is not its dock, see `Attribution._goes_on`."""
     activity = activity_of(reply)
-    leads_elsewhere = (execution.command.spec.course is Course.INTO_THE_DOCK and execution.begun
-                       and activity.kind is ActivityKind.GOING_TO_GOAL
-                       and activity.goal.casefold() != execution.dock_name)
-    return not leads_elsewhere and _fits(execution.command.spec.related, execution, reply)
+    return (execution.command.spec.course is DriveCourse.INTO_THE_DOCK
+            and activity.kind is ActivityKind.GOING_TO_GOAL
+            and activity.goal.casefold() != execution.progress.dock_name)
+
+
+def _under_way(commands: CommandQueue, reply: Reply) -> Found:
+    """A robot that docks drives to no goal but its dock."""
+    elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
+    return [e for e in _began_first(commands) if _continues(e, reply) and e not in elsewhere][:1]
 
 
 def _fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
@@ -343,10 +358,9 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
 
     Passwords in the robot's lines are redacted, so they are also redacted in the sent lines.
     """
-    return lambda execution, reply: (
-        not execution.begun and execution.rejected_at is None and is_same(
-            _plain(reply.command),
-            _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace'))))
+    return lambda execution, reply: is_same(
+        _plain(reply.command),
+        _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace')))
 
 
 def _plain(command: str) -> str:
@@ -358,13 +372,13 @@ def _lacks_goal(execution: Execution, reply: replies.CommandErrorDescription) ->
 
 
 def _names_lacking_goal(execution: Execution, reply: replies.CommandErrorDescription) -> bool:
-    return not execution.begun and _lacks_goal(execution, reply) and any(
+    return _lacks_goal(execution, reply) and any(
         re.search(rf'(?<!\w){re.escape(name)}(?!\w)', reply.text, re.IGNORECASE)
         for name in execution.command.goals)
 
 
 def _goal_named(commands: CommandQueue, reply: replies.CommandErrorDescription) -> Found:
-    return not _refused(commands) and _first(_sent, _names_lacking_goal)(commands, reply)
+    return not _refused(commands) and _first(_not_begun, _names_lacking_goal)(commands, reply)
 
 
 def _lacks_power(execution: Execution, reply: Any) -> bool:
@@ -381,8 +395,7 @@ def _name(reply: replies.UnknownCommand) -> str:
 
 
 def _is_misused(execution: Execution, reply: replies.Usage) -> bool:
-    name = reply.syntax.split(' ', 1)[0].lower()
-    return execution.command.name.lower() == name and not execution.begun
+    return execution.command.name.lower() == reply.syntax.split(' ', 1)[0].lower()
 
 
 def _was_interrupted(execution: Execution, reply: replies.Interrupted) -> bool:
@@ -392,7 +405,7 @@ def _was_interrupted(execution: Execution, reply: replies.Interrupted) -> bool:
 
 def _was_at_its_point(execution: Execution, reply: replies.Interrupted) -> bool:
     point = coordinates(getattr(parse_line(reply.text), 'goal', ''))
-    return bool(point) and point in execution.points
+    return bool(point) and point in execution.progress.points
 
 
 def _was_interrupted_in_words(execution: Execution, reply: replies.Interrupted) -> bool:
@@ -423,13 +436,16 @@ def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
 
 # --- what the robot does --------------------------------------------------------------------------
 
-def _stops_for_us(commands: CommandQueue, reply: Reply) -> bool:
-    """Whether a stop of ours is unheard. A robot with a reason of its own halts for that first, if
-    it has to answer a drive before the stop."""
+def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
+    """The oldest stop of ours without a `Stopping`; or whether there was one that has ended. A
+    robot with a reason of its own halts for that first, if it has to answer a drive before the
+    stop."""
     heard = commands.records.heard
-    stops = [e.order for e in commands.sent if e.command.spec.stops][-heard.unheard_stops:]
-    waits = any(drive.order < min(stops, default=0) for drive in _fresh(commands))
-    return heard.unheard_stops > 0 and not (waits and heard.stops_itself is not None)
+    stops = [e for e in _not_begun(commands) if e.command.spec.stops]
+    waits = any(drive.order < stop.order for stop in stops[:1] for drive in _fresh(commands))
+    if not heard.unheard_stops or waits and heard.stops_itself is not None:
+        return False
+    return stops[:1] if len(stops) == heard.unheard_stops else True
 
 
 def _stops_by_itself(why: SelfStop) -> Find:
@@ -449,8 +465,8 @@ _HALTS = (replies.Stopping,)
 _ANY: Tuple[Type[Reply], ...] = ()
 _TABLE = 'the lines of each command stand in `command_table`'
 
-ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
-    Part.HALT: (
+ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
+    LinePart.HALT: (
         Row('our stop', _HALTS, _stops_for_us, StopOf.US,
             'p. 242: `stop` is answered by `Stopping`, `Stopped`, once for each `stop`'),
         Row('undocked', _HALTS, _stops_by_itself(SelfStop.UNDOCKED), StopOf.ROBOT,
@@ -470,16 +486,18 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
             'p. 242: a robot that stands was stopped'),
         Row('stop of another client', _HALTS, lambda commands, reply: True, StopOf.OTHERS,
             'p. 46: all clients receive it')),
-    Part.COMMAND: (
+    LinePart.COMMAND: (
         # refusals
-        Row('refused: whole line', (replies.CommandError,), _first(_sent, _repeats(str.__eq__)),
+        Row('refused: whole line', (replies.CommandError,),
+            _first(_not_refused, _repeats(str.__eq__)),
             Means.REFUSED_SOON, 'p. 46: the line is repeated, and a description follows'),
         Row('refused: beginning', (replies.CommandError,),
-            _first(_sent, _repeats(
+            _first(_not_refused, _repeats(
                 lambda said, given: len(said) >= _CUT_NAME and given.startswith(said))),
             Means.REFUSED_SOON, 'observed: long names are cut'),
         Row('refused: name', (replies.CommandError,),
-            _first(_sent, _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
+            _first(_not_refused,
+                   _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
             Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
         Row('no goal', (replies.CommandErrorDescription,), _first(_refused, _lacks_goal),
             Outcome.NO_GOAL, 'p. 46: `No goal`'),
@@ -496,7 +514,7 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
             Outcome.UNKNOWN_COMMAND, 'p. 44: `Unknown command`'),
         Row('not set up', (replies.SetUpError,), _first(_unanswered, _any), Outcome.REJECTED,
             'p. 46: names no command'),
-        Row('usage', (replies.Usage,), _first(_sent, _is_misused), Outcome.REJECTED,
+        Row('usage', (replies.Usage,), _first(_not_begun, _is_misused), Outcome.REJECTED,
             'p. 44: a command that lacks arguments is answered by its syntax'),
         # failures and interruptions of drives
         Row('interrupted', (replies.Interrupted,), _first(_begun, _was_interrupted),
@@ -530,19 +548,18 @@ ATTRIBUTIONS: Mapping[Part, Tuple[Row, ...]] = {
         Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
         Row('acknowledged', _ANY, _first(_fresh_first, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
-        Row('under way', _ANY, _first(_began_first, _continues), Means.GOES_ON, _TABLE)),
-    Part.START: (
+        Row('under way', _ANY, _under_way, Means.GOES_ON, _TABLE)),
+    LinePart.START: (
         Row('late start', _ANY, _begins_late, Begins.LATE,
             'p. 46: the line names a goal of ours'),
         Row('docks by itself', _ANY, _docks_by_itself, Begins.ITSELF,
             'p. 81: a robot docks by itself when its battery is low'),
         Row('drive of another client', _ANY, lambda commands, reply: True, Begins.OTHERS,
             'observed: all clients receive it')),
-    Part.ANSWER: (
+    LinePart.ANSWER: (
         Row('stands', (replies.Stopped,), _obeyed_stops, Outcome.SUCCEEDED,
             'p. 242: one `Stopped` may follow several `stop`'),
         Row('answer', _ANY, _first(_queries, _completes), Outcome.SUCCEEDED, _TABLE),
-        Row('answer begins', _ANY, _first(_not_begun, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('part of an answer', _ANY, _first(_others, _continues), Means.GOES_ON, _TABLE),
         Row('answer that is not documented', _ANY, _first(_others, _may_be_answered),
             Means.ANSWERED, 'assumed: the answer follows its command')),

@@ -14,7 +14,7 @@ from typing import Callable, Dict, Mapping, Optional, Union
 
 from omron_arcl.command_line import parse_command
 from omron_arcl.commands import Command
-from omron_arcl.connection import Connection, Peer, reason_of
+from omron_arcl.connection import ArclConnection, LivePeer, reason_of
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.drives import Drives
 from omron_arcl.errors import (
@@ -29,10 +29,10 @@ from omron_arcl.errors import (
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
-from omron_arcl.records import Motion
+from omron_arcl.records import RobotMotion
 from omron_arcl.replies import Goal, Macro, MapChanged, Route
 from omron_arcl.secret import redact_passwords
-from omron_arcl.session import LoggedIn, Received, Session, State, Trace
+from omron_arcl.session import LoggedIn, Received, Session, SessionState, Trace
 from omron_arcl.session_log import SessionLog
 from omron_arcl.transport import Transport
 
@@ -62,7 +62,7 @@ class Client(Transport):
                  log: Optional[SessionLog] = None, backoff: Optional[Backoff] = None,
                  heartbeat: float = 1.5, timeout: float = 4.0,
                  records: Optional[Drives] = None,
-                 on_motion: Optional[Callable[[Motion], None]] = None) -> None:
+                 on_motion: Optional[Callable[[RobotMotion], None]] = None) -> None:
         self.peer = f'{host}:{port}'
         super().__init__('ARCL client', Link(LinkPhase.DISCONNECTED, self.peer, 'not started'),
                          on_link)
@@ -71,7 +71,7 @@ class Client(Transport):
         self._on_line = on_line
         self._on_login = on_login
         self._on_motion = on_motion
-        self._told_motion: Optional[Motion] = None
+        self._told_motion: Optional[RobotMotion] = None
         self._telling = threading.Lock()  # keeps the calls of on_motion in order
         self._log = log
         self._trace: Optional[Trace] = None
@@ -151,7 +151,7 @@ class Client(Transport):
         self._waker.wake()
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> RobotMotion:
         """The giver that drives the robot, and the robot's motion."""
         with self._lock:
             return self._dispatcher.records.motion
@@ -181,7 +181,7 @@ class Client(Transport):
         self._answered.clear()
         self._set_link(LinkPhase.CONNECTING, self.peer, 'connecting')
         try:
-            connection = Connection.open(*self._address, CONNECT_TIMEOUT, self._closing.is_set)
+            connection = ArclConnection.open(*self._address, CONNECT_TIMEOUT, self._closing.is_set)
         except OSError as error:
             return ConnectionFailed(f'cannot connect: {reason_of(error)}')
         self._set_link(LinkPhase.LOGGING_IN, self.peer, 'logging in')
@@ -191,20 +191,20 @@ class Client(Transport):
             self._trace = self._log.connection() if self._log else None
             session = Session(self._password, trace=self._trace)
             self._log_in(connection, session, selector)
-            return self._talk(Peer(connection, session, self._timeout), selector)
+            return self._talk(LivePeer(connection, session, self._timeout), selector)
 
-    def _log_in(self, connection: Connection, session: Session,
+    def _log_in(self, connection: ArclConnection, session: Session,
                 selector: selectors.BaseSelector) -> None:
         """Runs until the session is ready; raises LinkError or OSError."""
-        peer = Peer(connection, session, max(self._timeout, LOGIN_SILENCE))
+        peer = LivePeer(connection, session, max(self._timeout, LOGIN_SILENCE))
         began = time.monotonic()
-        while session.state is not State.READY and not self._closing.is_set():
+        while session.state is not SessionState.READY and not self._closing.is_set():
             now = self._turn(peer, selector)
             if now - began > LOGIN_TIMEOUT:
                 words = f'; the robot said "{session.words}"' if session.words else ''
                 raise ConnectionFailed(f'the login took more than {LOGIN_TIMEOUT:.0f} s{words}')
 
-    def _talk(self, peer: Peer, selector: selectors.BaseSelector) -> LinkError:
+    def _talk(self, peer: LivePeer, selector: selectors.BaseSelector) -> LinkError:
         while not self._closing.is_set():
             now = self._turn(peer, selector)
             with self._lock:
@@ -214,7 +214,7 @@ class Client(Transport):
             self._call_back()
         return ConnectionLost('closed by us')
 
-    def _turn(self, peer: Peer, selector: selectors.BaseSelector) -> float:
+    def _turn(self, peer: LivePeer, selector: selectors.BaseSelector) -> float:
         """Sends pending data, waits for an event, processes what came; returns the time then."""
         self._send(peer)
         selector.modify(peer.connection.socket, selectors.EVENT_READ
@@ -228,10 +228,10 @@ class Client(Transport):
                 self._handle(timed, now)
         return now
 
-    def _send(self, peer: Peer) -> None:
+    def _send(self, peer: LivePeer) -> None:
         """Sends pending lines, one command at a time, so that a stop overtakes all others."""
         peer.connection.send(peer.session.take_output())
-        while not peer.connection.unsent and peer.session.state is State.READY:
+        while not peer.connection.unsent and peer.session.state is SessionState.READY:
             with self._lock:
                 line = self._dispatcher.next_to_send(time.monotonic())
             if line is None:

@@ -1,4 +1,17 @@
-"""The commands of one connection in order: those that wait, those sent, those that ended."""
+"""The commands of one connection in order: those that wait, those sent, those that ended.
+
+    event                                     waiting              sent
+    a stop is given                           drives: ended        -
+    the connection takes data                 sent, unless it must -
+                                              wait or came late
+    a newer drive is acknowledged             -                    older drives and stops: ended
+    a stop has succeeded                      -                    older drives and stops: ended
+    its lines, its doubt or its time end it   -                    ended
+    it is cancelled; the link breaks          ended                ended
+
+Invariants: nothing is sent twice. A command ends once. The order of sending is that of the records
+of drives.
+"""
 from __future__ import annotations
 
 from typing import Callable, List, Optional
@@ -38,7 +51,7 @@ class CommandQueue:
     @property
     def begun_drives(self) -> List[Execution]:
         """The drives in `sent` that the robot has acknowledged."""
-        return [execution for execution in self.drives if execution.begun]
+        return [execution for execution in self.drives if self.records.has_begun(execution)]
 
     def add(self, execution: Execution) -> None:
         """Takes a command; raises Busy. A stop overtakes waiting commands and drops drives."""
@@ -62,10 +75,9 @@ class CommandQueue:
             elif not self._must_wait(execution):
                 self.waiting.remove(execution)
                 self.sent.append(execution)
-                execution.heard = execution.sent_at = now
-                execution.shown_when_sent = self.records.heard.shown
                 self._count += 1
                 execution.order = self._count
+                execution.progress.begin(now, self.records.heard.shown)
                 self.records.sent(execution)
                 return execution
         return None
@@ -83,7 +95,7 @@ class CommandQueue:
                  sign_of_life: bool = True) -> None:
         """Adds a line of the command; `sign_of_life`: the line shows that the command goes on."""
         if sign_of_life:
-            execution.heard = now
+            execution.progress.heard = now
         if execution.result is None:
             execution.add_line(text)
             if execution.on_line:
@@ -91,17 +103,15 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution) -> None:
-        """The robot obeys the command; a drive ends the motions before it."""
-        if not execution.begun:
-            execution.begun = True
-            execution.doubt = None
+        """The robot obeys a drive, which ends the motions before it."""
+        if not self.records.has_begun(execution):
+            execution.progress.doubt = None
             self.records.acknowledged(execution)
-            if execution.command.spec.drives:
-                self.end_before(execution, f'replaced by "{execution.command.text}"')
+            self.end_before(execution, f'replaced by "{execution.command.text}"')
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""
-        if execution.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
+        if execution.progress.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.end(outcome, words):
             self._callbacks.append(execution.announce)
@@ -124,7 +134,7 @@ class CommandQueue:
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
         """A stop failed: ends the cancelled drives that waited for its effect."""
         for drive in self.drives:
-            if drive.cancel_requested is not None and drive.order < stop.order:
+            if drive.progress.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')
 
     def pop_callbacks(self) -> List[Callable[[], None]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Dict, Iterable, Optional, Tuple
 
 from omron_arcl import replies
-from omron_arcl.commands import Category, CommandSpec, Course, Predicate
+from omron_arcl.commands import Category, CommandSpec, DriveCourse, Predicate
 from omron_arcl.predicates import (
     any_of,
     at_the_point,
@@ -39,7 +39,7 @@ def spec_of(name: str) -> CommandSpec:
 def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
            related: Optional[Predicate] = None, timeout: float = _DRIVE_TIMEOUT,
            goal_at: Optional[int] = None, aborted_by: Optional[Predicate] = None,
-           course: Course = Course.TO_A_PLACE, shortcut: str = '',
+           course: DriveCourse = DriveCourse.TO_A_PLACE, shortcut: str = '',
            adds_job: bool = False) -> CommandSpec:
     """A row for a command that takes over the wheels."""
     return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
@@ -51,7 +51,7 @@ def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, rel
            goal_at: Optional[int] = None) -> CommandSpec:
     """A row for a command that takes over the wheels for several drives and other tasks."""
     return _drive(syntax, acknowledged_by, completed_by, related, _TASKS_TIMEOUT, goal_at,
-                  course=Course.OF_TASKS)
+                  course=DriveCourse.OF_TASKS)
 
 
 def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY,
@@ -94,10 +94,10 @@ _ROWS: Tuple[CommandSpec, ...] = (
            goal_at=1),
     # A robot that misses its dock undocks and tries again (ARCL manual I617-E-02 p. 71).
     _drive('dock', docking_is(DockingState.DOCKING), docking_is(DockingState.DOCKED),
-           related=is_one_of(*_TO_A_GOAL), timeout=180.0, course=Course.INTO_THE_DOCK),
+           related=is_one_of(*_TO_A_GOAL), timeout=180.0, course=DriveCourse.INTO_THE_DOCK),
     _drive('undock', docking_is(DockingState.UNDOCKING), docking_is(DockingState.UNDOCKED),
            timeout=60.0, aborted_by=docking_is(DockingState.DOCKING, DockingState.DOCKED),
-           course=Course.OUT_OF_THE_DOCK),
+           course=DriveCourse.OUT_OF_THE_DOCK),
     _tasks('patrol <route>', names(replies.Patrolling, 'route'), never,
            is_one_of(*_TO_A_GOAL, replies.LapCompleted, *_OF_TASKS), goal_at=0),
     *(_tasks(syntax, names(replies.Patrolling, 'route'),
@@ -119,7 +119,6 @@ _ROWS: Tuple[CommandSpec, ...] = (
            shortcut='qd', adds_job=True),
     # other commands that move the robot, or let it be moved
     CommandSpec('stop', Category.MOTION, is_one_of(replies.Stopped),
-                acknowledged_by=is_one_of(replies.Stopping),
                 related=is_one_of(replies.Interrupted), timeout=15.0),
     CommandSpec('enableMotors', Category.MOTION,
                 lambda command, reply: isinstance(reply, replies.Motors) and reply.enabled),

@@ -27,7 +27,7 @@ class Category(Enum):
     UNKNOWN = 'unknown'  # not in the table of commands
 
 
-class Course(Enum):
+class DriveCourse(Enum):
     """What a driving command does with the wheels; this decides which activities contradict it."""
 
     TO_A_PLACE = 'to a place'
@@ -68,7 +68,7 @@ class CommandSpec:
     related: Optional[Predicate] = None
     aborted_by: Optional[Predicate] = None
     timeout: float = 5.0
-    course: Optional[Course] = None
+    course: Optional[DriveCourse] = None
     goal_at: Optional[int] = None
     shortcut: str = ''
     needs_standing: bool = False
@@ -93,7 +93,8 @@ class CommandSpec:
     @property
     def may_repeat(self) -> bool:
         """Whether the command changes nothing if it is given again while the robot obeys it."""
-        return self.course in (Course.TO_A_PLACE, Course.INTO_THE_DOCK) and not self.adds_job
+        return (self.course in (DriveCourse.TO_A_PLACE, DriveCourse.INTO_THE_DOCK)
+                and not self.adds_job)
 
     @property
     def stops(self) -> bool:

@@ -22,7 +22,7 @@ _WAITED, _FLUSHED = 0.001, 0.5  # s of waiting, once this time has emptied the o
 _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
-class Connection:
+class ArclConnection:
     """A connected socket with a buffer for data that could not be sent yet."""
 
     def __init__(self, connected: socket.socket) -> None:
@@ -32,7 +32,8 @@ class Connection:
         _make_lively(connected)
 
     @classmethod
-    def open(cls, host: str, port: int, timeout: float, give_up: Callable[[], bool]) -> Connection:
+    def open(cls, host: str, port: int, timeout: float,
+             give_up: Callable[[], bool]) -> ArclConnection:
         """Connects to each address of the host in turn, within `timeout` s for each.
 
         Raises OSError. Gives up within `_CONNECT_TICK` when `give_up` returns True.
@@ -54,7 +55,7 @@ class Connection:
                 failure = error
         raise failure
 
-    def __enter__(self) -> Connection:
+    def __enter__(self) -> ArclConnection:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -79,14 +80,14 @@ class Connection:
                 self.unsent = self.unsent[self.socket.send(self.unsent):]
 
 
-class Peer:
+class LivePeer:
     """A connection with its session: the robot's lines, and whether the robot is alive.
 
     timeout: seconds without a complete line, or without accepting sent data, after which the robot
     counts as gone. Single bytes without a line end are no sign of life.
     """
 
-    def __init__(self, connection: Connection, session: Session, timeout: float) -> None:
+    def __init__(self, connection: ArclConnection, session: Session, timeout: float) -> None:
         self.connection = connection
         self.session = session
         self._timeout = timeout

@@ -20,7 +20,7 @@ from typing import Callable, List, Optional
 from omron_arcl.attribution import Attribution
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Command, Course
+from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.replies import Reply
@@ -30,13 +30,6 @@ _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description ma
 _LONGEST_ANSWER = 60.0  # s from sending a query or stop, however much the robot has to say
 _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
 _LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one, else a stop
-
-
-def _may_take_longer(execution: Execution) -> bool:
-    """Whether no total limit applies: a drive under way, or the drive to the dock, which comes
-    before the robot reports that it docks."""
-    spec = execution.command.spec
-    return spec.drives and (execution.begun or spec.course is Course.INTO_THE_DOCK)
 
 
 class Dispatcher:
@@ -94,8 +87,8 @@ class Dispatcher:
         self._commands.now = now
         self.records.cancelled(execution, canceller)
         if execution.sent and execution.command.spec.drives:
-            if execution.cancel_requested is None:
-                execution.cancel_requested = now
+            if execution.progress.cancel_requested is None:
+                execution.progress.cancel_requested = now
         else:
             self._commands.end(execution, Outcome.CANCELLED, 'cancelled',
                                keep=execution.sent or execution.command.spec.stops)
@@ -130,19 +123,21 @@ class Dispatcher:
         self._stop_if_owed(now)
 
     def _check_time(self, execution: Execution, now: float) -> None:
-        spec = execution.command.spec
-        unheard = now - (execution.heard or 0.0)
-        if execution.rejected_at is not None:
-            if now - execution.rejected_at > _DESCRIPTION_TIMEOUT:
+        spec, progress = execution.command.spec, execution.progress
+        unheard, begun = now - progress.heard, self.records.has_begun(execution)
+        # no total limit for a drive under way, nor for the one to the dock before it docks
+        may_take_longer = spec.drives and (begun or spec.course is DriveCourse.INTO_THE_DOCK)
+        if progress.rejected_at is not None:
+            if now - progress.rejected_at > _DESCRIPTION_TIMEOUT:
                 self._commands.end(execution, Outcome.REJECTED, 'the robot gave no reason')
-        elif spec.completed_by is None and execution.begun and unheard > _QUIET:
+        elif spec.completed_by is None and begun and unheard > _QUIET:
             self._commands.end(execution, Outcome.SUCCEEDED, '')
         else:
-            limit = execution.timeout if execution.begun else execution.acknowledge_timeout
+            limit = execution.timeout if begun else execution.acknowledge_timeout
             longest = _LONGEST_START if spec.drives else _LONGEST_ANSWER
             if unheard > limit:
                 self._time_out(execution, f'the robot said nothing about it for {limit:.0f} s')
-            elif now - execution.sent_at > max(longest, limit) and not _may_take_longer(execution):
+            elif now - progress.sent_at > max(longest, limit) and not may_take_longer:
                 self._time_out(execution, f'it was not done within {max(longest, limit):.0f} s')
 
     def _time_out(self, execution: Execution, words: str) -> None:
@@ -172,15 +167,15 @@ class Dispatcher:
         """
         waiting = any(e.command.spec.drives for e in self._commands.waiting)
         for drive in reversed(self._commands.drives):
-            if drive.stopping:
+            if drive.progress.stopping:
                 return  # that stop also ends the older drives
-            if drive.cancel_requested is None:
+            if drive.progress.cancel_requested is None:
                 continue
             newest = drive is self._commands.drives[-1] and not waiting
             theirs = self._commands.drives[-1].giver
             if newest or (drive.giver == theirs
-                          and now - drive.cancel_requested > _LONGEST_REPLACEMENT):
-                drive.stopping = True
+                          and now - drive.progress.cancel_requested > _LONGEST_REPLACEMENT):
+                drive.progress.stopping = True
                 self._stop()
                 return
 

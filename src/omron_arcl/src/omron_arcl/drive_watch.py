@@ -7,6 +7,19 @@ contradicts the drive for some seconds ends it. One contradiction is not enough:
 command the status may be out of date, or be `Stopping`, `Stopped` for an instant (observed). No
 line says which of the two it is; only that it lasts shows it. A status that answers an older
 question than the command says nothing about the command.
+
+    event                                              not doubted    doubted
+    an activity contradicts it                         doubted        counted
+    the same, arrived instead of broken off, or the    -              doubted since now
+    other way round
+    an activity confirms it; it is acknowledged; a     -              not doubted
+    stop: the robot still drives as before it
+    `Stopped` after `Interrupted` of something unknown -              ended
+    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
+    more with one
+
+Invariants: nothing ends a command before it was contradicted for SETTLE s, except that `Stopped`. A
+drive that is not acknowledged is judged only by the rules that say so.
 """
 from __future__ import annotations
 
@@ -16,16 +29,16 @@ from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import Course, Predicate
+from omron_arcl.commands import DriveCourse, Predicate
 from omron_arcl.execution import Doubt, Execution, Outcome
 from omron_arcl.replies import coordinates
 
 # s after which an activity that contradicted a command at least twice ends it
-SETTLE: Mapping[Course, float] = {
-    Course.TO_A_PLACE: 4.0,
-    Course.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
-    Course.OUT_OF_THE_DOCK: 10.0,
-    Course.OF_TASKS: 30.0,  # between two steps the robot may stand
+SETTLE: Mapping[DriveCourse, float] = {
+    DriveCourse.TO_A_PLACE: 4.0,
+    DriveCourse.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
+    DriveCourse.OUT_OF_THE_DOCK: 10.0,
+    DriveCourse.OF_TASKS: 30.0,  # between two steps the robot may stand
 }
 SETTLE_CERTAIN = 4.0  # s, the same for an arrival and for an emergency stop
 SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
@@ -37,14 +50,14 @@ SETTLE_ONCE = 5.0  # s more after a single contradiction: the robot answers no s
 ABOUT_THE_DOCK = frozenset((ActivityKind.UNDOCKING, ActivityKind.DOCKING))
 
 
-class Sign(Enum):
+class DriveSign(Enum):
     """What an activity says about a command that it does not end."""
 
     CONFIRMED = 'it is being carried out'
     NONE = 'nothing'
 
 
-Verdict = Union[Sign, Outcome]
+Verdict = Union[DriveSign, Outcome]
 
 class Observation(NamedTuple):
     """An activity that the robot reports, in a status or in a line sent when it changes.
@@ -74,19 +87,20 @@ _STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
     _K.LOST: Outcome.FAILED,
 }
 # The verdict of an activity on a drive that has begun, if no row of JUDGEMENTS holds.
-VERDICTS: Mapping[Course, Dict[ActivityKind, Verdict]] = {
-    Course.TO_A_PLACE: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED},
-    Course.INTO_THE_DOCK: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.DOCKING: Sign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
+VERDICTS: Mapping[DriveCourse, Dict[ActivityKind, Verdict]] = {
+    DriveCourse.TO_A_PLACE: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: DriveSign.CONFIRMED},
+    DriveCourse.INTO_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE,
+        _K.DOCKING: DriveSign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
         _K.UNDOCKING: Outcome.INTERRUPTED, _K.UNDOCKED: Outcome.INTERRUPTED},
-    Course.OUT_OF_THE_DOCK: {
-        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED,
+    DriveCourse.OUT_OF_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: DriveSign.CONFIRMED,
         _K.UNDOCKED: Outcome.SUCCEEDED},
-    Course.OF_TASKS: {
+    DriveCourse.OF_TASKS: {
         **dict.fromkeys((
             _K.GOING_TO_GOAL, _K.GOING_TO_POINT, _K.PATROLLING, _K.DOING_TASK, _K.DOCKING,
-            _K.UNDOCKING), Sign.CONFIRMED),
+            _K.UNDOCKING), DriveSign.CONFIRMED),
         **dict.fromkeys((
             _K.STOPPED, _K.INTERRUPTED, _K.TELEOPERATED, _K.PARKING, _K.PARKED),
             Outcome.INTERRUPTED),
@@ -95,11 +109,15 @@ VERDICTS: Mapping[Course, Dict[ActivityKind, Verdict]] = {
 
 
 class ObservationRule(NamedTuple):
-    """What an observation says about a drive if `holds`."""
+    """What an observation says about a drive if `holds`.
+
+    begun -- whether the rule is about a drive that has begun; None: about each drive
+    """
 
     name: str
     verdict: Verdict
     holds: Callable[[Execution, Observation], object]
+    begun: Optional[bool] = None
 
 
 def _point(seen: Observation) -> Tuple[float, ...]:
@@ -107,13 +125,12 @@ def _point(seen: Observation) -> Tuple[float, ...]:
 
 
 def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> bool:
-    """Whether the robot shows coordinates for a drive to a place that has begun.
+    """Whether the robot shows coordinates for a drive to a place.
 
     Some robots show those of a goal instead of its name (ARCL manual I617-E-02 p. 243). A command
     that names a point itself is confirmed by no other point.
     """
-    return (seen.activity.kind is kind and execution.begun
-            and execution.command.spec.course is Course.TO_A_PLACE
+    return (seen.activity.kind is kind and execution.command.spec.course is DriveCourse.TO_A_PLACE
             and bool(execution.command.goals or not _point(seen)))
 
 
@@ -125,20 +142,22 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
               lambda execution, seen: seen.activity.kind is _K.MOTORS_DISABLED),
     ObservationRule('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
         seen.is_status and _fits(execution.command.spec.completed_by, execution, seen.activity))),
-    ObservationRule('its goal', Sign.CONFIRMED,
+    ObservationRule('its goal', DriveSign.CONFIRMED,
               lambda execution, seen: _acknowledges(execution, seen.activity)),
-    ObservationRule('its point', Sign.CONFIRMED,
-              lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT)),
+    ObservationRule('its point', DriveSign.CONFIRMED,
+              lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT),
+              begun=True),
     ObservationRule('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
-        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT) and _point(seen) in execution.points)),
+        _to_a_point(execution, seen, _K.ARRIVED_AT_POINT)
+        and _point(seen) in execution.progress.points), begun=True),
     ObservationRule('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
-        not execution.begun and execution.set_out and seen.activity.kind is _K.INTERRUPTED)),
+        execution.progress.set_out and seen.activity.kind is _K.INTERRUPTED), begun=False),
     # the robot drives to its dock before it reports that it docks
-    ObservationRule('on its way to the dock', Sign.CONFIRMED, lambda execution, seen: (
-        not execution.begun and execution.command.spec.course is Course.INTO_THE_DOCK
-        and seen.activity.kind in MOVING)),
-    ObservationRule('leaving the dock', Sign.CONFIRMED, lambda execution, seen: (
-        not execution.begun and execution.set_out and seen.activity.kind in ABOUT_THE_DOCK)),
+    ObservationRule('on its way to the dock', DriveSign.CONFIRMED, lambda execution, seen: (
+        execution.command.spec.course is DriveCourse.INTO_THE_DOCK
+        and seen.activity.kind in MOVING), begun=False),
+    ObservationRule('leaving the dock', DriveSign.CONFIRMED, lambda execution, seen: (
+        execution.progress.set_out and seen.activity.kind in ABOUT_THE_DOCK), begun=False),
 )
 
 
@@ -151,7 +170,7 @@ class DriveWatch:
     @property
     def in_doubt(self) -> bool:
         """Whether another status would help to decide on a motion under way."""
-        return any(execution.doubt for execution in self._commands.motion_executions)
+        return any(execution.progress.doubt for execution in self._commands.motion_executions)
 
     def observe(self, seen: Observation, now: float) -> None:
         """Processes an activity that the robot reports."""
@@ -166,7 +185,7 @@ class DriveWatch:
     def on_time(self, now: float) -> None:
         """Ends the commands that have been contradicted for long enough."""
         for execution in self._commands.motion_executions:
-            doubt = execution.doubt
+            doubt = execution.progress.doubt
             if doubt is None or execution not in self._commands.sent:  # it ended with another
                 continue
             since, settle = now - doubt.since, _settle_time(execution, doubt)
@@ -174,22 +193,23 @@ class DriveWatch:
                 self._commands.end(execution, doubt.outcome, doubt.words)
 
     def _observe_drive(self, execution: Execution, seen: Observation, now: float) -> None:
-        kind = seen.activity.kind
-        if (kind is ActivityKind.STOPPED and not seen.is_status and execution.doubt
-                and execution.doubt.broken_off):
-            self._commands.end(execution, Outcome.INTERRUPTED, execution.doubt.words)
+        kind, progress = seen.activity.kind, execution.progress
+        if (kind is ActivityKind.STOPPED and not seen.is_status and progress.doubt
+                and progress.doubt.broken_off):
+            self._commands.end(execution, Outcome.INTERRUPTED, progress.doubt.words)
             return
-        verdict = _judge(execution, seen)
-        if verdict is Sign.CONFIRMED:
-            execution.doubt = None
+        begun = self._commands.records.has_begun(execution)
+        verdict = _judge(execution, seen, begun)
+        if verdict is DriveSign.CONFIRMED:
+            progress.doubt = None
             if kind is ActivityKind.GOING_TO_POINT:
-                execution.points.add(_point(seen))
+                progress.points.add(_point(seen))
             if seen.is_status:
-                execution.heard = now
+                progress.heard = now
                 if _acknowledges(execution, seen.activity):
                     self._commands.begin(execution)
         elif isinstance(verdict, Outcome):
-            _doubt(execution, verdict, seen, now)
+            _doubt(execution, verdict, seen, now, begun)
 
     def _observe_stop(self, stop: Execution, seen: Observation, now: float) -> None:
         """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
@@ -198,22 +218,22 @@ class DriveWatch:
             return
         if kind in STANDING:
             _doubt(stop, Outcome.SUCCEEDED, seen, now)
-        elif kind in MOVING and seen.activity != stop.shown_when_sent and not any(
+        elif kind in MOVING and seen.activity != stop.progress.shown_when_sent and not any(
                 _acknowledges(drive, seen.activity) for drive in self._commands.drives):
             _doubt(stop, Outcome.INTERRUPTED, seen, now)
         elif kind in MOVING:
-            stop.doubt = None
+            stop.progress.doubt = None
 
 
-def _judge(execution: Execution, seen: Observation) -> Verdict:
+def _judge(execution: Execution, seen: Observation, begun: bool) -> Verdict:
     """The verdict of the robot's activity on a drive."""
     for row in JUDGEMENTS:
-        if row.holds(execution, seen):
+        if row.begun in (None, begun) and row.holds(execution, seen):
             return row.verdict
     course = execution.command.spec.course
-    if not execution.begun or course is None:
-        return Sign.NONE
-    return VERDICTS[course].get(seen.activity.kind, Sign.NONE)
+    if not begun or course is None:
+        return DriveSign.NONE
+    return VERDICTS[course].get(seen.activity.kind, DriveSign.NONE)
 
 
 def _acknowledges(execution: Execution, activity: Activity) -> bool:
@@ -224,13 +244,14 @@ def _fits(predicate: Optional[Predicate], execution: Execution, activity: Activi
     return predicate is not None and predicate(execution.command, activity.reply)
 
 
-def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float) -> None:
+def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float,
+           begun: bool = True) -> None:
     broken_off = (isinstance(seen.activity.reply, replies.Interrupted) and not seen.is_status
-                  and (not seen.activity.goal or not execution.begun))
-    doubt = execution.doubt
+                  and (not seen.activity.goal or not begun))
+    doubt = execution.progress.doubt
     if doubt is None or (outcome is not doubt.outcome
                          and Outcome.SUCCEEDED in (outcome, doubt.outcome)):
-        execution.doubt = Doubt(outcome, seen.words, now, broken_off=broken_off)
+        execution.progress.doubt = Doubt(outcome, seen.words, now, broken_off=broken_off)
         return
     doubt.count += 1
     doubt.broken_off = doubt.broken_off or broken_off

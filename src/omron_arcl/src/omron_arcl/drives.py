@@ -2,10 +2,11 @@
 
 Read this module first.
 
-The machine keeps one `Record` for each drive and each stop, in the order of sending, and one for
-what others did. Everything else is derived from the records and from what the robot said (`heard`):
-the giver, the epoch, the motion, the owed stop, the fate of a program's last command. No I/O and no
-clock. `attribution` decides whose a line of the robot is, in one table, and tells the events here.
+The machine keeps one `DriveRecord` for each drive and each stop, in the order of sending, and one
+for what others did. Everything else is derived from the records and from what the robot said
+(`heard`): the giver, the epoch, the motion, the owed stop, the fate of a program's last command. No
+I/O and no clock. `attribution` decides whose a line of the robot is, in one table, and tells the
+events here.
 
 The fate of a drive, and its next fate after an event (`Event`):
 
@@ -53,20 +54,20 @@ from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
-from omron_arcl.commands import Command, Course
+from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
 from omron_arcl.heard import RobotWords, StopOf
 from omron_arcl.records import (
-    Cause,
     CommandFate,
+    DriveMemory,
+    DriveRecord,
     Fate,
-    Kind,
     LastCommand,
-    Memory,
-    Motion,
+    MotionCause,
     MotionState,
-    Record,
+    RecordKind,
+    RobotMotion,
 )
 from omron_arcl.replies import Reply
 
@@ -125,7 +126,7 @@ _GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED
 _DOCK = 'dock'
 _UNSEEN = 'during an outage of the link another client may have driven or stopped the robot'
 _STOPPED_BY_OTHERS = 'another client of the robot stopped it'
-_NOTHING = Record(0, Kind.FOREIGN_STOP, Fate.OVER)
+_NOTHING = DriveRecord(0, RecordKind.FOREIGN_STOP, Fate.OVER)
 
 
 class Overruled(ArclError):
@@ -149,7 +150,7 @@ class _Change(NamedTuple):
 
 def _names_of(command: Command) -> Tuple[str, ...]:
     return tuple(goal.casefold() for goal in command.goals) or (
-        (_DOCK,) if command.spec.course is Course.INTO_THE_DOCK else ('',))
+        (_DOCK,) if command.spec.course is DriveCourse.INTO_THE_DOCK else ('',))
 
 
 def draw_epoch() -> int:
@@ -164,13 +165,13 @@ class Drives:
     store -- saves the memory for a restart; called before a command that changes it is sent
     """
 
-    def __init__(self, stored: Optional[Memory] = None,
-                 store: Callable[[Memory], None] = lambda memory: None,
+    def __init__(self, stored: Optional[DriveMemory] = None,
+                 store: Callable[[DriveMemory], None] = lambda memory: None,
                  draw: Callable[[], int] = draw_epoch) -> None:
         self._store, self._draw = store, draw
         self.heard = RobotWords()
         self._changes: Deque[_Change] = deque(maxlen=_KEPT_EPOCHS)
-        self._memory = stored or Memory(0)
+        self._memory = stored or DriveMemory(0)
         self._number = max((r.number for r in self._records), default=0)
         self._executions: Dict[int, Execution] = {}  # by the number of the record
         self._connected = False
@@ -179,22 +180,22 @@ class Drives:
         self._look_until = self._retry_at = -math.inf
         self._records = tuple(r if r.fate is Fate.OVER else replace(r, fate=Fate.UNKNOWN)
                               for r in self._records)
-        self._begin_epoch(None, Cause.RESTART, 'the controller was started', False)
+        self._begin_epoch(None, MotionCause.RESTART, 'the controller was started', False)
 
     @property
-    def _records(self) -> Tuple[Record, ...]:
+    def _records(self) -> Tuple[DriveRecord, ...]:
         return self._memory.records
 
     @_records.setter
-    def _records(self, records: Tuple[Record, ...]) -> None:
+    def _records(self, records: Tuple[DriveRecord, ...]) -> None:
         self._memory = replace(self._memory, records=records)
 
     # --- derived answers --------------------------------------------------------------------------
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> RobotMotion:
         """The state to publish now."""
-        return Motion(self._memory, self._state())
+        return RobotMotion(self._memory, self._state())
 
     def knows(self, giver: Giver, epoch: int) -> bool:
         """Whether only `giver`, which knows `epoch`, has given commands since that epoch."""
@@ -239,14 +240,24 @@ class Drives:
         if other:
             return f'the robot has not answered {other.words} yet'
         newest = list(self._executions.values())[-1:]
-        if self._memory.drives and any(e.begun and e.is_doubted for e in newest):
+        if self._memory.drives and any(self.has_begun(e) and e.progress.is_doubted for e in newest):
             return 'the robot may have been stopped by another client'
         return ''
 
     def may_send(self, execution: Execution) -> bool:
         """Whether a drive that was given may still be sent to the robot now."""
         return (not execution.known_epoch or not execution.command.spec.moves
-                or self.knows(execution.giver, execution.epoch))
+                or self.knows(execution.giver, execution.progress.epoch))
+
+    def has_begun(self, execution: Execution) -> bool:
+        """Whether the robot obeys a command, or has begun to answer it. It answers in the order of
+        sending, and a drive that it acknowledges ends all before it."""
+        if execution.command.spec.drives:
+            return 0 < execution.order <= self.heard.acknowledged
+        if execution.command.spec.stops:
+            stops = [e for e in self._executions.values() if e.command.spec.stops and e.sent]
+            return execution in stops[:max(len(stops) - self.heard.unheard_stops, 0)]
+        return execution.is_answered
 
     # --- commands ---------------------------------------------------------------------------------
 
@@ -255,42 +266,43 @@ class Drives:
         command, giver = execution.command, execution.giver
         if self._unseen and (command.spec.drives or command.spec.stops):
             self._unseen = False
-            self._begin_epoch(None, Cause.OTHER_CLIENT, _UNSEEN, False)
+            self._begin_epoch(None, MotionCause.OTHER_CLIENT, _UNSEEN, False)
         if command.spec.drives:
-            self._add(Kind.DRIVE, giver, f'"{command.text}" of {giver.name}', execution,
+            self._add(RecordKind.DRIVE, giver, f'"{command.text}" of {giver.name}', execution,
                       goal=command.goals[0] if command.goals else '', names=_names_of(command),
                       command=execution.number)
             self._keep(self._records[-1])
         elif command.spec.stops:
-            self._owe(giver, Cause.STOP, f'"stop" of {giver.name}', execution, execution.number)
-        execution.epoch = self._memory.epoch
+            self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', execution,
+                      execution.number)
+        execution.progress.epoch = self._memory.epoch
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
         """A giver cancels a drive; cancelling a drive that was replaced stops nothing."""
-        newest = next((r for r in reversed(self._records) if r.kind is Kind.DRIVE), None)
+        newest = next((r for r in reversed(self._records) if r.kind is RecordKind.DRIVE), None)
         if newest and execution.sent and self._executions.get(newest.number) is execution:
-            self._owe(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
+            self._owe(canceller, MotionCause.CANCEL, f'a cancellation of {canceller.name}')
 
     def all_cancelled(self, canceller: Giver) -> None:
         """A giver cancels everything before, including drives that have not arrived here yet."""
         words = f'a cancellation of {canceller.name}'
         if any(record.may_move for record in self._records) or self._memory.stop_owed:
-            self._owe(canceller, Cause.CANCEL, words)
+            self._owe(canceller, MotionCause.CANCEL, words)
         else:
-            self._records = (self._record(Kind.STOP, canceller, words, fate=Fate.OVER),)
-            self._begin_epoch(canceller, Cause.CANCEL, words, False)
+            self._records = (self._record(RecordKind.STOP, canceller, words, fate=Fate.OVER),)
+            self._begin_epoch(canceller, MotionCause.CANCEL, words, False)
 
     def own_stop_given(self, stop: Execution) -> None:
         """A stop is sent that is owed, or that follows a cancellation."""
         owed = next((r for r in reversed(self._records) if r.owed), None)
         if owed is None or owed.number in self._executions:
-            self._owe(stop.giver, Cause.CANCEL, 'a cancellation', stop)
+            self._owe(stop.giver, MotionCause.CANCEL, 'a cancellation', stop)
         else:
             self._executions[owed.number] = stop
 
     def stopped_without_link(self, giver: Giver, number: int = 0) -> None:
         """A stop is given while the robot cannot be reached: it is sent when it can be."""
-        self._owe(giver, Cause.STOP, f'"stop" of {giver.name}', None, number)
+        self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', None, number)
 
     def sent(self, execution: Execution) -> None:
         """A command is sent to the robot."""
@@ -300,54 +312,55 @@ class Drives:
     # --- progress of commands ---------------------------------------------------------------------
 
     def acknowledged(self, execution: Execution) -> None:
-        """The robot obeys a command; called before older ones end because of it."""
+        """The robot obeys a drive; called before older motions end because of it."""
+        self.heard.acknowledged = execution.order
         record = self._record_of(execution)
-        if record and record.kind is Kind.DRIVE:
+        if record and record.kind is RecordKind.DRIVE:
             self._obeyed(record)
 
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
         record = self._record_of(execution)
-        self._executions = {n: e for n, e in self._executions.items() if e is not execution}
-        if execution.command.spec.stops and outcome in UNHEEDED and not execution.begun:
+        if execution.command.spec.stops and outcome in UNHEEDED and not self.has_begun(execution):
             self.heard.forget_stop()
+        self._executions = {n: e for n, e in self._executions.items() if e is not execution}
         if record is None:  # what came later has ended it already
             return
-        if record.kind is Kind.STOP:
+        if record.kind is RecordKind.STOP:
             self._stop_ended(record, outcome, now)
         elif outcome is Outcome.INTERRUPTED and record is self._records[-1]:
-            self._foreign(Cause.OTHER_CLIENT, False, words)
+            self._foreign(MotionCause.OTHER_CLIENT, False, words)
         else:
             self._drive_ended(record, execution, outcome, words)
 
-    def _stop_ended(self, record: Record, outcome: Outcome, now: float) -> None:
+    def _stop_ended(self, record: DriveRecord, outcome: Outcome, now: float) -> None:
         if outcome not in _OBEYED_STOP:
             self._retry_at = now + RETRY
             return
         at = self._records.index(record)
         # this `Stopped` may be that of an older stop, so that drives and stops may still follow
         may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and (
-            r.may_move or r.kind is Kind.STOP and r.fate is Fate.OVER)]
+            r.may_move or r.kind is RecordKind.STOP and r.fate is Fate.OVER)]
         self._records = (*may_follow, replace(record, fate=Fate.OVER), *self._records[at + 1:])
         self._retry_at = -math.inf
         self._keep()
 
-    def _drive_ended(self, record: Record, execution: Execution, outcome: Outcome,
+    def _drive_ended(self, record: DriveRecord, execution: Execution, outcome: Outcome,
                      words: str) -> None:
         event, ruling = _EVENTS[outcome], self._memory.ruling
         if event is Event.WITHDRAWN and self.heard.unheard_stops:
             event = Event.CALLED_BACK
         elif event is Event.EMERGENCY_STOP:
             self.note_emergency(words)
-            if execution.rejected_at is not None:
+            if execution.progress.rejected_at is not None:
                 event = Event.REFUSED
         self._happens(event, record)
         if event is Event.LOST and record.pending:
             self._rules(record, ruling)  # the robot may carry it out
         if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
-            self._owe(execution.giver, Cause.STOP, words)
+            self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
-            self._add(Kind.STOP, NO_GIVER, words)  # it may come when the motors are on again
+            self._add(RecordKind.STOP, NO_GIVER, words)  # it may come when the motors are on again
             self._keep()
 
     # --- lines of the robot -----------------------------------------------------------------------
@@ -371,9 +384,9 @@ class Drives:
             return
         # a drive that the robot has not answered reaches it after that
         crosses = any(r.pending and self._was_sent(r) for r in self._records)
-        self._foreign(Cause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
+        self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
-            self._add(Kind.STOP, NO_GIVER, _STOPPED_BY_OTHERS)
+            self._add(RecordKind.STOP, NO_GIVER, _STOPPED_BY_OTHERS)
             self._keep()
 
     @property
@@ -390,8 +403,9 @@ class Drives:
     @property
     def is_about_the_dock(self) -> bool:
         """Whether the robot docks or leaves its dock for a command of ours."""
-        return any(e.command.spec.course in (Course.INTO_THE_DOCK, Course.OUT_OF_THE_DOCK)
-                   or e.set_out and not e.begun for e in self._executions.values())
+        return any(e.command.spec.course in (DriveCourse.INTO_THE_DOCK, DriveCourse.OUT_OF_THE_DOCK)
+                   or e.progress.set_out and not self.has_begun(e)
+                   for e in self._executions.values())
 
     def begins_late(self, goal: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
@@ -400,7 +414,7 @@ class Drives:
         if record and not self._memory.stop_owed:
             self._obeyed(record)
 
-    def driven_by_others(self, cause: Cause, text: str) -> None:
+    def driven_by_others(self, cause: MotionCause, text: str) -> None:
         """The robot begins a motion that no program here asked for."""
         self._foreign(cause, True, text)
 
@@ -434,28 +448,29 @@ class Drives:
         elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
             if self._stands_as_we_stopped_it(activity):
-                self._begin_epoch(None, Cause.RESTART, words, False)
+                self._begin_epoch(None, MotionCause.RESTART, words, False)
             else:
-                self._foreign(Cause.ROBOT if activity.kind in _GAVE_UP else Cause.OTHER_CLIENT,
+                gave_up = activity.kind in _GAVE_UP
+                self._foreign(MotionCause.ROBOT if gave_up else MotionCause.OTHER_CLIENT,
                               activity.kind in MOVING, words)
 
     def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
         """Whether our last command was a stop, and the robot shows nothing else."""
         last = self._records[-1] if self._records else None
         return (activity.kind is ActivityKind.STOPPED and last is not None
-                and last.kind is Kind.STOP and last.fate is Fate.OVER)
+                and last.kind is RecordKind.STOP and last.fate is Fate.OVER)
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
         """No command of ours is under way: another client caused the robot's motion."""
         if before is not None and self._leaves_our_goal(before, activity):
-            self._foreign(Cause.OTHER_CLIENT, False, text)
+            self._foreign(MotionCause.OTHER_CLIENT, False, text)
         ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
         if moves:
-            strange = ruling.kind is not Kind.FOREIGN_DRIVE and not self.may_be_ours(activity)
+            strange = ruling.kind is not RecordKind.FOREIGN_DRIVE and not self.may_be_ours(activity)
         else:
             strange = self._ends_unlike(ruling, activity)
         if strange and self.heard.strange:  # one status may have crossed a line
-            self._foreign(Cause.OTHER_CLIENT, moves, text)
+            self._foreign(MotionCause.OTHER_CLIENT, moves, text)
         self.heard.strange = strange
 
     def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
@@ -464,40 +479,40 @@ class Drives:
                 and before.goal.casefold() in self._memory.names
                 and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING))
 
-    def _ends_unlike(self, ruling: Record, activity: Activity) -> bool:
+    def _ends_unlike(self, ruling: DriveRecord, activity: Activity) -> bool:
         """Whether a drive ends otherwise than at its goal. Its command ended as lost with the link
         before, so that only statuses show its end."""
-        if ruling.kind is not Kind.DRIVE or ruling.fate is not Fate.OBEYED:
+        if ruling.kind is not RecordKind.DRIVE or ruling.fate is not Fate.OBEYED:
             return False
         shown = self._shown_drive(activity)
         if shown is ruling:
             self._happens(Event.COMPLETED, ruling)
         return shown is None and activity.kind in STANDING
 
-    def _was_sent(self, record: Record) -> bool:
+    def _was_sent(self, record: DriveRecord) -> bool:
         execution = self._executions.get(record.number)
         return execution is not None and execution.sent
 
     # --- records and epochs -----------------------------------------------------------------------
 
-    def _record(self, kind: Kind, giver: Giver, words: str, fate: Fate = Fate.GIVEN,
-                goal: str = '', names: Tuple[str, ...] = (), command: int = 0) -> Record:
+    def _record(self, kind: RecordKind, giver: Giver, words: str, fate: Fate = Fate.GIVEN,
+                goal: str = '', names: Tuple[str, ...] = (), command: int = 0) -> DriveRecord:
         self._number += 1
-        return Record(self._number, kind, fate, giver, goal, names, words, command)
+        return DriveRecord(self._number, kind, fate, giver, goal, names, words, command)
 
-    def _add(self, kind: Kind, giver: Giver, words: str, execution: Optional[Execution] = None,
-             fate: Fate = Fate.GIVEN, goal: str = '', names: Tuple[str, ...] = (),
-             command: int = 0) -> None:
+    def _add(self, kind: RecordKind, giver: Giver, words: str,
+             execution: Optional[Execution] = None, fate: Fate = Fate.GIVEN, goal: str = '',
+             names: Tuple[str, ...] = (), command: int = 0) -> None:
         record = self._record(kind, giver, words, fate, goal, names, command)
         self._records = (*self._records, record)[-_KEPT_RECORDS:]
         if execution:
             self._executions[record.number] = execution
 
-    def _record_of(self, execution: Execution) -> Optional[Record]:
+    def _record_of(self, execution: Execution) -> Optional[DriveRecord]:
         return next((r for r in self._records
                      if self._executions.get(r.number) is execution), None)
 
-    def _happens(self, event: Event, record: Record) -> None:
+    def _happens(self, event: Event, record: DriveRecord) -> None:
         """A drive gets its next fate. Does nothing if something else has dropped its record."""
         if record.fate is Fate.OVER:
             return
@@ -508,37 +523,38 @@ class Drives:
                               for one in (following if r is record else (r,)))
         self._keep()
 
-    def _obeyed(self, record: Record) -> None:
+    def _obeyed(self, record: DriveRecord) -> None:
         """The robot carries a drive out: what came before it is over, and its giver drives."""
         if record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
         self.heard.replacing = False
         # the robot answers in order: all stops sent before are answered, and none sent after
-        self.heard.unheard_stops = sum(r.kind is Kind.STOP and (
+        self.heard.unheard_stops = sum(r.kind is RecordKind.STOP and (
             r.fate is Fate.OVER or self._was_sent(r)) for r in self._records[at + 1:])
         self._records = (record, *(
-            r for r in self._records[at + 1:] if r.kind in (Kind.DRIVE, Kind.STOP)))
+            r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
         self._happens(Event.ACKNOWLEDGED, record)
         self._rules(record, ruling)
 
-    def _rules(self, record: Record, ruling: Optional[Record]) -> None:
+    def _rules(self, record: DriveRecord, ruling: Optional[DriveRecord]) -> None:
         """A drive becomes the ruling record. A new epoch begins, unless the same giver drives on,
         or something newer rules."""
         now_ruling = next(r for r in reversed(self._records) if not r.pending)
         if now_ruling.number != record.number or (
-                ruling is not None and (ruling.kind, ruling.giver) == (Kind.DRIVE, record.giver)
-                and self._memory.cause is Cause.OTHER_GIVER):
+                ruling is not None
+                and (ruling.kind, ruling.giver) == (RecordKind.DRIVE, record.giver)
+                and self._memory.cause is MotionCause.OTHER_GIVER):
             self._keep()
         else:
-            self._begin_epoch(record.giver, Cause.OTHER_GIVER, record.words, True)
+            self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, True)
 
-    def _owe(self, giver: Giver, cause: Cause, words: str,
+    def _owe(self, giver: Giver, cause: MotionCause, words: str,
              execution: Optional[Execution] = None, command: int = 0) -> None:
         """A stop is owed from now on. A stop that is owed already ends the same drives, unless a
         drive came after it."""
         last = next((r for r in reversed(self._records)
-                     if r.kind in (Kind.DRIVE, Kind.STOP)), None)
+                     if r.kind in (RecordKind.DRIVE, RecordKind.STOP)), None)
         self._retry_at = -math.inf  # the stop is new, so it need not wait for a retry
         if last and last.owed and not (execution and last.number in self._executions):
             self._records = (*(r for r in self._records if r is not last),
@@ -546,36 +562,36 @@ class Drives:
             if execution:
                 self._executions[last.number] = execution
         else:
-            self._add(Kind.STOP, giver, words, execution, command=command)
+            self._add(RecordKind.STOP, giver, words, execution, command=command)
         # it ends a drive that is on its way, of which its giver need not know
         ends_unknown = any(r.pending and r.giver != giver for r in self._records)
         self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 
-    def _foreign(self, cause: Cause, drives: bool, words: str) -> None:
+    def _foreign(self, cause: MotionCause, drives: bool, words: str) -> None:
         """Others drive or stop the robot. Drives that the robot has not answered may still reach it
         after that, and so may the stops that end them."""
         given = any(r.pending for r in self._records)
         self._records = (
             *(r for r in self._records if r.pending or r.owed and (given or not drives)),
-            self._record(Kind.FOREIGN_DRIVE if drives else Kind.FOREIGN_STOP, NO_GIVER, words,
-                         Fate.OVER))
+            self._record(RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER,
+                         words, Fate.OVER))
         self._begin_epoch(None, cause, words, drives)
 
     def note_emergency(self, words: str) -> None:
         """The emergency stop is pressed."""
         if not self.heard.emergency:
             self.heard.emergency = True
-            self._foreign(Cause.EMERGENCY_STOP, False, words)
+            self._foreign(MotionCause.EMERGENCY_STOP, False, words)
 
-    def _begin_epoch(self, giver: Optional[Giver], cause: Cause, reason: str, drives: bool,
-                     given: Optional[Record] = None) -> None:
+    def _begin_epoch(self, giver: Optional[Giver], cause: MotionCause, reason: str, drives: bool,
+                     given: Optional[DriveRecord] = None) -> None:
         before = self._memory.epoch
         self._changes.append(_Change(before, giver, drives))
         self._memory = replace(self._memory, epoch=self._draw(), previous_epoch=before, cause=cause,
                                reason=reason)
         self._keep(given)
 
-    def _keep(self, given: Optional[Record] = None) -> None:
+    def _keep(self, given: Optional[DriveRecord] = None) -> None:
         """Stores the memory. `given`: a command that was given just now."""
         last = self._memory.last_commands
         if given and given.command:
@@ -618,7 +634,7 @@ class Drives:
             return MotionState.DRIVING if commands else MotionState.STANDING
         return _STATES.get(kind, MotionState.DRIVING)
 
-    def _shown_drive(self, activity: Activity) -> Optional[Record]:
+    def _shown_drive(self, activity: Activity) -> Optional[DriveRecord]:
         """The drive that the robot visibly carries out, or has visibly completed."""
         if activity.kind in MOVING and not self.may_be_ours(activity):
             return None
@@ -627,8 +643,8 @@ class Drives:
                 ActivityKind.DOCKED: _DOCK, ActivityKind.ARRIVED_AT_POINT: '',
                 ActivityKind.STOPPED: goal or None}.get(activity.kind)
         over = max((i for i, r in enumerate(self._records)
-                    if r.kind is Kind.STOP and r.fate is Fate.OVER), default=-1)
-        drives = [r for r in reversed(self._records[over + 1:]) if r.kind is Kind.DRIVE and (
+                    if r.kind is RecordKind.STOP and r.fate is Fate.OVER), default=-1)
+        drives = [r for r in reversed(self._records[over + 1:]) if r.kind is RecordKind.DRIVE and (
             r.fate is not Fate.OVER or activity.kind not in MOVING)]
         named = [r for r in drives if name in r.names]
         return next(iter(named or (drives if activity.kind in MOVING else [])), None)

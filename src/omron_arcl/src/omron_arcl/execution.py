@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Callable, List, NamedTuple, Optional, Set, Tuple
 
@@ -59,6 +59,44 @@ class Doubt:
     broken_off: bool = False
 
 
+@dataclass
+class CommandProgress:
+    """What happened to a command since it was sent. The queue, the attribution and the watch keep
+    it, each its own part. Whether the robot obeys the command follows from `drives`.
+
+    epoch -- in which the command was taken
+    sent_at, heard -- when it was sent, and when its last line came
+    shown_when_sent -- the activity in the status before it was sent
+    set_out -- whether the robot stood, and now leaves the dock or drives to it
+    cancel_requested, stopping -- when its end was asked for; whether a stop was given for that
+    rejected_at -- when CommandError came; its description follows
+    points -- coordinates that the robot showed as its goal
+    dock_name -- the name under which the robot drives to its dock
+    """
+
+    epoch: int = 0
+    sent_at: float = 0.0
+    heard: float = 0.0
+    shown_when_sent: Optional[Activity] = None
+    set_out: bool = False
+    cancel_requested: Optional[float] = None
+    stopping: bool = False
+    rejected_at: Optional[float] = None
+    doubt: Optional[Doubt] = None
+    points: Set[Tuple[float, ...]] = field(default_factory=set)
+    dock_name: str = ''
+
+    def begin(self, now: float, shown: Optional[Activity]) -> None:
+        """The command is sent."""
+        self.heard = self.sent_at = now
+        self.shown_when_sent = shown
+
+    @property
+    def is_doubted(self) -> bool:
+        """Whether the robot may have been stopped, or sent elsewhere, by another client."""
+        return self.doubt is not None and self.doubt.outcome is Outcome.INTERRUPTED
+
+
 class Giver(NamedTuple):
     """A program that gives commands; `process` differs from that of an earlier one of its name."""
 
@@ -69,8 +107,29 @@ class Giver(NamedTuple):
 NO_GIVER = Giver('')
 
 
+class _KeptLines:
+    """The lines of one command, up to the limits."""
+
+    def __init__(self) -> None:
+        self.kept: List[str] = []
+        self.left_out = 0
+        self._characters = 0
+
+    def add(self, text: str) -> None:
+        """Keeps a line if there is room."""
+        self._characters += len(text)
+        if len(self.kept) < MAXIMUM_LINES and self._characters <= MAXIMUM_CHARACTERS:
+            self.kept.append(text)
+        else:
+            self.left_out += 1
+
+
 class Execution:
-    """A command given to the robot. `result` is None until it has ended; readable by any thread."""
+    """A command given to the robot. `result` is None until it has ended; readable by any thread.
+
+    It has many attributes because it is all that a giver says about one command, and all that it
+    gets back. `progress` is for this package.
+    """
 
     def __init__(self, command: Command, timeout: Optional[float] = None,
                  on_line: Optional[Callable[[str], None]] = None,
@@ -84,51 +143,34 @@ class Execution:
         self.result: Optional[Result] = None
         self.on_line = on_line
         self.on_end = on_end
-        # Maintained by the dispatcher, its queue, its attribution and its watch:
         self.timeout = timeout or command.spec.timeout  # s without a line about it
         self.acknowledge_timeout = timeout or min(command.spec.timeout, ACKNOWLEDGE_TIMEOUT)
         self.stop_on_timeout = stop_on_timeout
-        self.epoch = 0  # the epoch in which it was taken
-        self.sent_at = 0.0
-        self.heard: Optional[float] = None  # when it was sent, or when its last line came
-        self.order = 0  # its number in the order of sending
-        self.begun = False  # the robot has acknowledged it
-        self.set_out = False  # the robot stood, and now leaves the dock or drives to it
-        self.cancel_requested: Optional[float] = None  # the time of the request
-        self.stopping = False  # a stop was given because of that request
-        self.rejected_at: Optional[float] = None  # when CommandError came; its description follows
-        self.doubt: Optional[Doubt] = None
-        self.shown_when_sent: Optional[Activity] = None  # in the status before it was sent
-        self.points: Set[Tuple[float, ...]] = set()  # coordinates that the robot showed as its goal
-        self.dock_name = ''  # under which the robot drives to its dock
-        self._lines: List[str] = []
-        self._characters = 0
-        self._left_out = 0
+        self.order = 0  # its number in the order of sending; 0: not sent yet
+        self.progress = CommandProgress()
+        self._lines = _KeptLines()
         self._ended = threading.Event()
 
     @property
     def sent(self) -> bool:
         """Whether the command was sent to the robot."""
-        return self.heard is not None
+        return self.order > 0
 
     @property
-    def is_doubted(self) -> bool:
-        """Whether the robot may have been stopped, or sent elsewhere, by another client."""
-        return self.doubt is not None and self.doubt.outcome is Outcome.INTERRUPTED
+    def is_answered(self) -> bool:
+        """Whether a line came that may be its answer, if its answer is not documented."""
+        return (self.command.spec.completed_by is None and self.progress.rejected_at is None
+                and self.progress.heard > self.progress.sent_at)
 
     def add_line(self, text: str) -> None:
         """Adds a line that belongs to the command."""
-        self._characters += len(text)
-        if len(self._lines) < MAXIMUM_LINES and self._characters <= MAXIMUM_CHARACTERS:
-            self._lines.append(text)
-        else:
-            self._left_out += 1
+        self._lines.add(text)
 
     def end(self, outcome: Outcome, words: str) -> bool:
         """Sets the result once; returns whether this call set it."""
         if self.result is not None:
             return False
-        self.result = Result(outcome, words, tuple(self._lines), self._left_out)
+        self.result = Result(outcome, words, tuple(self._lines.kept), self._lines.left_out)
         return True
 
     def announce(self) -> None:

@@ -7,11 +7,9 @@ from omron_arcl.command_line import printable
 from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
 from omron_arcl.errors import InvalidCommand
-from omron_arcl.execution import Execution
 from omron_arcl.help_list import HelpList
-from omron_arcl.records import MotionState
+from omron_arcl.records import DriveMemory, MotionState, RobotMotion
 
-_DRIVES = (MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING, MotionState.UNDOCKING)
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
 
@@ -19,8 +17,8 @@ class Guard:
     """Checks a command before it is sent. `stop` is always allowed.
 
     `allowed` contains categories (`motion`, `query`, ...) and names of commands. `goals` are the
-    goals that the robot has listed; None while they are unknown. `motion` is the last state that
-    the records of drives tell.
+    goals that the robot has listed; None while they are unknown. `motion` is what the records
+    of drives tell.
     """
 
     def __init__(self, allowed: Iterable[str]) -> None:
@@ -29,22 +27,11 @@ class Guard:
         self.categories = frozenset(categories[word] for word in words if word in categories)
         self.names = frozenset(word for word in words if word not in categories)
         self.goals: Optional[FrozenSet[str]] = None
-        self.motion = MotionState.UNKNOWN
-        self._drive: Optional[Execution] = None
+        self.motion = RobotMotion(DriveMemory(0), MotionState.UNKNOWN)
 
     def list_goals(self, names: Iterable[str]) -> None:
         """Stores the goals that the robot has listed; an empty list forbids nothing."""
         self.goals = frozenset(name.casefold() for name in names) or None
-
-    def given(self, execution: Execution) -> None:
-        """Notes a command that was let through: a drive counts before the robot reports it."""
-        if execution.command.spec.drives:
-            self._drive = execution
-
-    @property
-    def is_driving(self) -> bool:
-        """Does the robot drive, or has it been told to?"""
-        return self.motion in _DRIVES or (self._drive is not None and self._drive.result is None)
 
     def unknown_words(self) -> FrozenSet[str]:
         """Words of `allowed` that are neither a category nor a command of the table."""
@@ -74,7 +61,7 @@ class Guard:
         return ''
 
     def _while_it_drives(self, command: Command) -> str:
-        if command.spec.needs_standing and self.is_driving:
+        if command.spec.needs_standing and self.motion.is_driving:
             return 'the robot drives: stop it first, and give the command when it stands'
         return ''
 

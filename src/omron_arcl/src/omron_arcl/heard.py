@@ -55,6 +55,8 @@ class RobotWords:
         """Whether the emergency stop is pressed, or the motors are still off after it."""
         self.sets_out = False
         """Whether the last line begins a motion."""
+        self.acknowledged = 0
+        """Number, in the order of sending, of the newest drive that the robot has acknowledged."""
         self.unheard_stops = 0
         """Number of stops that were sent and whose `Stopping` has not come."""
         self.stopped_by_us = False

@@ -9,7 +9,7 @@ import socket
 import time
 from typing import Callable, List, NamedTuple, Optional
 
-from omron_arcl.connection import Connection, Peer, is_host, reason_of
+from omron_arcl.connection import ArclConnection, LivePeer, is_host, reason_of
 from omron_arcl.host_addresses import HostAddresses
 from omron_arcl.link import Link, LinkPhase
 from omron_arcl.session import Received, Session
@@ -62,7 +62,7 @@ class Listener(Transport):
         self._bind = bind
         self.port = port
         self._socket: Optional[socket.socket] = None
-        self._peer: Optional[Peer] = None
+        self._peer: Optional[LivePeer] = None
         self._guests: List[_Guest] = []
         self._due = time.monotonic() + RETRY  # time of the next attempt to listen
         self._spoken = 0.0
@@ -156,7 +156,7 @@ class Listener(Transport):
 
     def _admit(self, guest: _Guest, selector: selectors.BaseSelector, now: float) -> None:
         try:
-            connection = Connection(guest.socket)
+            connection = ArclConnection(guest.socket)
         except OSError:  # closed by the peer already
             guest.socket.close()
             return
@@ -164,13 +164,13 @@ class Listener(Transport):
             self._replaced.append(now)
         self._replaced = [then for then in self._replaced if now - then < RIVAL_TIME]
         self._drop(selector, 'the robot opened a new connection')
-        self._peer = Peer(connection, Session(None, trace=self._trace), self._timeout)
+        self._peer = LivePeer(connection, Session(None, trace=self._trace), self._timeout)
         self._spoken = now
         selector.register(guest.socket, selectors.EVENT_READ)
         self._set_link(LinkPhase.CONNECTED, f'{guest.host}:{guest.port}',
                        _RIVALRY if len(self._replaced) >= RIVALS else '')
 
-    def _serve(self, peer: Peer, selector: selectors.BaseSelector, now: float,
+    def _serve(self, peer: LivePeer, selector: selectors.BaseSelector, now: float,
                waited: float) -> None:
         try:
             for event in peer.receive(now, waited):

@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional, Tuple
 from omron_arcl.execution import NO_GIVER, Giver
 
 
-class Cause(IntEnum):
+class MotionCause(IntEnum):
     """Why a new epoch began; as in omron_ld90_msgs/Motion."""
 
     OTHER_GIVER = 1
@@ -33,13 +33,19 @@ class MotionState(IntEnum):
     MANUAL = 7
 
 
-class Kind(Enum):
+_DRIVES = (MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING, MotionState.UNDOCKING)
+
+
+class RecordKind(Enum):
     """What a record is about."""
 
     DRIVE = 'drive'
     STOP = 'stop'
     FOREIGN_DRIVE = 'drive of another client or of the robot itself'
     FOREIGN_STOP = 'stop by another client, by the robot itself or by the emergency stop'
+
+
+_DRIVEN = (RecordKind.DRIVE, RecordKind.FOREIGN_DRIVE)
 
 
 class Fate(Enum):
@@ -63,7 +69,7 @@ class CommandFate(IntEnum):
 
 
 @dataclass(frozen=True)
-class Record:
+class DriveRecord:
     """One drive or stop, or what others did.
 
     goal -- the goal for people
@@ -72,7 +78,7 @@ class Record:
     """
 
     number: int
-    kind: Kind
+    kind: RecordKind
     fate: Fate
     giver: Giver = NO_GIVER
     goal: str = ''
@@ -88,22 +94,22 @@ class Record:
         """What became of its command."""
         if self.fate is not Fate.OVER:
             return CommandFate[self.fate.name]
-        return self.ending if self.kind is Kind.DRIVE else CommandFate.COMPLETED
+        return self.ending if self.kind is RecordKind.DRIVE else CommandFate.COMPLETED
 
     @property
     def pending(self) -> bool:
         """Whether it is a drive that the robot has not answered."""
-        return self.kind is Kind.DRIVE and self.fate is Fate.GIVEN
+        return self.kind is RecordKind.DRIVE and self.fate is Fate.GIVEN
 
     @property
     def owed(self) -> bool:
         """Whether it is a stop that the robot has not obeyed."""
-        return self.kind is Kind.STOP and self.fate is not Fate.OVER
+        return self.kind is RecordKind.STOP and self.fate is not Fate.OVER
 
     @property
     def may_move(self) -> bool:
         """Whether it is a drive that the robot carries out, or may carry out."""
-        return self.kind is Kind.DRIVE and self.fate is not Fate.OVER
+        return self.kind is RecordKind.DRIVE and self.fate is not Fate.OVER
 
 
 @dataclass(frozen=True)
@@ -116,19 +122,19 @@ class LastCommand:
 
 
 @dataclass(frozen=True)
-class Memory:
+class DriveMemory:
     """The state that survives a restart: the epoch, why it began, the records, and what became of
     the last command of each giver."""
 
     epoch: int
     previous_epoch: int = 0
-    cause: Cause = Cause.RESTART
+    cause: MotionCause = MotionCause.RESTART
     reason: str = ''
-    records: Tuple[Record, ...] = ()
+    records: Tuple[DriveRecord, ...] = ()
     last_commands: Tuple[LastCommand, ...] = ()
 
     @property
-    def ruling(self) -> Optional[Record]:
+    def ruling(self) -> Optional[DriveRecord]:
         """The record whose giver drives the robot."""
         return next((r for r in reversed(self.records) if not r.pending), None)
 
@@ -141,7 +147,7 @@ class Memory:
     @property
     def drives(self) -> bool:
         """Whether a drive, not a stop, was the last that moved or stopped the robot."""
-        return self.ruling is not None and self.ruling.kind in (Kind.DRIVE, Kind.FOREIGN_DRIVE)
+        return self.ruling is not None and self.ruling.kind in _DRIVEN
 
     @property
     def goal(self) -> str:
@@ -159,8 +165,15 @@ class Memory:
         return tuple(name for record in self.records for name in record.names)
 
 
-class Motion(NamedTuple):
+class RobotMotion(NamedTuple):
     """The published state."""
 
-    memory: Memory
+    memory: DriveMemory
     state: MotionState
+
+    @property
+    def is_driving(self) -> bool:
+        """Whether the robot drives, or has been told to."""
+        return self.state in _DRIVES or any(
+            record.kind is RecordKind.DRIVE and record.fate in (Fate.GIVEN, Fate.OBEYED)
+            for record in self.memory.records)

@@ -12,6 +12,18 @@ message. Other robots differ, so these rules apply:
 - Each line that asks for a password is a prompt.
 - A line after the password that neither asks again nor complains is a welcome.
 - If an expected line does not come, the login goes on without it.
+
+    state               event                                             next state
+    AWAITING_PROMPT     a line that asks; PROMPT_TIMEOUT                  LOGGING_IN, password sent
+    LOGGING_IN          a line that complains, or that asks once more     CLOSED
+                        another line, but not the echo of the password    DRAINING_HELP_LIST
+    DRAINING_HELP_LIST  its end line; HELP_TIMEOUT; LONGEST_HELP          READY, `LoggedIn`
+                        it does not end                                   CLOSED
+    all                 end of the connection; a line that is too long;   CLOSED, `Closed`
+                        a web browser
+
+Invariants: `Closed` is the last event. The password is sent once, and is in no event, reason or
+trace. After `LoggedIn`, each line is one `Received`.
 """
 from __future__ import annotations
 
@@ -59,7 +71,7 @@ _PROMPT_ENDS = (b':', b'>', b'?')
 _MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)  # an echoed line is unknown
 
 
-class State(Enum):
+class SessionState(Enum):
     """The state of a session."""
 
     AWAITING_PROMPT = 'awaiting the prompt'
@@ -67,6 +79,9 @@ class State(Enum):
     DRAINING_HELP_LIST = 'reading the help list'
     READY = 'ready'
     CLOSED = 'closed'
+
+
+_BEFORE_THE_WELCOME = (SessionState.AWAITING_PROMPT, SessionState.LOGGING_IN)
 
 
 class LoggedIn(NamedTuple):
@@ -110,7 +125,7 @@ class Session:
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,
                  trace: Optional[Trace] = None) -> None:
-        self.state = State.READY if password is None else State.AWAITING_PROMPT
+        self.state = SessionState.READY if password is None else SessionState.AWAITING_PROMPT
         self.lines_read = 0
         self._password = password or b''
         self._trace = trace
@@ -144,14 +159,14 @@ class Session:
             self.lines_read += 1
             if self.lines_read == 1 and is_http_request(raw):
                 yield self._close(ConnectionFailed('a web browser has connected, not a robot'))
-            elif self.state is State.READY:
+            elif self.state is SessionState.READY:
                 yield self._received(raw)
-            elif self.state is not State.CLOSED:
+            elif self.state is not SessionState.CLOSED:
                 yield from self._log_in(raw)
-        if self.state in (State.AWAITING_PROMPT, State.LOGGING_IN) and self._asks_in_the_tail():
+        if self.state in _BEFORE_THE_WELCOME and self._asks_in_the_tail():
             self.lines_read += 1
             yield from self._log_in(self._lines.take_tail())
-        if self._lines.overflowed and self.state is not State.CLOSED:
+        if self._lines.overflowed and self.state is not SessionState.CLOSED:
             yield self._close(LineTooLong(self._lines.limit))
 
     def receive(self, data: bytes) -> List[Event]:
@@ -160,23 +175,24 @@ class Session:
 
     def receive_eof(self) -> List[Event]:
         """The events when the peer closes the connection."""
-        if self.state is State.CLOSED:
+        if self.state is SessionState.CLOSED:
             return []
         return [self._close(self._cause_of_eof())]
 
     def on_time(self, now: float) -> List[Event]:
         """Passes the time `now` (s, any clock). In the login, missing lines time out."""
-        if self.state in (State.READY, State.CLOSED):
+        if self.state in (SessionState.READY, SessionState.CLOSED):
             return []
         if self._stirred:
             self._stirred, self._quiet_since = False, now
         quiet = now - self._quiet_since
-        if self.state is State.AWAITING_PROMPT and quiet >= PROMPT_TIMEOUT:
+        if self.state is SessionState.AWAITING_PROMPT and quiet >= PROMPT_TIMEOUT:
             self._send_password()
-        elif self.state is State.LOGGING_IN and quiet >= WELCOME_TIMEOUT and not self._probed:
-            self._probed = True
-            self._say(_PROBE)
-        elif self.state is State.DRAINING_HELP_LIST:
+        elif self.state is SessionState.LOGGING_IN:
+            if quiet >= WELCOME_TIMEOUT and not self._probed:
+                self._probed = True
+                self._say(_PROBE)
+        elif self.state is SessionState.DRAINING_HELP_LIST:
             if self._welcomed_at is None:
                 self._welcomed_at = now
             if quiet >= HELP_TIMEOUT or now - self._welcomed_at >= LONGEST_HELP:
@@ -200,19 +216,19 @@ class Session:
         """Processes a line of the login."""
         if self._trace:
             self._trace('S', self._redacted(raw))
-        if self.state is State.AWAITING_PROMPT:
+        if self.state is SessionState.AWAITING_PROMPT:
             if _ASKS.search(raw):
                 self._prompted = True
                 self._send_password()
             else:
                 self._remember(raw)
-        elif self.state is State.LOGGING_IN:
+        elif self.state is SessionState.LOGGING_IN:
             yield from self._read_verdict(raw)
         else:
             yield from self._read_help(raw)
 
     def _send_password(self) -> None:
-        self.state = State.LOGGING_IN
+        self.state = SessionState.LOGGING_IN
         self._stirred = True
         self._say(self._password, REDACTED)
 
@@ -228,7 +244,7 @@ class Session:
                 yield self._close(WrongPassword('the robot refused the password, and asked again'))
             self._prompted = self._probed = True  # a late prompt: the password was sent
         else:
-            self.state = State.DRAINING_HELP_LIST
+            self.state = SessionState.DRAINING_HELP_LIST
             yield from self._read_help(raw)
 
     def _read_help(self, raw: bytes) -> Iterator[Event]:
@@ -253,7 +269,7 @@ class Session:
             yield self._close(ConnectionFailed('the help list of the robot does not end'))
 
     def _ready(self, complete: bool) -> LoggedIn:
-        self.state = State.READY
+        self.state = SessionState.READY
         self._said.clear()
         help_list = HelpList(self._help, complete)
         if help_list.full_name('echo') or not complete:
@@ -280,19 +296,19 @@ class Session:
             self._trace('C', shown or line)
 
     def _close(self, cause: LinkError) -> Closed:
-        self.state = State.CLOSED
+        self.state = SessionState.CLOSED
         return Closed(cause)
 
     def _cause_of_eof(self) -> LinkError:
-        if self.state is State.AWAITING_PROMPT:
+        if self.state is SessionState.AWAITING_PROMPT:
             return ConnectionFailed('the robot closed the connection before the login'
                                     + self._quoted())
-        if self.state is State.LOGGING_IN and self._prompted:
+        if self.state is SessionState.LOGGING_IN and self._prompted:
             return WrongPassword(f'the robot refused the password{self._quoted()}')
-        if self.state is State.LOGGING_IN:
+        if self.state is SessionState.LOGGING_IN:
             return ConnectionFailed('the robot closed the connection after the password, which '
                                     f'it had not asked for{self._quoted()}')
-        if self.state is State.DRAINING_HELP_LIST:
+        if self.state is SessionState.DRAINING_HELP_LIST:
             return ConnectionLost('the robot closed the connection during the login')
         return ConnectionLost(f'the robot closed the connection{self._quoted()}')
 

@@ -23,7 +23,7 @@ TURN_ACCELERATION = math.radians(180.0)  # rad/s2
 
 
 @dataclass(frozen=True)
-class Location:
+class TimedPose:
     """The pose of a robot at a time: s, m and rad in the map."""
 
     time: float
@@ -33,7 +33,7 @@ class Location:
 
 
 @dataclass(frozen=True)
-class Motion:
+class MeanMotion:
     """The motion since the location before: mean values and their variances."""
 
     speed: float
@@ -47,13 +47,13 @@ class Motion:
     yaw_variance: float
 
 
-class Odometer:
+class MotionMeter:
     """Computes the motion at each location that follows another one."""
 
     def __init__(self) -> None:
-        self._last: Optional[Location] = None
+        self._last: Optional[TimedPose] = None
 
-    def add(self, location: Location) -> Optional[Motion]:
+    def add(self, location: TimedPose) -> Optional[MeanMotion]:
         """The motion since the location before.
 
         None if there was no location within MAX_GAP. None also if the robot cannot have driven
@@ -65,7 +65,7 @@ class Odometer:
         return _between(last, location)
 
 
-def _between(last: Location, location: Location) -> Optional[Motion]:
+def _between(last: TimedPose, location: TimedPose) -> Optional[MeanMotion]:
     interval = location.time - last.time
     turn = math.remainder(location.yaw - last.yaw, 2.0 * math.pi)
     right, up = location.x - last.x, location.y - last.y
@@ -78,7 +78,7 @@ def _between(last: Location, location: Location) -> Optional[Motion]:
     speed, turn_rate = arc / interval, turn / interval
     # Within the interval the speed may have changed as far as the acceleration allows, and the
     # location may be as old as the interval is long.
-    motion = Motion(
+    motion = MeanMotion(
         speed, turn_rate,
         speed_variance=2.0 * (STEP_SIGMA / interval) ** 2
         + _uniform(robot_model.ACCELERATION * interval),
@@ -94,7 +94,7 @@ def _uniform(width: float) -> float:
     return width ** 2 / 12.0
 
 
-def _is_possible(motion: Motion) -> bool:
+def _is_possible(motion: MeanMotion) -> bool:
     return (abs(motion.speed) <= robot_model.TOP_SPEED + 3.0 * math.sqrt(motion.speed_variance)
             and abs(motion.turn_rate) <= robot_model.TOP_TURN_RATE
             + 3.0 * math.sqrt(motion.turn_rate_variance))

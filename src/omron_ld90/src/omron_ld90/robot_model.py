@@ -1,4 +1,4 @@
-"""The dimensions of the OMRON LD-90; converter, bridge and pictures take them from here.
+"""The dimensions of the OMRON LD-90 beside its footprint; bridge and pictures take them from here.
 
 Metres, radians, seconds. Sizes, speeds and the laser's range are from the data sheet; accelerations
 are from the configurations of real robots. `urdf/ld90.urdf` and the simulator, which does not
@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import math
 
-LENGTH, WIDTH, HEIGHT = 0.699, 0.500, 0.383
-HALF_WIDTH = WIDTH / 2
-HALF_DIAGONAL = 0.430  # about the turning centre, rounded up
+HEIGHT = 0.383
 
 TOP_SPEED = 1.35  # m/s
 TOP_TURN_RATE = math.radians(180.0)  # rad/s; 100 degrees/s on a path

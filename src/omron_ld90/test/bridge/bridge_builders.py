@@ -11,7 +11,7 @@ from omron_arcl.records import CommandFate
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Edge, Graph, Vertex
 
@@ -186,14 +186,14 @@ class Bench:
     """A follower joined to a robot, with a clock that the test moves on."""
 
     def __init__(self, graph: Graph, vertex: int, strategy: str = 'vertex_by_vertex',
-                 period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.Link] = (),
+                 period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.RobotLink] = (),
                  **settings) -> None:
         self.robot = GraphRobot(graph, vertex, period)
         self.now = 100.0
         self.draw = count(1000).__next__  # epochs of the vehicle; the controller's are smaller
         self.follower = RouteFollower(
-            Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), graph,
-            links, self.draw, self.clock)
+            RouteSettings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings),
+            graph, links, self.draw, self.clock)
         self.link_is_up = dict.fromkeys(links, True)  # None while the link's node is away
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []

@@ -24,11 +24,11 @@ from omron_arcl import (
     read_activity,
 )
 from omron_arcl.drives import Overruled
-from omron_arcl.records import Cause, CommandFate, Motion
+from omron_arcl.records import CommandFate, MotionCause, RobotMotion
 from omron_arcl.replies import DockingState, DockingStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
 from route_protocol.values import EpochCause, RouteOrder, RouteReport
 from trajectory_graph import Graph
 
@@ -52,7 +52,7 @@ class DelayedDrive:
         self._graph = graph
         self._edges: Tuple[int, ...] = ()  # edges of the route
         self.delays = delays
-        self.up = dict.fromkeys(p.Link, True)
+        self.up = dict.fromkeys(p.RobotLink, True)
         self.stopped_at: Optional[float] = None  # time of the person's last stop
         self.bridge_knows = self.controller_knows = False
         self.crossed = self._stopped_at_robot = False
@@ -64,12 +64,12 @@ class DelayedDrive:
         self._last_number = 0  # number of the bridge's last command
         self._drives: List[Execution] = []  # drives of the route, let through
         self.bridge: Optional[RouteFollower] = None
-        self._told: Optional[Motion] = None  # latched message of the controller
+        self._told: Optional[RobotMotion] = None  # latched message of the controller
         self._controller = self.make_controller(delays)
         self.robot = self.make_robot(vertex, interruption, braking)
         self.bridge = RouteFollower(
-            Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
-            tuple(p.Link))
+            RouteSettings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
+            tuple(p.RobotLink))
         self._time.every(TICK, self._tick)
         self._time.every(1.0, self._report_links)
         self._time.every(GraphRobot.STATUS_PERIOD, self._show_status)
@@ -169,19 +169,19 @@ class DelayedDrive:
         self.stopped_at = self.now
         self._note(f'stop by {how}')
 
-    def cut(self, link: p.Link, seconds: float) -> None:
+    def cut(self, link: p.RobotLink, seconds: float) -> None:
         """A link is down for some seconds."""
         if self.spared:
             return
         self.up[link] = False
         self._note(f'{link.value} down')
-        if link is p.Link.COMMANDS:
+        if link is p.RobotLink.COMMANDS:
             self._controller.lose_link()
         self._report_links()
 
         def mend() -> None:
             self.up[link] = True
-            if link is p.Link.COMMANDS and not self._controller.connected:
+            if link is p.RobotLink.COMMANDS and not self._controller.connected:
                 self._controller.connect()
             self._report_links()
             self._note(f'{link.value} up')
@@ -197,7 +197,7 @@ class DelayedDrive:
         self._note('bridge dies')
 
         def start() -> None:
-            self.bridge = RouteFollower(dead.settings, dead.graph, tuple(p.Link))
+            self.bridge = RouteFollower(dead.settings, dead.graph, tuple(p.RobotLink))
             if record:
                 self.bridge.restore(record, True, self.now)
             self._report_links()
@@ -212,7 +212,7 @@ class DelayedDrive:
         self._note('controller dies')
         self._controller.lose_link()
         self._controller.start()
-        self.cut(p.Link.COMMANDS, 2.0)
+        self.cut(p.RobotLink.COMMANDS, 2.0)
 
     # --- the bridge -------------------------------------------------------------------------------
 
@@ -287,10 +287,10 @@ class DelayedDrive:
             self.trace.append(f'{self.now:.3f} robot: {line}')
         self._controller.say(line)
 
-    def _on_motion(self, motion: Motion) -> None:
+    def _on_motion(self, motion: RobotMotion) -> None:
         """The controller publishes the robot's giver, also to a bridge that starts later."""
         self._told = motion
-        if motion.memory.cause is Cause.OTHER_CLIENT and self.stopped_at is not None:
+        if motion.memory.cause is MotionCause.OTHER_CLIENT and self.stopped_at is not None:
             self.controller_knows = True
         generation = self._generation
         self.later(self.delays.motions, lambda: self._hear_motion(motion, generation))
@@ -299,7 +299,7 @@ class DelayedDrive:
         if self._told is not None:
             self._hear_motion(self._told, self._generation)
 
-    def _hear_motion(self, motion: Motion, generation: int) -> None:
+    def _hear_motion(self, motion: RobotMotion, generation: int) -> None:
         memory = motion.memory
         number, fate = next(((last.number, last.fate)
                              for last in memory.last_commands if last.giver == BRIDGE),
@@ -307,17 +307,18 @@ class DelayedDrive:
         if generation == self._generation:
             self._tell(p.MotionTold(
                 memory.epoch, memory.previous_epoch,
-                memory.giver.name == BRIDGE or memory.cause is Cause.EMERGENCY_STOP,
-                memory.cause is Cause.RESTART, memory.stop_owed, memory.reason,
-                memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT),
-                EpochCause.OTHER_GIVER if memory.cause is Cause.STOP else EpochCause(memory.cause),
-                obeys_us=memory.giver.name == BRIDGE and memory.cause is Cause.OTHER_GIVER,
+                memory.giver.name == BRIDGE or memory.cause is MotionCause.EMERGENCY_STOP,
+                memory.cause is MotionCause.RESTART, memory.stop_owed, memory.reason,
+                memory.cause in (MotionCause.OTHER_CLIENT, MotionCause.ROBOT),
+                EpochCause.OTHER_GIVER
+                if memory.cause is MotionCause.STOP else EpochCause(memory.cause),
+                obeys_us=memory.giver.name == BRIDGE and memory.cause is MotionCause.OTHER_GIVER,
                 number=number, fate=fate))
 
     # --- the receiver -----------------------------------------------------------------------------
 
     def _show_status(self) -> None:
-        if not self.up[p.Link.OUTGOING]:
+        if not self.up[p.RobotLink.OUTGOING]:
             return
         activity = read_activity(self.robot.status)
         docking = (DockingState(activity.reply.docking.value)

@@ -10,7 +10,7 @@ from timeline import Timeline
 from omron_arcl import Execution, Giver, NotConnected, Result, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.drives import Drives
-from omron_arcl.records import Memory, Motion
+from omron_arcl.records import DriveMemory, RobotMotion
 
 HEARTBEAT = 1.5  # s between its status requests
 
@@ -32,34 +32,34 @@ class ModelledController:
     """Gives commands to a robot, and reports how they end.
 
     send -- called with each line that arrives at the robot on_motion -- called with each published
-    `Motion`
+    `RobotMotion`
     """
 
     def __init__(self, timeline: Timeline, delays: Delays, send: Callable[[str], None],
-                 on_motion: Callable[[Motion], None]) -> None:
+                 on_motion: Callable[[RobotMotion], None]) -> None:
         self.connected = True
         self._timeline = timeline
         self._delays = delays
         self._send_line, self._on_motion = send, on_motion
         self._connection = 0  # number of the link
         self.on_taken: Callable[[Giver, bool], None] = lambda giver, drives: None
-        self._memory: Optional[Memory] = None  # memory that survives the process
+        self._memory: Optional[DriveMemory] = None  # memory that survives the process
         self.start()
         timeline.every(HEARTBEAT, self._ask_status)
 
     def start(self) -> None:
         """Starts its process with the memory that the previous process stored."""
-        self._told: Optional[Motion] = None
+        self._told: Optional[RobotMotion] = None
         self._dispatcher = Dispatcher(Drives(self._memory, self._keep))
         if self.connected:
             self._dispatcher.on_connected(self._timeline.now)
         self._tell()
 
-    def _keep(self, memory: Memory) -> None:
+    def _keep(self, memory: DriveMemory) -> None:
         self._memory = memory
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> RobotMotion:
         """The published motion, which late subscribers also receive."""
         return self._dispatcher.records.motion
 

@@ -11,7 +11,7 @@ from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Outcome, Result
 from omron_arcl.drives import LOOK, RETRY
-from omron_arcl.records import Cause, CommandFate, LastCommand, Motion, MotionState
+from omron_arcl.records import CommandFate, LastCommand, MotionCause, MotionState, RobotMotion
 from omron_ld90.bridge import events as p
 
 YARD = yard()
@@ -192,7 +192,7 @@ class Witness(DelayedDrive):
             self._is_ordered, self._demanded = self._is_ordered or not edges, None
         super().order(route_id, *edges)
 
-    def _hear_motion(self, motion: Motion, generation: int) -> None:
+    def _hear_motion(self, motion: RobotMotion, generation: int) -> None:
         if generation == self._generation:
             self._bridge_knows = self.words_of_epoch[motion.memory.epoch]
         super()._hear_motion(motion, generation)
@@ -221,9 +221,9 @@ class Witness(DelayedDrive):
         else:
             end(Outcome.NEVER_SENT, 'there is no controller')
 
-    def cut(self, link: p.Link, seconds: float) -> None:
+    def cut(self, link: p.RobotLink, seconds: float) -> None:
         """Cuts a link as the base class does; messages on their way are lost."""
-        if link is p.Link.COMMANDS:
+        if link is p.RobotLink.COMMANDS:
             self.is_alone = False
             self._arrived = Counter(self._taken)
         super().cut(link, seconds)
@@ -243,9 +243,9 @@ class Witness(DelayedDrive):
         self.robot.hear_another(command)
         self.foreign = False
 
-    def _on_motion(self, motion: Motion) -> None:
+    def _on_motion(self, motion: RobotMotion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
-        if self.is_alone and motion.memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT):
+        if self.is_alone and motion.memory.cause in (MotionCause.OTHER_CLIENT, MotionCause.ROBOT):
             self.broken.append(f'there is no other client: {motion.memory.reason}')
         for last in motion.memory.last_commands:
             self._judge_last_command(last)

@@ -24,15 +24,15 @@ from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.replies import DockingState, DockingStatus, OneLineStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.clock import Clock, Ticker
+from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.clock import SimClock, Ticker
 from omron_ld90_sim.interface.commands import execute
 from omron_ld90_sim.interface.faults import Faults
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import SimSession
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_map import MapDocument
 from route_protocol.values import RouteOrder, RouteReport
 from trajectory_graph import Graph, load_graph
@@ -54,16 +54,16 @@ class SimulatedDrive:
                  graph: Optional[Graph] = None, **settings) -> None:
         """Starts at a vertex with `heading` (degrees), or in the dock."""
         self.graph = graph or load_graph(MAPS / 'lab_graph.yaml')
-        self.clock = Clock()
+        self.clock = SimClock()
         document = MapDocument.load(str(map_file))
         start = None
         if vertex is not None:
             x, y = self.graph.vertex(vertex).position
-            start = Pose(1000.0 * x, 1000.0 * y, heading)
-        self.robot = Robot(self.clock, document, Floor.from_map(document), start, 0)
+            start = SimPose(1000.0 * x, 1000.0 * y, heading)
+        self.robot = SimRobot(self.clock, document, SimFloor.from_map(document), start, 0)
         self.server = ArclServer(self.clock, self.robot, 'adept', execute)
         self._faults = Faults(self.server)
-        self.follower = RouteFollower(Settings(
+        self.follower = RouteFollower(RouteSettings(
             dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), self.graph)
         self.reports: List[RouteReport] = []
         self.commands: List[str] = []
@@ -211,7 +211,7 @@ class SimulatedDrive:
                 self._give(action)
             elif isinstance(action, RouteReport):
                 self.reports.append(action)
-            elif isinstance(action, p.Note):
+            elif isinstance(action, p.BridgeNote):
                 self.notes.append(action.text)
 
     @staticmethod

@@ -6,14 +6,14 @@ from typing import Callable, Optional, Tuple
 
 from bridge_builders import DOCK_VERTEX, yard
 
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.commands import execute
 from omron_ld90_sim.interface.dialect import SWITCHES
 from omron_ld90_sim.interface.faults import Faults
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_map import MapDocument
 
 DIALECTS = ('interrupted name', 'interrupted coordinates', 'interrupted nothing',
@@ -26,7 +26,7 @@ _WALLS = ((-2000, -5500, 14000, -5500), (-2000, 6000, 14000, 6000), (-2000, -550
 
 
 @lru_cache(maxsize=None)
-def _hall() -> Tuple[MapDocument, Floor]:
+def _hall() -> Tuple[MapDocument, SimFloor]:
     """A hall around the yard, with a goal at each of its vertices."""
     lines = ['2D-Map', 'LineMinPos: -2000 -5500', 'LineMaxPos: 14000 6000',
              f'NumLines: {len(_WALLS)}', 'LinesAreSorted: false',
@@ -38,7 +38,7 @@ def _hall() -> Tuple[MapDocument, Floor]:
                      f'Cairn: Goal {x} {y} 0.000000 "" ICON "{vertex.id}"')
     lines += ['LINES', *(' '.join(map(str, wall)) for wall in _WALLS), '']
     document = MapDocument.from_bytes('\n'.join(lines).encode(), name='yard.map')
-    return document, Floor.from_map(document)
+    return document, SimFloor.from_map(document)
 
 
 class SimulatedRobot:
@@ -49,10 +49,10 @@ class SimulatedRobot:
 
     def __init__(self, vertex: int, say: Callable[[str], None], time: Callable[[], float],
                  dialect: str) -> None:
-        self._say, self._time, self._clock = say, time, Clock()
+        self._say, self._time, self._clock = say, time, SimClock()
         x, y = yard().vertex(vertex).position
         document, floor = _hall()
-        self._robot = Robot(self._clock, document, floor, Pose(1000.0 * x, 1000.0 * y, 0.0))
+        self._robot = SimRobot(self._clock, document, floor, SimPose(1000.0 * x, 1000.0 * y, 0.0))
         self._server = ArclServer(self._clock, self._robot, 'adept', execute)
         self._faults = Faults(self._server)
         self._faults.inject(f'dialect {dialect}')

@@ -9,7 +9,7 @@ from bridge_builders import Bench, yard
 from omron_arcl import ActivityKind
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motion_judge import RESTING, STILL, MotionJudge
-from omron_ld90.bridge.robot_state import Located
+from omron_ld90.bridge.robot_state import MapLocation
 from route_protocol.values import Motion, Phase
 
 NANOSECONDS = 1_000_000_000
@@ -28,7 +28,8 @@ class Watched:
         while self.now < end - 1e-9:
             self.now += 0.5
             stamp = int(self.now * NANOSECONDS)
-            self.judge.seen(p.RobotSeen(stamp, motion, place=place), Located(stamp, *place), runs)
+            self.judge.seen(p.RobotSeen(stamp, motion, place=place), MapLocation(stamp, *place),
+                            runs)
 
     def motion(self, runs: bool = False, is_known: bool = True, owes: bool = False) -> Motion:
         return self.judge.motion(runs, is_known, owes)

@@ -23,7 +23,7 @@ from motion_witness import YARD, Witness
 from simulated_robot import DIALECTS
 
 from omron_arcl import ArclError, Giver
-from omron_arcl.records import Cause
+from omron_arcl.records import MotionCause
 from omron_ld90.bridge import events as p
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])
@@ -118,17 +118,17 @@ class Robots(RuleBasedStateMachine):
     def another_client(self, command: str) -> None:
         self.world.another_client(command)
 
-    @rule(link=st.sampled_from(list(p.Link)), seconds=st.sampled_from([0.1, 1.0, 5.0]))
-    def link_breaks(self, link: p.Link, seconds: float) -> None:
+    @rule(link=st.sampled_from(list(p.RobotLink)), seconds=st.sampled_from([0.1, 1.0, 5.0]))
+    def link_breaks(self, link: p.RobotLink, seconds: float) -> None:
         if self.world.up[link]:
             self.world.cut(link, seconds)
 
-    @precondition(lambda self: self.world.up[p.Link.COMMANDS]
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS]
                   and self.world.robot.goal is not None)
     @rule(seconds=st.sampled_from([0.1, 1.0]))
     def stop_of_a_person_is_lost(self, seconds: float) -> None:
         self.person_stops()
-        self.world.cut(p.Link.COMMANDS, seconds)
+        self.world.cut(p.RobotLink.COMMANDS, seconds)
         self.world.run(seconds + 1.0)
 
     @rule(seconds=st.sampled_from([0.1, 3.0]))
@@ -137,20 +137,20 @@ class Robots(RuleBasedStateMachine):
 
     @rule(seconds=st.sampled_from([0.0, 4.0]))
     def controller_restarts(self, seconds: float) -> None:
-        if self.world.up[p.Link.COMMANDS]:
+        if self.world.up[p.RobotLink.COMMANDS]:
             self.world.restart_controller(seconds)
 
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
-    @rule(goal=GOALS, link=st.sampled_from(list(p.Link)))
-    def person_drives_as_a_route_fails(self, goal: str, link: p.Link) -> None:
+    @rule(goal=GOALS, link=st.sampled_from(list(p.RobotLink)))
+    def person_drives_as_a_route_fails(self, goal: str, link: p.RobotLink) -> None:
         """The bridge gives a stop, which is on its way meanwhile."""
         self.world.cut(link, 5.0)
         self.world.run(6.0, lambda: self.world.has_ended and self.world._controller.connected)
         self.person_drives(goal)
 
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
-    @rule(link=st.sampled_from(list(p.Link)))
-    def route_fails_without_a_controller(self, link: p.Link) -> None:
+    @rule(link=st.sampled_from(list(p.RobotLink)))
+    def route_fails_without_a_controller(self, link: p.RobotLink) -> None:
         """The stop that the bridge gives fails at first."""
         self.world.restart_controller(9.0)
         self.world.cut(link, 5.0)
@@ -203,7 +203,7 @@ class Robots(RuleBasedStateMachine):
             assert memory.giver.name, f'the robot drives to {world.robot.goal} without an owner'
         last = world._last_word()
         if last and not last.drives and (
-                world._controller.motion.memory.cause is not Cause.OTHER_CLIENT):
+                world._controller.motion.memory.cause is not MotionCause.OTHER_CLIENT):
             assert world.robot.goal is None, 'the robot drives on'
 
 

@@ -148,13 +148,13 @@ def test_orders_that_arrive_in_the_wrong_sequence_leave_the_newest_in_force():
 
 def test_the_newer_one_of_two_orders_that_wait_is_driven_whatever_their_sequence():
     for numbers in ((120, 110), (110, 120)):
-        fleet = Fleet(links=tuple(p.Link))
-        fleet.link_is_up[p.Link.OUTGOING] = False
+        fleet = Fleet(links=tuple(p.RobotLink))
+        fleet.link_is_up[p.RobotLink.OUTGOING] = False
         fleet.hear_links()
         epoch = fleet.report.epoch
         for number in numbers:
             fleet.send(*((1, 5) if number == 120 else (1,)), number=number, epoch=epoch)
-        fleet.link_is_up[p.Link.OUTGOING] = True
+        fleet.link_is_up[p.RobotLink.OUTGOING] = True
         fleet.drive(2.0)
         assert (fleet.report.order, fleet.report.edges) == (120, (1, 5))
 
@@ -228,11 +228,11 @@ def test_whoever_overrules_the_fleet_begins_an_epoch_with_that_cause(cause):
 
 
 def test_a_link_that_is_lost_for_too_long_begins_an_epoch():
-    fleet = Fleet(links=tuple(p.Link))
+    fleet = Fleet(links=tuple(p.RobotLink))
     fleet.send(1, 5)
     fleet.drive(1.0)
     epoch = fleet.report.epoch
-    fleet.link_is_up[p.Link.COMMANDS] = False
+    fleet.link_is_up[p.RobotLink.COMMANDS] = False
     fleet.drive(1.5)
     assert fleet.report.epoch == epoch
     fleet.drive(3.0)

@@ -17,7 +17,7 @@ from test_motion_property import SimulatedRobots
 from omron_arcl.commands import Command
 from omron_arcl.drives import Drives
 from omron_arcl.execution import Outcome
-from omron_arcl.records import Cause, Kind
+from omron_arcl.records import MotionCause, RecordKind
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
@@ -32,8 +32,8 @@ _ENDED, _CHECK, _STOP = (
     Drives.ended, Drives.check, RobotMonitor.stop)
 
 
-def _no_epoch_for(cause: Cause) -> Callable[..., None]:
-    def begin(self: Any, giver: Any, why: Cause, reason: str, drives: bool,
+def _no_epoch_for(cause: MotionCause) -> Callable[..., None]:
+    def begin(self: Any, giver: Any, why: MotionCause, reason: str, drives: bool,
               given: Any = None) -> None:
         if why is cause:
             self._memory = replace(self._memory, cause=why)
@@ -45,7 +45,7 @@ def _no_epoch_for(cause: Cause) -> Callable[..., None]:
 
 def _link_forgets(self: Any, connected: bool, now: float) -> None:
     _ON_LINK(self, connected, now)
-    self._records = tuple(r for r in self._records if r.kind is not Kind.STOP)
+    self._records = tuple(r for r in self._records if r.kind is not RecordKind.STOP)
     self._keep()
 
 
@@ -54,7 +54,7 @@ def _names_alone(self: Any, giver: Any, epoch: int) -> Any:
 
 
 def _sends_again(self: Any) -> None:
-    drives = [r for r in self._dispatcher.records._records if r.kind is Kind.DRIVE]
+    drives = [r for r in self._dispatcher.records._records if r.kind is RecordKind.DRIVE]
     _CONNECT(self)
     if drives:
         self._send_line(f'goto {drives[-1].goal}')
@@ -85,10 +85,10 @@ FAULTS = {
     'a cancellation is not a word': (Drives, 'all_cancelled', lambda *_: None),
     'a restarted giver is the same': (Drives, 'knows', _names_alone),
     'an emergency stop begins no epoch': (
-        Drives, '_begin_epoch', _no_epoch_for(Cause.EMERGENCY_STOP)),
-    'a stop begins no epoch': (Drives, '_begin_epoch', _no_epoch_for(Cause.STOP)),
+        Drives, '_begin_epoch', _no_epoch_for(MotionCause.EMERGENCY_STOP)),
+    'a stop begins no epoch': (Drives, '_begin_epoch', _no_epoch_for(MotionCause.STOP)),
     'another client begins no epoch': (
-        Drives, '_begin_epoch', _no_epoch_for(Cause.OTHER_CLIENT)),
+        Drives, '_begin_epoch', _no_epoch_for(MotionCause.OTHER_CLIENT)),
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
 }
 

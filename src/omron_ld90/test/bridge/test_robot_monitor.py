@@ -6,17 +6,17 @@ import pytest
 from omron_arcl import ActivityKind, Outcome
 from omron_arcl.records import CommandFate
 from omron_arcl.replies import DockingState
-from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.bridge.goal_tracker import RouteFailed
 from omron_ld90.bridge.robot_monitor import RobotMonitor
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import EpochCause, Reason, ReasonCode
 
 
 def monitor() -> RobotMonitor:
     """Both links are connected and the robot has been seen, at time 0."""
-    robot = RobotMonitor(Settings(), Link)
-    for link in Link:
+    robot = RobotMonitor(RouteSettings(), RobotLink)
+    for link in RobotLink:
         robot.update(LinkReported(link, True), 0.0)
     robot.update(RobotSeen(1, ActivityKind.STOPPED, place=(0.0, 0.0)), 0.0)
     return robot
@@ -97,26 +97,26 @@ def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():
 def test_a_location_is_overdue_only_while_its_link_stands():
     robot = monitor()
     for time in (1.0, 2.0, 3.0, 4.0, 5.0):
-        for link in Link:
+        for link in RobotLink:
             robot.update(LinkReported(link, True), time)
     robot.check(5.0)
     assert why_failed(robot, 5.5) == 'the robot has not reported its location for 5 s'
     robot = monitor()  # the receiver is suspended
-    robot.update(LinkReported(Link.COMMANDS, True), 5.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, True), 5.0)
     robot.check(5.5)
-    robot.update(LinkReported(Link.OUTGOING, True), 9.5)
-    robot.update(LinkReported(Link.COMMANDS, True), 9.5)
+    robot.update(LinkReported(RobotLink.OUTGOING, True), 9.5)
+    robot.update(LinkReported(RobotLink.COMMANDS, True), 9.5)
     robot.check(10.0)
 
 
 def test_of_a_link_that_is_down_that_is_told_not_that_nothing_comes_over_it():
     robot = monitor()
-    robot.update(LinkReported(Link.COMMANDS, True), 20.0)
-    robot.update(LinkReported(Link.OUTGOING, True), 20.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, True), 20.0)
+    robot.update(LinkReported(RobotLink.OUTGOING, True), 20.0)
     assert robot.why_unknown(26.0).text.startswith(
         'lost link: commands: its node has reported nothing')
-    robot.update(LinkReported(Link.COMMANDS, True), 26.0)
-    robot.update(LinkReported(Link.OUTGOING, False, 'the robot hung up'), 26.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, True), 26.0)
+    robot.update(LinkReported(RobotLink.OUTGOING, False, 'the robot hung up'), 26.0)
     assert robot.why_unknown(26.0).text == 'lost link: outgoing: the robot hung up'
 
 
@@ -167,15 +167,15 @@ def test_a_lost_command_is_given_again_only_when_the_link_stands():
     robot = monitor()
     robot.tracker.send('12', 'goto 12')
     give, = robot.due_commands(0.0)
-    robot.update(LinkReported(Link.COMMANDS, False), 1.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, False), 1.0)
     robot.update(CommandEnded(give.number, Outcome.LOST), 1.0)
     robot.update(MotionTold(7, number=give.number, fate=CommandFate.UNKNOWN), 2.0)
-    robot.update(LinkReported(Link.COMMANDS, True), 3.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, True), 3.0)
     assert robot.due_commands(3.5) == [], 'the robot may obey it'
-    robot.update(LinkReported(Link.COMMANDS, False), 4.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, False), 4.0)
     robot.update(MotionTold(7, number=give.number, fate=CommandFate.NOT_OBEYED), 4.0)
     assert robot.due_commands(4.5) == []
-    robot.update(LinkReported(Link.COMMANDS, True), 5.0)
+    robot.update(LinkReported(RobotLink.COMMANDS, True), 5.0)
     again, = robot.due_commands(5.5)
     assert (again.command, again.number) == ('goto 12', give.number + 1)
 

@@ -26,7 +26,7 @@ DISTURBANCES = st.one_of(
               st.just('words')),
     st.builds(p.MotionTold, st.integers(1, 4), st.integers(1, 4), st.booleans(), st.booleans(),
               st.booleans()),
-    st.builds(p.LinkReported, st.sampled_from(list(p.Link)), st.booleans(), st.just('why')))
+    st.builds(p.LinkReported, st.sampled_from(list(p.RobotLink)), st.booleans(), st.just('why')))
 HAPPENINGS = st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 80)),
     st.tuples(st.just('drive'), st.integers(1, 80)),
@@ -36,7 +36,7 @@ HAPPENINGS = st.one_of(
     st.tuples(st.just('tell'), DISTURBANCES),
     st.tuples(st.just('stop')),
     st.tuples(st.just('restart'), st.sampled_from([0.0, 3.0, 25.0])),
-    st.tuples(st.just('cut'), st.sampled_from(list(p.Link))),
+    st.tuples(st.just('cut'), st.sampled_from(list(p.RobotLink))),
     st.tuples(st.just('mend')),
     st.tuples(st.just('deafen'), st.booleans()),
     st.tuples(st.just('silence'), st.sampled_from([1.0, 40.0])),
@@ -48,7 +48,7 @@ class WildBench(Bench):
 
     def __init__(self, *arguments) -> None:
         self.deaf = False
-        super().__init__(*arguments, links=tuple(p.Link))
+        super().__init__(*arguments, links=tuple(p.RobotLink))
 
     def give(self, give: p.Give) -> None:
         if self.deaf:
@@ -63,11 +63,11 @@ class WildBench(Bench):
     def deafen(self, deaf: bool) -> None:
         self.deaf = deaf
 
-    def cut(self, link: p.Link) -> None:
+    def cut(self, link: p.RobotLink) -> None:
         self.link_is_up[link] = False
 
     def mend(self) -> None:
-        self.link_is_up = dict.fromkeys(p.Link, True)
+        self.link_is_up = dict.fromkeys(p.RobotLink, True)
 
     def push(self, aside: float) -> None:
         x, y = self.robot.position
@@ -135,7 +135,8 @@ def check_change(before: RouteReport, after: RouteReport) -> None:
 @given(st.sampled_from(['vertex_by_vertex', 'direct', 'rolling']), st.lists(st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 60)),
     st.tuples(st.just('restart'), st.sampled_from([0.0, 2.0, 8.0])),
-    st.tuples(st.just('outage'), st.sampled_from(list(p.Link)), st.integers(1, 15))), max_size=12))
+    st.tuples(st.just('outage'), st.sampled_from(list(p.RobotLink)), st.integers(1, 15))),
+    max_size=12))
 def test_no_restart_and_no_short_outage_costs_the_route_or_gives_a_goal_twice(strategy, happenings):
     bench = WildBench(yard(), 1, strategy)
     Bench.order(bench, 7, 1, 5, 6)
@@ -143,7 +144,7 @@ def test_no_restart_and_no_short_outage_costs_the_route_or_gives_a_goal_twice(st
         if what == 'outage':
             link, steps = how
             bench.cut(link)
-            bench.deaf = link is p.Link.COMMANDS
+            bench.deaf = link is p.RobotLink.COMMANDS
             bench.hear_links()
             bench.drive(steps)
             bench.mend()

@@ -8,10 +8,10 @@ from bridge_builders import Bench, dissertation_graph, yard
 
 from omron_arcl import ActivityKind, Outcome
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.events import Link
+from omron_ld90.bridge.events import RobotLink
 from route_protocol.values import EdgeState, ReasonCode
 
-LINKS = (Link.COMMANDS, Link.OUTGOING)
+LINKS = (RobotLink.COMMANDS, RobotLink.OUTGOING)
 
 def under_way(strategy: str = 'vertex_by_vertex', links=(), **settings) -> Bench:
     """A bench whose robot is half way along the second of three edges."""
@@ -70,11 +70,11 @@ class TestWhatSomebodyElseDoes:
     def test_it_does_not_end_the_stop_that_is_owed_already(self):
         bench = under_way(links=LINKS)
         bench.give = Unreachable(bench)
-        bench.link_is_up[Link.COMMANDS] = False
+        bench.link_is_up[RobotLink.COMMANDS] = False
         bench.order(9)
         bench.overrule()
         del bench.give
-        bench.link_is_up[Link.COMMANDS] = True
+        bench.link_is_up[RobotLink.COMMANDS] = True
         bench.drive(3.0)
         assert bench.commands[-1] == 'stop'
 
@@ -219,7 +219,7 @@ def test_one_location_off_the_corridor_counts_once_whatever_else_is_heard():
     bench.robot.position = (bench.robot.position[0], 0.6)
     bench.now += 0.1
     bench.look()
-    bench.tell(p.LinkReported(Link.COMMANDS, True), p.LinkReported(Link.OUTGOING, True))
+    bench.tell(p.LinkReported(RobotLink.COMMANDS, True), p.LinkReported(RobotLink.OUTGOING, True))
     assert bench.follower.running
 
 def test_on_another_route_the_robot_may_brake_on_the_edges_of_the_one_before():
@@ -328,14 +328,14 @@ class TestLinks:
     def test_a_lost_link_fails_the_route_after_a_while_and_the_stop_follows_when_it_is_back(self):
         bench = under_way(links=LINKS)
         bench.give = Unreachable(bench)
-        bench.link_is_up[Link.COMMANDS] = False
+        bench.link_is_up[RobotLink.COMMANDS] = False
         bench.drive(1.0)
         assert bench.follower.running
         bench.drive(2.5)
         assert bench.follower.report().reason.text == 'lost link: commands: connection refused'
         assert 'stop' not in bench.commands
         del bench.give
-        bench.link_is_up[Link.COMMANDS] = True
+        bench.link_is_up[RobotLink.COMMANDS] = True
         bench.drive(2.0)
         assert bench.commands.count('stop') == 1
         bench.drive(10.0)
@@ -343,16 +343,16 @@ class TestLinks:
 
     def test_a_link_that_is_back_in_time_costs_nothing(self):
         bench = under_way(links=LINKS)
-        bench.link_is_up[Link.OUTGOING] = False
+        bench.link_is_up[RobotLink.OUTGOING] = False
         bench.drive(1.0)
-        bench.link_is_up[Link.OUTGOING] = True
+        bench.link_is_up[RobotLink.OUTGOING] = True
         bench.run()
         assert bench.states() == [2, 2, 2]
         assert 'stop' not in bench.commands
 
     def test_a_link_that_is_not_the_robots_means_nothing(self):
-        bench = under_way(links=(Link.COMMANDS,))
-        bench.tell(p.LinkReported(Link.OUTGOING, False, 'forged'))
+        bench = under_way(links=(RobotLink.COMMANDS,))
+        bench.tell(p.LinkReported(RobotLink.OUTGOING, False, 'forged'))
         bench.drive(3.0)
         bench.run()
         assert bench.states() == [2, 2, 2]
@@ -388,7 +388,7 @@ class TestLinks:
         for link in LINKS:
             bench = under_way(links=LINKS)
             bench.link_is_up[link] = None
-            if link is Link.COMMANDS:
+            if link is RobotLink.COMMANDS:
                 end_of_drive(bench, Outcome.LOST, 'the controller is gone')
             bench.drive(4.0)
             bench.link_is_up[link] = False
@@ -407,7 +407,7 @@ class TestLinks:
 
     def test_a_node_that_stays_away_fails_the_route(self):
         bench = under_way(links=LINKS)
-        bench.link_is_up[Link.COMMANDS] = None
+        bench.link_is_up[RobotLink.COMMANDS] = None
         bench.give = Unreachable(bench)
         bench.run(seconds=40.0)
         reason = bench.follower.report().reason

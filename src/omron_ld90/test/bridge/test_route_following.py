@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from omron_ld90.bridge.events import RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import Location, SymbolicPose
 
 ALL = ('vertex_by_vertex', 'direct', 'rolling')
@@ -212,6 +212,6 @@ def test_every_route_is_driven_in_order_and_told_truly(journey, strategy, period
 
 @pytest.mark.parametrize('place, location', [((1.0, 0.0), Location(1.0, 0.0, 0.5)), (None, None)])
 def test_reports_tell_where_the_robot_is_in_metres(place, location):
-    follower = RouteFollower(Settings(), dissertation_graph())
+    follower = RouteFollower(RouteSettings(), dissertation_graph())
     follower.handle(RobotSeen(1, place=place, heading=0.5), 1.0)
     assert follower.report().location == location

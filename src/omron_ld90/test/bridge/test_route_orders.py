@@ -5,9 +5,9 @@ import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
 from omron_arcl import Outcome
-from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import (
     EdgeState,
     Reason,
@@ -264,8 +264,8 @@ def test_who_tries_again_and_again_in_an_emergency_stop_does_not_fill_the_log():
 
 
 def test_an_order_waits_for_a_link_that_is_down_but_not_for_long():
-    bench = Bench(dissertation_graph(), 1, links=[Link.COMMANDS])
-    bench.link_is_up[Link.COMMANDS] = False
+    bench = Bench(dissertation_graph(), 1, links=[RobotLink.COMMANDS])
+    bench.link_is_up[RobotLink.COMMANDS] = False
     bench.hear_links()
     bench.order(7, 1)
     assert bench.refusals == []
@@ -273,13 +273,13 @@ def test_an_order_waits_for_a_link_that_is_down_but_not_for_long():
     assert refusals(bench, 7)[0].reason.text == 'lost link: commands: connection refused'
     assert bench.commands == []
     bench.order(8, 1)
-    bench.link_is_up[Link.COMMANDS] = True
+    bench.link_is_up[RobotLink.COMMANDS] = True
     bench.drive(1.0)
     assert bench.commands == ['goto 2']
 
 
 def test_an_order_from_the_future_is_refused_and_locks_nobody_out():
-    follower = RouteFollower(Settings(), dissertation_graph())
+    follower = RouteFollower(RouteSettings(), dissertation_graph())
     follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.0)
     second = 1_000_000_000
     actions = follower.handle(RouteOrder(7, (1,), stamp=8 * second, received=second), 0.0)
@@ -290,30 +290,30 @@ def test_an_order_from_the_future_is_refused_and_locks_nobody_out():
 
 
 def test_an_order_that_waits_does_not_pass_the_fleet_managers_own_stop():
-    bench = Bench(yard(), 1, links=list(Link))
-    bench.link_is_up[Link.OUTGOING] = False
+    bench = Bench(yard(), 1, links=list(RobotLink))
+    bench.link_is_up[RobotLink.OUTGOING] = False
     bench.hear_links()
     bench.order(8, 1)
     bench.order(9)
-    bench.link_is_up[Link.OUTGOING] = True
+    bench.link_is_up[RobotLink.OUTGOING] = True
     bench.drive(6.0)
     assert bench.commands == ['stop']
 
 
 @pytest.mark.parametrize('running', [False, True])
 def test_an_order_that_waits_does_not_pass_somebodys_stop(running):
-    bench = Bench(yard(), 1, links=list(Link))
+    bench = Bench(yard(), 1, links=list(RobotLink))
     if running:
         bench.order(7, 1, 5)
         bench.drive(1.0)
-    bench.link_is_up[Link.OUTGOING] = False
+    bench.link_is_up[RobotLink.OUTGOING] = False
     bench.drive(1.0)
     given = list(bench.commands)
     bench.order(8, 1)
     assert not bench.refusals
     bench.overrule(command='stop')
     assert [refusal.reason.text for refusal in bench.refusals] == ['taken over']
-    bench.link_is_up[Link.OUTGOING] = True
+    bench.link_is_up[RobotLink.OUTGOING] = True
     bench.drive(6.0)
     assert bench.commands == [*given, 'stop']
 
@@ -345,14 +345,14 @@ def test_a_sender_whose_clock_is_slow_is_heard_again_soon_after_a_take_over():
 
 
 def test_an_order_waits_for_the_first_location():
-    follower = RouteFollower(Settings(), dissertation_graph())
+    follower = RouteFollower(RouteSettings(), dissertation_graph())
     assert follower.handle(RouteOrder(7, (1,)), 0.0) == []
     actions = follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.5)
     assert [action.command for action in actions if hasattr(action, 'command')] == ['goto 2']
 
 
 def test_an_order_waits_no_longer_than_the_location_may_take():
-    follower = RouteFollower(Settings(location_timeout=5.0), dissertation_graph())
+    follower = RouteFollower(RouteSettings(location_timeout=5.0), dissertation_graph())
     follower.handle(RouteOrder(7, (1,)), 0.0)
     assert follower.tick(3.9) == []
     refusal, report, _ = follower.tick(4.1)
@@ -372,23 +372,23 @@ def test_an_old_location_starts_no_route():
 
 
 def test_without_a_graph_every_route_is_refused():
-    follower = RouteFollower(Settings())
+    follower = RouteFollower(RouteSettings())
     follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.0)
     follower.handle(RouteOrder(7, (1,)), 0.0)
     assert follower.tick(6.0)[0].reason.text == 'there is no graph'
 
 
 def test_an_order_waits_until_every_link_is_heard_of():
-    follower = RouteFollower(Settings(), dissertation_graph(), links=(Link.COMMANDS,))
+    follower = RouteFollower(RouteSettings(), dissertation_graph(), links=(RobotLink.COMMANDS,))
     follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.0)
     assert follower.handle(RouteOrder(7, (1,)), 0.0) == []
-    follower.handle(LinkReported(Link.COMMANDS, True), 0.1)
+    follower.handle(LinkReported(RobotLink.COMMANDS, True), 0.1)
     follower.handle(MotionTold(1), 0.1)
     assert follower.running
 
 
 def test_a_graph_that_comes_later_takes_up_the_order_that_waits():
-    follower = RouteFollower(Settings())
+    follower = RouteFollower(RouteSettings())
     follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.0)
     follower.handle(RouteOrder(7, (1,)), 0.0)
     follower.use_graph(dissertation_graph(), 0.1)

@@ -11,15 +11,15 @@ from omron_arcl.replies import DockingState
 from omron_ld90.bridge.events import CommandEnded
 from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
-from omron_ld90.bridge.robot_state import Located, RobotLocation
+from omron_ld90.bridge.robot_state import MapLocation, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
-from omron_ld90.bridge.route_strategies import Settings, direct, vertex_by_vertex
+from omron_ld90.bridge.route_strategies import RouteSettings, direct, vertex_by_vertex
 from route_protocol.order_rules import edge_states
 from route_protocol.values import EdgeState, Phase, Reason, ReasonCode, RouteOrder
 from route_protocol.vehicle import Vehicle
 
-SETTINGS = Settings(dock_vertex=DOCK_VERTEX, strategy=vertex_by_vertex)
+SETTINGS = RouteSettings(dock_vertex=DOCK_VERTEX, strategy=vertex_by_vertex)
 NEVER = float('-inf')
 
 
@@ -33,7 +33,7 @@ def vehicle_with(*edges: int, first: int = 0) -> Vehicle:
 class Drive:
     """A route over the yard from its first vertex on, vertex by vertex."""
 
-    def __init__(self, *edges: int, settings: Settings = SETTINGS, first: int = 0) -> None:
+    def __init__(self, *edges: int, settings: RouteSettings = SETTINGS, first: int = 0) -> None:
         self.now, self.stamp = 0.0, 0
         self.tracker, self.location = GoalTracker(), RobotLocation()
         graph = yard()
@@ -60,7 +60,7 @@ class Drive:
     def see(self, x: float, y: float) -> GraphLocation:
         self.stamp += 500_000_000
         self.now += 0.5
-        self.location.update(Located(self.stamp, x, y), self.now)
+        self.location.update(MapLocation(self.stamp, x, y), self.now)
         self.tracker.located((x, y))
         return GraphLocation(self.run.progress.graph, (x, y), None, DOCK_VERTEX,
                              SETTINGS.vertex_tolerance, SETTINGS.corridor_width)
@@ -70,13 +70,13 @@ class Drive:
         told = ''
         for place in places:
             told += self.run.locate(self.see(*place), self.now)
-            told += self.run.go_on(self.now, NEVER)
+            told += self.run.drive_on(self.now, NEVER)
         return told
 
     def arrive(self) -> None:
         self.tracker.word.give(1, 0)
         self.tracker.ended(CommandEnded(1, Outcome.SUCCEEDED), self.now)
-        self.run.go_on(self.now, NEVER)
+        self.run.drive_on(self.now, NEVER)
 
 
 def test_it_sends_the_robot_to_the_end_of_its_first_edge():
@@ -116,10 +116,11 @@ def test_twice_off_the_corridor_ends_it_and_once_does_not():
 def test_without_progress_it_ends_after_the_stall_timeout():
     drive = Drive(1, 5)
     drive.go((1.0, 0.0))
-    drive.run.go_on(drive.now + 29.0, NEVER)
-    drive.run.go_on(drive.now + 31.0, docking_changed=drive.now + 2.0)  # docking is also progress
+    drive.run.drive_on(drive.now + 29.0, NEVER)
+    # docking is also progress
+    drive.run.drive_on(drive.now + 31.0, docking_changed=drive.now + 2.0)
     with pytest.raises(RouteFailed, match='no progress for 30 s'):
-        drive.run.go_on(drive.now + 33.0, NEVER)
+        drive.run.drive_on(drive.now + 33.0, NEVER)
 
 
 def test_an_arrival_elsewhere_is_not_believed_after_two_locations():
@@ -238,7 +239,7 @@ def test_a_robot_that_only_trembles_makes_no_progress():
     drive.now += 29.0
     drive.go((1.04, 0.0))
     with pytest.raises(RouteFailed, match='no progress for 30 s'):
-        drive.run.go_on(begun + 30.5, NEVER)
+        drive.run.drive_on(begun + 30.5, NEVER)
 
 
 @pytest.mark.parametrize('docking, told', [
@@ -246,7 +247,7 @@ def test_a_robot_that_only_trembles_makes_no_progress():
 def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
     graph = graph_of({DOCK_VERTEX: (0, 0), 1: (1, 0), 2: (0, -1)}, {9: (DOCK_VERTEX, 1), 1: (1, 2)})
     tracker, location, place = GoalTracker(), RobotLocation(), (0.0, -0.5)
-    location.update(Located(1, *place), 0.0)
+    location.update(MapLocation(1, *place), 0.0)
     progress = RouteProgress(graph, (9, 1), SETTINGS.vertex_tolerance, (DOCK_VERTEX,),
                              (0.0, 0.0), 0)
     run = RouteRun(vehicle_with(9, 1), SETTINGS, tracker, location, progress, 0.0)
@@ -262,7 +263,7 @@ class TestAVertexThatWasMissed:
 
     @pytest.fixture
     def drive(self) -> Drive:
-        drive = Drive(1, 5, settings=Settings(dock_vertex=DOCK_VERTEX, strategy=direct))
+        drive = Drive(1, 5, settings=RouteSettings(dock_vertex=DOCK_VERTEX, strategy=direct))
         assert drive.tracker.word.command == 'goto 5'
         drive.go((2.0, 0.0))
         drive.arrive()

@@ -10,7 +10,7 @@ from typing import Any, Iterator, List
 import pytest
 import rospy
 
-from omron_ld90.bridge.events import RouteRecord
+from omron_ld90.bridge.events import BridgeMemory
 from omron_ld90.nodes import bridge_memory
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
 from omron_ld90.nodes.support.boot_clock import Moment
@@ -25,14 +25,14 @@ from route_protocol.values import (
 )
 from route_protocol.vehicle import VehicleState
 
-RECORD = RouteRecord(
+RECORD = BridgeMemory(
     VehicleState(LARGEST_NUMBER, EpochCause.OTHER_MASTER, '/fleet', LARGEST_NUMBER - 1,
                  LARGEST_NUMBER - 2, OVERRULED, LARGEST_RECORD_NUMBER - 1, 7,
                  LARGEST_RECORD_NUMBER - 2, (1, -4, 5), Phase.RUNNING, report=LARGEST_NUMBER - 3),
     target=2, number=LARGEST_NUMBER - 1, owes_stop=False, epoch=LARGEST_NUMBER,
     last=RouteOrder(7, (1, -4, 5), 1_700_000_000_123_456_789))
-ENDED = RouteRecord(VehicleState(5, route_id=8, edges=(3,), phase=Phase.FAILED,
-                                 reason=EMERGENCY_STOP), owes_stop=True)
+ENDED = BridgeMemory(VehicleState(5, route_id=8, edges=(3,), phase=Phase.FAILED,
+                                  reason=EMERGENCY_STOP), owes_stop=True)
 
 
 class Parameters:

@@ -9,7 +9,7 @@ import pytest
 from omron_arcl import ActivityKind, Outcome
 from omron_arcl.records import CommandFate
 from omron_arcl.replies import DockingState
-from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.nodes.bridge_messages import (
     command_ended,
     link_reported,
@@ -105,7 +105,7 @@ def test_each_cause_of_the_controller_is_one_of_the_protocol():
 
 def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():
     assert link_reported(LinkState(link='commands', state=LinkState.CONNECTED)) == LinkReported(
-        Link.COMMANDS, True)
+        RobotLink.COMMANDS, True)
     assert link_reported(LinkState(link='outgoing', state=LinkState.CONNECTING)) == LinkReported(
-        Link.OUTGOING, False, 'connecting')
+        RobotLink.OUTGOING, False, 'connecting')
     assert link_reported(LinkState(link='forged', state=LinkState.DISCONNECTED)) is None

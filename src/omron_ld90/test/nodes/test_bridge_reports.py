@@ -4,9 +4,9 @@ from __future__ import annotations
 import math
 
 from itrci_nav_msgs import msg
-from omron_ld90.bridge.events import Link, LinkReported, MotionTold, RobotSeen
+from omron_ld90.bridge.events import LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.messages import fill_order, fill_refusal, fill_report, order_of
 from route_protocol.values import EpochCause, Motion, ReasonCode, RouteOrder, RouteRefusal
 from trajectory_graph import Edge, Graph, Vertex
@@ -17,8 +17,8 @@ EPOCH = 2 ** 63 - 1
 
 def follower() -> RouteFollower:
     """A bridge whose robot stands at vertex 1."""
-    bridge = RouteFollower(Settings(), GRAPH, tuple(Link), lambda: EPOCH, lambda: 5000)
-    for link in Link:
+    bridge = RouteFollower(RouteSettings(), GRAPH, tuple(RobotLink), lambda: EPOCH, lambda: 5000)
+    for link in RobotLink:
         bridge.handle(LinkReported(link, True), 0.0)
     bridge.handle(MotionTold(1), 0.0)
     for second in range(3):
@@ -47,7 +47,7 @@ def test_a_report_carries_all_fields():
 
 
 def test_a_report_without_a_location_has_none():
-    sent = fill_report(msg.ExecutionRouteStates(), RouteFollower(Settings()).report(),
+    sent = fill_report(msg.ExecutionRouteStates(), RouteFollower(RouteSettings()).report(),
                        msg.EdgeState)
     assert math.isnan(sent.x) and sent.motion == Motion.UNKNOWN
     assert sent.epoch

@@ -8,7 +8,7 @@ import pytest
 import rospy
 
 from node_lifecycle import ConfigurationError
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
 from omron_ld90.nodes.bridge_settings import read_settings
 from trajectory_graph import Edge, Graph, Vertex
 
@@ -39,12 +39,12 @@ def message(graph: Optional[Graph] = GRAPH) -> str:
 
 @pytest.mark.parametrize('graph', [GRAPH, None])
 def test_without_parameters_they_are_those_of_the_class(given, graph):
-    assert read_settings(graph) == Settings()
+    assert read_settings(graph) == RouteSettings()
 
 
 def test_every_number_of_the_settings_can_be_given(given):
     others = {'dock_vertex', 'strategy', 'native_command'}
-    assert {field.name for field in fields(Settings)} == others | set(LIMITS)
+    assert {field.name for field in fields(RouteSettings)} == others | set(LIMITS)
 
 
 @pytest.mark.parametrize('name', LIMITS)
@@ -54,7 +54,8 @@ def test_a_number_is_taken_as_it_is_up_to_its_limits(given, name):
         given[name] = value
         settings = read_settings(GRAPH)
         assert getattr(settings, name) == value
-        unchanged = {field.name: getattr(Settings(), field.name) for field in fields(Settings)
+        unchanged = {field.name: getattr(RouteSettings(), field.name)
+                     for field in fields(RouteSettings)
                      if field.name != name}
         assert unchanged.items() <= vars(settings).items()
 

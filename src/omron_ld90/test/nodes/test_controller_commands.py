@@ -11,7 +11,7 @@ from geometry_msgs.msg import PoseStamped
 
 from omron_arcl import Execution, Giver, HelpList, Outcome, Result, parse_command
 from omron_ld90.nodes import controller_help
-from omron_ld90.nodes.controller_actions import Refused
+from omron_ld90.nodes.controller_actions import GoalRefused
 from omron_ld90.nodes.controller_execute_command import _OUTCOMES
 from omron_ld90.nodes.controller_help import HelpReport
 from omron_ld90.nodes.controller_move_base import robot_pose
@@ -93,7 +93,7 @@ def test_after_its_end_and_its_cancellation_a_drive_is_given_anew(outcome: Optio
     drive.given(execution)
     assert repeats(drive, 'goto 12')
     if outcome is None:
-        execution.cancel_requested = 1.0
+        execution.progress.cancel_requested = 1.0
     else:
         execution.end(outcome, '')
     assert not repeats(drive, 'goto 12')
@@ -150,12 +150,12 @@ def test_a_pose_becomes_whole_millimetres_and_degrees():
     (pose(y=math.inf), 'finite'), (pose(x=1e9), 'away'), (PoseStamped(), 'frame'),
 ])
 def test_a_pose_that_is_none_is_refused(bad, reason):
-    with pytest.raises(Refused, match=reason):
+    with pytest.raises(GoalRefused, match=reason):
         robot_pose(bad, 'map')
 
 
 def test_an_orientation_that_is_none_is_refused():
     bad = pose()
     bad.pose.orientation.w = 0.0
-    with pytest.raises(Refused, match='unit quaternion'):
+    with pytest.raises(GoalRefused, match='unit quaternion'):
         robot_pose(bad, 'map')

@@ -8,26 +8,27 @@ import rospy
 
 from omron_arcl.execution import Giver
 from omron_arcl.records import (
-    Cause,
     CommandFate,
+    DriveMemory,
+    DriveRecord,
     Fate,
-    Kind,
     LastCommand,
-    Memory,
-    Motion,
+    MotionCause,
     MotionState,
-    Record,
+    RecordKind,
+    RobotMotion,
 )
 from omron_ld90.nodes import controller_motion
 from omron_ld90.nodes.controller_motion import MotionFile, message_of
 from omron_ld90_msgs import msg
 
 GIVER = Giver('/bridge', 'http://host:1/')
-DRIVE = Record(3, Kind.DRIVE, Fate.OVER, GIVER, '12', ('12', '13'), '"goto 12" of /bridge',
-               2 ** 41, CommandFate.FAILED)
+DRIVE = DriveRecord(3, RecordKind.DRIVE, Fate.OVER, GIVER, '12', ('12', '13'),
+                    '"goto 12" of /bridge',
+                    2 ** 41, CommandFate.FAILED)
 LAST = LastCommand('/bridge', 2 ** 41, CommandFate.FAILED)
-STOP = Record(4, Kind.STOP, Fate.GIVEN, GIVER, words='"stop" of /rviz')
-MEMORY = Memory(2 ** 64 - 1, 7, Cause.STOP, '"stop" of /rviz', (DRIVE, STOP), (LAST,))
+STOP = DriveRecord(4, RecordKind.STOP, Fate.GIVEN, GIVER, words='"stop" of /rviz')
+MEMORY = DriveMemory(2 ** 64 - 1, 7, MotionCause.STOP, '"stop" of /rviz', (DRIVE, STOP), (LAST,))
 
 
 def test_what_was_kept_is_read(tmp_path):
@@ -127,20 +128,20 @@ def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_count
 
 
 def test_everybody_is_told_in_the_words_of_the_message():
-    told = message_of(Motion(MEMORY, MotionState.STOPPING))
+    told = message_of(RobotMotion(MEMORY, MotionState.STOPPING))
     assert (told.epoch, told.previous_epoch, told.giver, told.state, told.goal, told.stop_owed,
             told.cause, told.reason) == (2 ** 64 - 1, 7, '/bridge', msg.Motion.STOPPING, '', True,
                                          msg.Motion.STOP, '"stop" of /rviz')
 
 
-@pytest.mark.parametrize('kind', [Cause, MotionState])
+@pytest.mark.parametrize('kind', [MotionCause, MotionState])
 def test_the_constants_are_those_of_the_message(kind):
     for one in kind:
         assert getattr(msg.Motion, one.name) == one
 
 
 def test_the_last_commands_are_told_with_the_constants_of_their_message():
-    last, = message_of(Motion(MEMORY, MotionState.STOPPING)).last_commands
+    last, = message_of(RobotMotion(MEMORY, MotionState.STOPPING)).last_commands
     assert (last.giver, last.number, last.fate) == ('/bridge', 2 ** 41, msg.LastCommand.FAILED)
     for fate in CommandFate:
         assert getattr(msg.LastCommand, fate.name) == fate

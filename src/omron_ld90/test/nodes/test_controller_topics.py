@@ -48,7 +48,7 @@ class Bench:
         assert isinstance(message, TOPICS[topic])
         return None if is_stop else self.old
 
-    def tell(self, text: str, caller: str, reason: str) -> None:
+    def refused(self, text: str, caller: str, reason: str) -> None:
         self.refused.append((text, caller, reason))
 
     def forward(self, pose: PoseStamped, giver: Giver) -> None:

@@ -6,10 +6,10 @@ import rospy
 from geometry_msgs.msg import Pose
 
 from omron_ld90.nodes.robot_state_publisher import odometry_of
-from omron_ld90.odometry import Motion
+from omron_ld90.odometry import MeanMotion
 
-MOTION = Motion(speed=0.5, turn_rate=-0.2, speed_variance=0.1, turn_rate_variance=0.2,
-                position_variance=0.3, yaw_variance=0.4)
+MOTION = MeanMotion(speed=0.5, turn_rate=-0.2, speed_variance=0.1, turn_rate_variance=0.2,
+                    position_variance=0.3, yaw_variance=0.4)
 
 
 @pytest.fixture

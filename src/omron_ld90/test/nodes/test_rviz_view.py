@@ -11,8 +11,8 @@ from omron_ld90.nodes.rviz_view import (
     FULL,
     HEIGHT,
     WIDTH,
-    Configuration,
-    Size,
+    PixelSize,
+    RvizConfiguration,
     configuration_for,
     fitted_copy,
     rendering_arguments,
@@ -39,7 +39,7 @@ def test_the_shipped_configuration_shows_the_whole_laboratory():
     (-6260, -9820, 25820, 16320), (100000, 0, 101000, 80000), (0, 0, 300000, 1000)])
 def test_a_map_that_is_larger_or_elsewhere_is_put_into_the_middle(west, south, east, north):
     text = configuration_for(room(west, south, east, north), SHIPPED)
-    view = Configuration(text).view
+    view = RvizConfiguration(text).view
     assert view.shows(west / 1000, south / 1000, east / 1000, north / 1000 + 1.0)
     assert view.x == pytest.approx((west + east) / 2000, abs=0.01)
     assert min(WIDTH / view.scale - (east - west) / 1000,
@@ -55,17 +55,18 @@ def test_only_the_view_is_changed():
     assert changed == shipped
 
 
-@pytest.mark.parametrize('screen', [Size(1280, 900), Size(1920, 1080)])
+@pytest.mark.parametrize('screen', [PixelSize(1280, 900), PixelSize(1920, 1080)])
 def test_a_screen_that_holds_the_window_changes_nothing(screen):
     assert view_size(screen) == FULL
 
 
-@pytest.mark.parametrize('screen', [Size(1366, 768), Size(1024, 740), Size(1200, 1600)])
+@pytest.mark.parametrize('screen',
+                         [PixelSize(1366, 768), PixelSize(1024, 740), PixelSize(1200, 1600)])
 def test_on_a_smaller_screen_the_window_fits_and_shows_the_whole_map(screen):
     laboratory = MapDocument.load(str(REPOSITORY / 'maps/lab.map'))
     size = view_size(screen)
     text = configuration_for(laboratory, SHIPPED, size)
-    assert Configuration(text).view.shows(-15, -9, 15, 10, size)
+    assert RvizConfiguration(text).view.shows(-15, -9, 15, 10, size)
     window = yaml.safe_load(text)['Window Geometry']
     assert window['Width'] <= screen.width and window['Height'] <= screen.height
     assert size.width <= window['Width'] and size.height <= window['Height']
@@ -122,7 +123,7 @@ def test_a_configuration_of_another_layout_is_fitted_too(site):
     map_file, configuration = site
     configuration.write_text(yaml.safe_dump(yaml.safe_load(SHIPPED), indent=4))
     copy = fitted_copy(map_file, str(configuration), FULL)
-    assert Configuration(Path(copy).read_text()).view.shows(0, 0, 90, 91)
+    assert RvizConfiguration(Path(copy).read_text()).view.shows(0, 0, 90, 91)
 
 
 def test_a_map_without_points_and_lines_leaves_the_view_alone():

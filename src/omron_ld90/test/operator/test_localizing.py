@@ -4,23 +4,24 @@ from __future__ import annotations
 import pytest
 
 from omron_arcl import parse_line
-from omron_ld90.operator.localizing import SCORE_WITHIN, Localizing
-from omron_ld90.operator.notices import Severity
+from omron_ld90.operator.localizing import SCORE_WITHIN, LocalizingWatch
+from omron_ld90.operator.notices import NoticeSeverity
 
 PLACE = (1.0, 2.0)
 WORDS = 'Localized to point'
 
 
 @pytest.fixture
-def localizing() -> Localizing:
-    waiting = Localizing()
+def localizing() -> LocalizingWatch:
+    waiting = LocalizingWatch()
     waiting.begin(WORDS, PLACE, 100.0)
     return waiting
 
 
 @pytest.mark.parametrize(('score', 'severity', 'words'), [
-    ('0.060000', Severity.BAD, 'probably elsewhere'), ('0.19', Severity.BAD, 'localize it again'),
-    ('0.2', Severity.GOOD, 'score 0.20'), ('0.870000', Severity.GOOD, 'score 0.87')])
+    ('0.060000', NoticeSeverity.BAD, 'probably elsewhere'),
+    ('0.19', NoticeSeverity.BAD, 'localize it again'),
+    ('0.2', NoticeSeverity.GOOD, 'score 0.20'), ('0.870000', NoticeSeverity.GOOD, 'score 0.87')])
 @pytest.mark.parametrize('line', [
     'LocalizationScore: {}',
     'Status: Stopped StateOfCharge: 90 Location: 1 2 3 LocalizationScore: {} Temperature: 40'])
@@ -44,9 +45,9 @@ def test_other_lines_are_no_answer(localizing):
 def test_without_a_score_the_answer_is_not_green(localizing):
     assert localizing.check(100.0 + SCORE_WITHIN) is None
     notice, place = localizing.check(100.1 + SCORE_WITHIN)
-    assert notice.severity is Severity.INFO and place == PLACE
+    assert notice.severity is NoticeSeverity.INFO and place == PLACE
     assert 'compare its laser points' in notice.text
 
 
 def test_a_score_that_nobody_awaits_is_no_answer():
-    assert Localizing().observe(parse_line('LocalizationScore: 0.06')) is None
+    assert LocalizingWatch().observe(parse_line('LocalizationScore: 0.06')) is None

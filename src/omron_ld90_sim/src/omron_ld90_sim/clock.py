@@ -12,7 +12,7 @@ ROUNDING = 1e-6         # of a period
 
 
 class Timer:
-    """A callback waiting on a `Clock`; `cancel()` it or let it run once."""
+    """A callback waiting on a `SimClock`; `cancel()` it or let it run once."""
 
     def __init__(self, callback: Callable[[], None]) -> None:
         self._callback: Optional[Callable[[], None]] = callback
@@ -33,7 +33,7 @@ class Timer:
             callback()
 
 
-class Clock:
+class SimClock:
     """Simulated seconds since the start, and the waiting callbacks."""
 
     def __init__(self) -> None:
@@ -77,7 +77,7 @@ class Ticker:
     The multiples are those of the clock, so the exact time of a client's connection has no effect.
     """
 
-    def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:
+    def __init__(self, clock: SimClock, period: float, callback: Callable[[], None]) -> None:
         self._clock, self._period, self._callback = clock, period, callback
         self._count = int(clock.now / period + ROUNDING)
         self._timer = self._arm()

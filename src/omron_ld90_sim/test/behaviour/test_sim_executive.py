@@ -7,7 +7,7 @@ import pytest
 from sim_builders import Rig
 
 from omron_ld90_sim.behaviour import tasks
-from omron_ld90_sim.behaviour.states import STANDING, Activity, Script
+from omron_ld90_sim.behaviour.states import STANDING, Script, ScriptedActivity
 
 
 def test_a_script_waits_for_seconds_and_for_the_base() -> None:
@@ -16,11 +16,11 @@ def test_a_script_waits_for_seconds_and_for_the_base() -> None:
     def script() -> Script:
         yield 1.5
         seen.append((rig.clock.now, rig.robot.base.still))
-        rig.robot.set_course(0.0, 2000.0, None)
+        rig.robot.executive.set_course(0.0, 2000.0, None)
         yield STANDING
         seen.append((rig.robot.true_pose.distance_to(0.0, 2000.0) < 1.0, rig.robot.base.still))
 
-    rig.robot.start(Activity('Testing', 'Testing', script()))
+    rig.robot.start(ScriptedActivity('Testing', 'Testing', script()))
     rig.clock.advance(30.0)
     assert seen == [(1.5, True), (True, True)] and rig.robot.activity is None
 
@@ -34,7 +34,7 @@ def test_an_activity_that_another_replaces_can_clean_up() -> None:
         finally:
             seen.append(rig.clock.now)
 
-    rig.robot.start(Activity('Testing', 'Testing', script()))
+    rig.robot.start(ScriptedActivity('Testing', 'Testing', script()))
     client = rig.client()
     rig.clock.advance(2.0)
     assert client.ask('goto 12') == ['Interrupted: Testing', 'Going to 12'] and seen == [2.0]

@@ -48,10 +48,10 @@ def test_a_robot_localizes_at_a_goal_in_an_instant() -> None:
     client = rig.client()
     assert client.ask('doTaskInstant localizeAtGoal West 2000 180') == [
         'Completed doing instant task localizeAtGoal West 2000 180']
-    assert not rig.robot.lost
+    assert not rig.robot.localization.lost
     assert client.ask('doTaskInstant localizeAtGoal "East side"') == [
         'Completed doing instant task localizeAtGoal "East side"']
-    assert rig.robot.lost
+    assert rig.robot.localization.lost
     assert client.ask('doTaskInstant localizeAtGoal moon')[-1] == (
         "CommandErrorDescription: No goal 'moon'")
 
@@ -127,7 +127,7 @@ def test_a_move_ends_before_what_is_in_the_way_and_fails_there_after_a_while() -
     client.send('doTask move 10000 300 200 50 5')
     lines = client.until('Error')
     assert lines[-1] == 'Error: Failed to move'
-    wall = 1000.0 - rig.robot.floor.body.half_length
+    wall = 1000.0 - rig.robot.navigation.floor.body.half_length
     assert rig.robot.pose.x == pytest.approx(wall - 200.0, abs=60.0)
     assert rig.clock.now == pytest.approx((rig.robot.pose.x + 3000.0) / 300.0 + 6.0, abs=1.5)
 
@@ -147,7 +147,7 @@ def test_a_move_goes_on_when_the_way_is_free_again() -> None:
 def test_a_failed_macro_leaves_the_error_as_status() -> None:
     rig = Rig()
     client = rig.client()
-    rig.robot.failing_goals.add('12')
+    rig.robot.quirks.failing_goals.add('12')
     macro = tasks.macro(rig.robot, 'Tour', [tasks.parse('goto 12')])
     rig.robot.start(macro)
     client.until('Error: Failed going to goal')

@@ -8,14 +8,14 @@ import pytest
 from sim_builders import LAB, Rig, fleet, room
 
 from omron_ld90_sim.devices import laser
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import LD90_BODY, SimPose
 from omron_map import MapDocument
 
 ANGLES = np.radians(np.linspace(-120.0, 120.0, laser.RAYS))
 
 
-def true_ranges(document: MapDocument, pose: Pose) -> np.ndarray:
+def true_ranges(document: MapDocument, pose: SimPose) -> np.ndarray:
     """Distances to the nearest line of a map, without any grid."""
     angles = ANGLES + math.radians(pose.theta)
     nearest = np.full(len(angles), np.inf)
@@ -30,31 +30,31 @@ def true_ranges(document: MapDocument, pose: Pose) -> np.ndarray:
     return nearest
 
 
-@pytest.mark.parametrize('pose', [Pose(0.0, 2000.0, 0.0), Pose(-3000.0, 0.0, 90.0),
-                                  Pose(4000.0, -2500.0, -150.0), Pose(1500.0, 2700.0, 33.3)])
-def test_every_ray_ends_at_the_nearest_wall(pose: Pose) -> None:
+@pytest.mark.parametrize('pose', [SimPose(0.0, 2000.0, 0.0), SimPose(-3000.0, 0.0, 90.0),
+                                  SimPose(4000.0, -2500.0, -150.0), SimPose(1500.0, 2700.0, 33.3)])
+def test_every_ray_ends_at_the_nearest_wall(pose: SimPose) -> None:
     document = room()
-    floor = Floor.from_map(document)
+    floor = SimFloor.from_map(document)
     ranges, expected = laser.scan(floor, pose), true_ranges(document, pose)
     assert np.isfinite(ranges).all()
     # A ray along a wall may end in one of the wall's cells, so hits are compared with walls, not
     # ranges.
     assert np.percentile(np.abs(ranges - expected), 90) < 2.0 * floor.resolution
-    near = Floor(np.empty((0, 2)), np.asarray(document.lines, float), np.empty((0, 4)), [], 20,
-                 np.empty((0, 2)))
+    near = SimFloor(np.empty((0, 2)), np.asarray(document.lines, float), np.empty((0, 4)), [], 20,
+                    np.empty((0, 2)))
     assert near.clearance_at(laser.points(pose, ranges)).max() < 2.0 * floor.resolution
 
 
 def test_240_degrees_up_to_15_metres() -> None:
     walls = np.array([[x, -20000.0, x, 20000.0] for x in (-14900.0, 15100.0)])
-    floor = Floor(np.empty((0, 2)), walls, np.empty((0, 4)), [], 20, np.empty((0, 2)))
-    ahead = laser.scan(floor, Pose(0.0, 0.0, 0.0))
+    floor = SimFloor(np.empty((0, 2)), walls, np.empty((0, 4)), [], 20, np.empty((0, 2)))
+    ahead = laser.scan(floor, SimPose(0.0, 0.0, 0.0))
     assert np.isinf(ahead[laser.RAYS // 2]), 'the wall ahead must be 15.1 m away'
-    back = laser.scan(floor, Pose(0.0, 0.0, 180.0))
+    back = laser.scan(floor, SimPose(0.0, 0.0, 180.0))
     assert back[laser.RAYS // 2] == pytest.approx(14900.0, abs=20.0)
-    hits = laser.points(Pose(0.0, 0.0, 180.0), back)
+    hits = laser.points(SimPose(0.0, 0.0, 180.0), back)
     assert np.isfinite(back).sum() < 40 and (hits[:, 0] < -14800.0).all()
-    circle = laser.points(Pose(0.0, 0.0, 0.0), np.full(laser.RAYS, 1000.0))
+    circle = laser.points(SimPose(0.0, 0.0, 0.0), np.full(laser.RAYS, 1000.0))
     bearing = np.degrees(np.arctan2(circle[:, 1], circle[:, 0]))
     assert (bearing.min(), bearing.max()) == (pytest.approx(-120.0), pytest.approx(120.0))
 
@@ -62,11 +62,11 @@ def test_240_degrees_up_to_15_metres() -> None:
 def test_what_is_forbidden_is_not_seen_and_what_is_there_is() -> None:
     document = MapDocument.load(str(LAB))
     assert document.forbidden_areas or document.forbidden_lines
-    plain = Floor(np.asarray(document.points, float), np.asarray(document.lines, float),
-                  np.empty((0, 4)), [], document.resolution, np.empty((0, 2)))
+    plain = SimFloor(np.asarray(document.points, float), np.asarray(document.lines, float),
+                     np.empty((0, 4)), [], document.resolution, np.empty((0, 2)))
     goal = document.goals[0]
-    pose = Pose(goal.x, goal.y, 0.0)
-    hits = laser.points(pose, laser.scan(Floor.from_map(document), pose))
+    pose = SimPose(goal.x, goal.y, 0.0)
+    hits = laser.points(pose, laser.scan(SimFloor.from_map(document), pose))
     assert len(hits) > 300
     assert plain.clearance_at(hits).max() < 2.0 * plain.resolution
 

@@ -6,7 +6,7 @@ from typing import List
 import pytest
 from sim_builders import ROOM, Rig
 
-from omron_ld90_sim.interface.faults import Faults, UnknownFault
+from omron_ld90_sim.interface.faults import Faults, NoSuchFault
 from omron_map import MapDocument
 
 
@@ -111,7 +111,7 @@ def test_a_robot_that_has_nothing_but_ascii() -> None:
 @pytest.mark.parametrize('words', ['accent swiss', 'help upside-down', 'encoding', 'goals maybe',
                                    'interrupted loudly', 'interrupted'])
 def test_a_switch_that_is_none_is_refused(words: str) -> None:
-    with pytest.raises(UnknownFault, match='dialect WHAT VALUE'):
+    with pytest.raises(NoSuchFault, match='dialect WHAT VALUE'):
         speaking(words)
 
 

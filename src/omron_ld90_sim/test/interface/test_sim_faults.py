@@ -5,7 +5,7 @@ import pytest
 from sim_builders import Client, Rig
 
 from omron_ld90_sim.interface.autonomy import Autonomy
-from omron_ld90_sim.interface.faults import Faults, UnknownFault, help_text, run_script
+from omron_ld90_sim.interface.faults import Faults, NoSuchFault, help_text, run_script
 
 
 class Faulty(Rig):
@@ -311,12 +311,12 @@ def test_a_script_brings_faults_at_their_times() -> None:
 @pytest.mark.parametrize('words', ['', 'earthquake', 'estop', 'estop hit', 'battery low', 'delay',
                                    'drop all of them', 'fail', '5 earthquake', 'inject drop'])
 def test_words_that_mean_no_fault_are_refused(words: str) -> None:
-    with pytest.raises(UnknownFault):
+    with pytest.raises(NoSuchFault):
         Faulty().faults.schedule(words)
 
 
 def test_a_script_names_the_line_that_is_wrong() -> None:
-    with pytest.raises(UnknownFault, match='line 2: '):
+    with pytest.raises(NoSuchFault, match='line 2: '):
         run_script(['drop', '1 earthquake'], Faulty().faults.schedule)
 
 

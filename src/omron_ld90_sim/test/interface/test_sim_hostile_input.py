@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sim_builders import Rig
 
 from omron_ld90_sim.interface.commands import TABLE
-from omron_ld90_sim.interface.faults import Faults, UnknownFault, help_text
+from omron_ld90_sim.interface.faults import Faults, NoSuchFault, help_text
 
 NUMBERS = ['-1', '0', '0.5', '90', '4294967296', '-1e12', '1e308', '1e400', 'nan', '-inf']
 WORDS = [*NUMBERS, '12', 'West', '"East side"', '"', '""',
@@ -57,7 +57,7 @@ def test_extreme_tasks_come_to_an_end(task: str) -> None:
 def test_no_number_in_a_fault_breaks_the_robot(name: str, words: List[str], seconds: str) -> None:
     rig = Rig()
     client = rig.client()
-    with contextlib.suppress(UnknownFault):
+    with contextlib.suppress(NoSuchFault):
         Faults(rig.server).schedule(' '.join([seconds, name, *words]).strip())
     client.send('goto 12', 'status', 'rangeDeviceGetCurrent Laser_1')
     rig.clock.advance(5.0)

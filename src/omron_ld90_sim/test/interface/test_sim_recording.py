@@ -8,12 +8,12 @@ import pytest
 import yaml
 from sim_builders import ROOM, ROOT, Rig
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.recording import (
     LogError,
     ReplayServer,
     ReplaySession,
-    SessionLog,
+    SessionRecording,
     Transfer,
     escape,
     read_log,
@@ -40,7 +40,7 @@ LOG = """0.000 S> Enter password:
 def run_and_log(seed: int) -> str:
     rig = Rig(seed=seed)
     file = io.StringIO()
-    rig.server.log = SessionLog(rig.clock, file)
+    rig.server.log = SessionRecording(rig.clock, file)
     client = rig.client()
     link = rig.server.connect_outgoing()
     for time, command in [(1.0, 'goto "East side"'), (4.0, 'status'), (6.5, 'goto 12'),
@@ -80,7 +80,7 @@ def lines_of(session: ReplaySession) -> List[str]:
 
 
 def test_a_recorded_session_is_served_again_with_its_timing() -> None:
-    clock = Clock()
+    clock = SimClock()
     session = ReplayServer(clock, read_log(LOG.splitlines())).connect()
     assert lines_of(session) == ['Enter password:']
     clock.advance(5.0)
@@ -97,7 +97,7 @@ def test_a_recorded_session_is_served_again_with_its_timing() -> None:
 
 
 def test_a_line_sent_early_waits_for_what_the_robot_still_has_to_say() -> None:
-    clock = Clock()
+    clock = SimClock()
     session = ReplayServer(clock, read_log(LOG.splitlines())).connect()
     session.receive(b'x\ngoto 12\nstop\n')
     clock.advance(20.0)
@@ -105,7 +105,7 @@ def test_a_line_sent_early_waits_for_what_the_robot_still_has_to_say() -> None:
 
 
 def test_the_client_may_skip_commands_but_not_invent_them() -> None:
-    session = ReplayServer(Clock(), read_log(LOG.splitlines())).connect()
+    session = ReplayServer(SimClock(), read_log(LOG.splitlines())).connect()
     session.receive(b'x\nechooo off\nstop\n')
     assert lines_of(session)[-2:] == ['Unknown command echooo', 'Stopping']
 
@@ -120,7 +120,7 @@ OVERLAPPING = """0.000 S> Enter password:
 
 
 def test_an_answer_comes_without_a_command_that_the_log_has_before_it() -> None:
-    clock = Clock()
+    clock = SimClock()
     session = ReplayServer(clock, read_log(OVERLAPPING.splitlines())).connect()
     session.receive(b'x\nodometer\n')
     clock.advance(0.4)
@@ -130,7 +130,7 @@ def test_an_answer_comes_without_a_command_that_the_log_has_before_it() -> None:
 
 
 def test_commands_that_overlap_are_answered_in_the_order_of_the_log() -> None:
-    clock = Clock()
+    clock = SimClock()
     session = ReplayServer(clock, read_log(OVERLAPPING.splitlines())).connect()
     session.receive(b'x\nodometer\n')
     clock.advance(0.2)
@@ -140,14 +140,14 @@ def test_commands_that_overlap_are_answered_in_the_order_of_the_log() -> None:
 
 
 def test_a_telnet_client_is_understood_by_a_replay() -> None:
-    session = ReplayServer(Clock(), read_log(LOG.splitlines())).connect()
+    session = ReplayServer(SimClock(), read_log(LOG.splitlines())).connect()
     session.receive(b'\xff\xfb\x1f\xff\xfd\x03x\r\0 stop \r\0\n')
     assert lines_of(session)[-1] == 'Stopping'
 
 
 def test_a_simulated_session_can_be_replayed() -> None:
     transfers = read_log(run_and_log(2).splitlines())
-    clock = Clock()
+    clock = SimClock()
     session = ReplayServer(clock, transfers).connect()
     for transfer in transfers:
         if transfer.connection == 1 and transfer.direction == 'C':
@@ -160,12 +160,12 @@ def test_a_simulated_session_can_be_replayed() -> None:
 def test_a_name_that_is_not_ascii_comes_back_out_of_a_log_byte_for_byte() -> None:
     rig = Rig(MapDocument.from_bytes(ROOM.replace('"West"', '"K\xfcche \\ 2"').encode('latin-1')))
     file = io.StringIO()
-    rig.server.log = SessionLog(rig.clock, file)
+    rig.server.log = SessionRecording(rig.clock, file)
     session = rig.client().session
     session.receive(b'getGoals\n')
     answer = bytes(session.output)
     assert answer.startswith(b'Goal: K\xfcche \\ 2\r\n') and file.getvalue().isascii()
-    replayed = ReplayServer(Clock(), read_log(file.getvalue().splitlines())).connect()
+    replayed = ReplayServer(SimClock(), read_log(file.getvalue().splitlines())).connect()
     replayed.receive(b'adept\ngetGoals\n')
     assert replayed.output.endswith(answer)
 

@@ -14,7 +14,7 @@ import pytest
 from sim_client import Talk, to_the_end
 
 from omron_ld90_sim import Simulator
-from omron_ld90_sim.interface.faults import UnknownFault
+from omron_ld90_sim.interface.faults import NoSuchFault
 
 
 def test_a_client_drives_the_robot_over_tcp(map_file: Path) -> None:
@@ -186,5 +186,5 @@ def test_a_fault_ends_connections_and_refuses_new_ones(map_file: Path) -> None:
             Talk(robot.port)
         robot.inject('refuse off')
         Talk(robot.port).close()
-        with pytest.raises(UnknownFault):
+        with pytest.raises(NoSuchFault):
             robot.inject('earthquake')

@@ -13,8 +13,8 @@ from sim_builders import MAPS, Obstacles, Rig, corridor, lonely_floor
 from skimage.measure import label
 
 from omron_ld90_sim.motion.base import STEP, Base
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Pose, normalise
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import LD90_LIMITS, SimPose, normalise
 from omron_ld90_sim.motion.manoeuvres import manoeuvres
 from omron_ld90_sim.motion.planner import Planner
 from omron_map import MapDocument
@@ -22,7 +22,7 @@ from omron_map import MapDocument
 PAIRS = 2 * settings.default.max_examples
 
 
-def random_pairs(floor: Floor, planner: Planner, near: Tuple[float, float], count: int):
+def random_pairs(floor: SimFloor, planner: Planner, near: Tuple[float, float], count: int):
     """Random poses with room to turn, in the part of the floor connected with `near`."""
     connected = label(floor.planning_clearance >= planner.drive_clearance, connectivity=1)
     part = connected == connected[floor.planning_cell(*near)]
@@ -31,8 +31,8 @@ def random_pairs(floor: Floor, planner: Planner, near: Tuple[float, float], coun
     random = np.random.RandomState(5)
     for _ in range(count):
         start, goal = floor.planning_points(cells[random.randint(len(cells), size=2)])
-        yield (Pose(start[0], start[1], random.uniform(-180, 180)),
-               Pose(goal[0], goal[1], random.uniform(-180, 180)))
+        yield (SimPose(start[0], start[1], random.uniform(-180, 180)),
+               SimPose(goal[0], goal[1], random.uniform(-180, 180)))
 
 
 @pytest.mark.parametrize('path', MAPS, ids=lambda path: path.stem)
@@ -40,7 +40,7 @@ def test_between_random_poses_the_body_touches_nothing(path: Path) -> None:
     if not path.exists():
         pytest.skip(f'{path.name} does not exist')
     document = MapDocument.load(str(path))
-    floor = Floor.from_map(document)
+    floor = SimFloor.from_map(document)
     planner = Planner(floor)
     obstacles = Obstacles(document)
     first = document.goals[0]
@@ -55,8 +55,8 @@ def test_between_random_poses_the_body_touches_nothing(path: Path) -> None:
 
 def test_a_sharp_corner_too_near_the_last_one_to_be_driven_round_is_turned_in() -> None:
     document = corridor(6000.0)
-    planner = Planner(Floor.from_map(document))
-    way = planner.plan(Pose(0.0, -1500.0, 42.0), 1280.0, 760.0)
+    planner = Planner(SimFloor.from_map(document))
+    way = planner.plan(SimPose(0.0, -1500.0, 42.0), 1280.0, 760.0)
     corners = np.array([[0.0, -1500.0], [920.0, -660.0], [800.0, -680.0], [1280.0, 760.0]])
     base = Base(way.start)
     base.follow(manoeuvres(replace(way, vertices=corners), planner))
@@ -65,7 +65,7 @@ def test_a_sharp_corner_too_near_the_last_one_to_be_driven_round_is_turned_in() 
 
 def test_the_robot_brakes_for_a_goal_from_metres_away() -> None:
     planner = Planner(lonely_floor())
-    base = Base(Pose(-4500.0, 0.0, 0.0))
+    base = Base(SimPose(-4500.0, 0.0, 0.0))
     base.follow(manoeuvres(planner.plan(base.pose, 4500.0, 0.0), planner))
     braking_from = None
     while not base.still:
@@ -86,7 +86,7 @@ def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
     while abs(rig.robot.base.rotation) < 30.0 or rig.robot.base.speed < 300.0:
         rig.clock.advance(rig.clock.now + STEP)
     start = rig.robot.base.speed
-    rig.robot.press_estop()
+    rig.robot.permission.press_estop()
     client.send('stop')  # a second stop must not weaken the first one
     steps = []
     while not rig.robot.base.still:

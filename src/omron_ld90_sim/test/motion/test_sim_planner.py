@@ -8,8 +8,8 @@ import pytest
 from sim_builders import lonely_floor
 
 from omron_ld90_sim.motion.base import Base
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import LD90_BODY, SimPose
 from omron_ld90_sim.motion.manoeuvres import manoeuvres
 from omron_ld90_sim.motion.planner import NoWay, Planner
 from omron_ld90_sim.motion.space import Disc
@@ -18,7 +18,7 @@ from omron_ld90_sim.motion.space import Disc
 def test_a_door_too_narrow_to_turn_in_is_driven_through_straight() -> None:
     floor = lonely_floor((0, -4000, 0, -330), (0, 330, 0, 4000))
     planner = Planner(floor)
-    way = planner.plan(Pose(-3000.0, 2000.0, 0.0), 3000.0, -2000.0)
+    way = planner.plan(SimPose(-3000.0, 2000.0, 0.0), 3000.0, -2000.0)
     base = Base(way.start)
     base.follow(manoeuvres(way, planner))
     while not base.still:
@@ -32,7 +32,7 @@ def test_a_door_too_narrow_to_turn_in_is_driven_through_straight() -> None:
 def test_a_door_narrower_than_the_robot_is_no_way() -> None:
     planner = Planner(lonely_floor((0, -4000, 0, -250), (0, 250, 0, 4000)))
     with pytest.raises(NoWay):
-        planner.plan(Pose(-3000.0, 2000.0, 0.0), 3000.0, -2000.0)
+        planner.plan(SimPose(-3000.0, 2000.0, 0.0), 3000.0, -2000.0)
 
 
 @pytest.mark.parametrize('width', [600.0, 620.0, 650.0])
@@ -48,7 +48,7 @@ def test_a_slanting_passage_out_of_a_spot_where_it_can_just_turn_is_driven(width
         (*right, *ends[1]), (*ends[1], 5000, ends[1][1])))
     places = (-3000.0, 0.0), tuple(2600.0 * through)
     for start, goal in (places, places[::-1]):
-        way = planner.plan(Pose(*start, 0.0), *goal)
+        way = planner.plan(SimPose(*start, 0.0), *goal)
         assert way.space.clearance_at(way.vertices).min() >= planner.turn_clearance
         for a, b in zip(way.vertices, way.vertices[1:]):
             assert way.space.straight_is_free(a, b, planner.drive_clearance)
@@ -58,11 +58,11 @@ def test_a_detour_of_many_metres_is_found() -> None:
     outside = np.array([[-20000, -15000, 20000, -15000], [-20000, 15000, 20000, 15000],
                         [-20000, -15000, -20000, 15000], [20000, -15000, 20000, 15000],
                         [0, -15000, 0, 13000]], float)      # a wall with a gap at its far end
-    planner = Planner(Floor(np.empty((0, 2)), outside, np.empty((0, 4)), [], 20,
-                            np.empty((0, 2))))
-    way = planner.plan(Pose(-1000.0, -5000.0, 0.0), 1000.0, -5000.0)
+    planner = Planner(SimFloor(np.empty((0, 2)), outside, np.empty((0, 4)), [], 20,
+                               np.empty((0, 2))))
+    way = planner.plan(SimPose(-1000.0, -5000.0, 0.0), 1000.0, -5000.0)
     assert 36_000.0 < way.length < 40_000.0
-    near = planner.plan(Pose(-1000.0, -5000.0, 0.0), -4000.0, -5000.0)
+    near = planner.plan(SimPose(-1000.0, -5000.0, 0.0), -4000.0, -5000.0)
     assert near.length < 3_010.0
 
 
@@ -71,7 +71,7 @@ def test_a_corridor_of_900_mm_with_a_bend_can_be_driven() -> None:
     floor = lonely_floor((-5000, 450, -450, 450), (-450, 450, -450, 4000),
                          (-5000, -450, 450, -450), (450, -450, 450, 4000))
     planner = Planner(floor)
-    way = planner.plan(Pose(-4000.0, 0.0, 0.0), 0.0, 3500.0)
+    way = planner.plan(SimPose(-4000.0, 0.0, 0.0), 0.0, 3500.0)
     base = Base(way.start)
     base.follow(manoeuvres(way, planner))
     while not base.still:
@@ -84,14 +84,14 @@ def test_a_corridor_of_900_mm_with_a_bend_can_be_driven() -> None:
 def test_out_of_a_niche_the_robot_backs_up_before_it_turns() -> None:
     floor = lonely_floor((2000, -330, 5000, -330), (2000, 330, 5000, 330))
     planner = Planner(floor)
-    way = planner.plan(Pose(4000.0, 0.0, 0.0), -3000.0, 0.0)
+    way = planner.plan(SimPose(4000.0, 0.0, 0.0), -3000.0, 0.0)
     assert way.escape < -1500.0
 
 
 def test_around_an_obstacle_that_is_not_on_the_map() -> None:
     planner = Planner(lonely_floor())
     disc = Disc(0.0, 0.0, 400.0)
-    way = planner.plan(Pose(-3000.0, 0.0, 0.0), 3000.0, 0.0, obstacles=[disc])
+    way = planner.plan(SimPose(-3000.0, 0.0, 0.0), 3000.0, 0.0, obstacles=[disc])
     base = Base(way.start)
     base.follow(manoeuvres(way, planner))
     nearest = math.inf

@@ -17,8 +17,8 @@ from enum import Enum
 from typing import Iterator, Optional, Sequence
 
 from vda5050_bench.layout import track_over
-from vda5050_bench.master import Master, TooLate
-from vda5050_bench.rules import Broken, Level, NotTried, Rule, Start, rules_of
+from vda5050_bench.master import BenchMaster, TooLate
+from vda5050_bench.rules import BenchRule, Broken, NotTried, RuleLevel, Start, rules_of
 from vda5050_bench.track import read_track
 from vda5050_bench.trial import SlowAction, Trial
 from vda5050_mqtt.credentials import WrongCredentials, read_credentials
@@ -31,7 +31,7 @@ _MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError, OSErr
 DIED = 'the vehicle has died: its last will came, CONNECTIONBROKEN'
 
 
-class Outcome(Enum):
+class RuleOutcome(Enum):
     """The outcome of a rule."""
 
     PASSED = 'passed'
@@ -44,8 +44,8 @@ class Outcome(Enum):
 class Verdict:
     """The outcome of a rule, and the reason."""
 
-    rule: Rule
-    outcome: Outcome
+    rule: BenchRule
+    outcome: RuleOutcome
     text: str = ''
 
 
@@ -65,26 +65,26 @@ class Bench:
             with suppress(TooLate, NotTried, *_MALFORMED):
                 self.trial.bring_home()
 
-    def _verdict(self, rule: Rule) -> Verdict:
+    def _verdict(self, rule: BenchRule) -> Verdict:
         if rule.start is not Start.NOTHING and not self._is_there():
-            return Verdict(rule, Outcome.NOT_TRIED, self._silence())
+            return Verdict(rule, RuleOutcome.NOT_TRIED, self._silence())
         deaths = len(self.trial.deaths)
         try:
             self._prepare(rule.start)
             rule.attempt(self.trial)
         except NotTried as reason:
-            return Verdict(rule, Outcome.NOT_TRIED, str(reason))
+            return Verdict(rule, RuleOutcome.NOT_TRIED, str(reason))
         except (Broken, TooLate) as problem:
             has_died = len(self.trial.deaths) > deaths
             is_silent = isinstance(problem, TooLate) and self._falls_silent(rule.start)
             if rule.start is not Start.NOTHING and (has_died or is_silent):
-                return Verdict(rule, Outcome.NOT_TRIED, DIED if has_died else self._silence())
-            return Verdict(rule, Outcome.BROKEN if rule.level is Level.MUST
-                           else Outcome.NOT_FOLLOWED, str(problem))
+                return Verdict(rule, RuleOutcome.NOT_TRIED, DIED if has_died else self._silence())
+            return Verdict(rule, RuleOutcome.BROKEN if rule.level is RuleLevel.MUST
+                           else RuleOutcome.NOT_FOLLOWED, str(problem))
         except _MALFORMED as error:
-            return Verdict(rule, Outcome.NOT_TRIED,
+            return Verdict(rule, RuleOutcome.NOT_TRIED,
                            f'the messages for this rule cannot be read: {error!r}')
-        return Verdict(rule, Outcome.PASSED)
+        return Verdict(rule, RuleOutcome.PASSED)
 
     def _prepare(self, start: Start) -> None:
         if start is Start.NOTHING:
@@ -130,7 +130,7 @@ def line(verdict: Verdict) -> str:
 def total(verdicts: Sequence[Verdict]) -> str:
     """Returns the last line of the scorecard."""
     return ', '.join(f'{sum(verdict.outcome is outcome for verdict in verdicts)} {outcome.value}'
-                     for outcome in Outcome)
+                     for outcome in RuleOutcome)
 
 
 def scorecard(verdicts: Sequence[Verdict]) -> str:
@@ -196,7 +196,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     own_broker = OwnBroker(broker.port) if options.own_broker else None
     major = 'v' + options.version.split('.')[0]
     prefix = f'{options.interface}/{major}/{options.manufacturer}/{options.serial}'
-    master = Master(broker, prefix, options.version, actions_key=options.actions_key)
+    master = BenchMaster(broker, prefix, options.version, actions_key=options.actions_key)
     trial = Trial(master, track, options.patience, own_broker, slow)
     verdicts = []
     try:
@@ -213,7 +213,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     for remark in trial.master.checker.remarks:
         print(f'remark        {remark}')
     print(total(verdicts))
-    return int(any(verdict.outcome is Outcome.BROKEN for verdict in verdicts))
+    return int(any(verdict.outcome is RuleOutcome.BROKEN for verdict in verdicts))
 
 
 def tried(trial: Trial, version: str) -> Iterator[Verdict]:

@@ -57,6 +57,25 @@ class VehicleChecker:
     def feed(self, topic: str, payload: bytes) -> Optional[Dict[str, Any]]:
         """Checks a message; returns its JSON object with the keys of 2.1, or None if malformed."""
         self.messages += 1
+        message = self._read(topic, payload)
+        if message is None:
+            return None
+        last = self._last.get(topic)
+        if topic == 'connection' and last and last.get('connectionState') == 'CONNECTIONBROKEN':
+            self._last = {}  # a vehicle that has died may come back as a new program
+            last = None
+        for problem in self._header_problems(topic, message, last):
+            self._violate(topic, problem)
+        if topic in ('state', 'visualization'):
+            self._apply(topic, pose_problems, message)
+        if topic == 'state':
+            self._check_state(topic, message, last)
+            self._remark(topic, message, last)
+        self._last[topic] = message
+        return message
+
+    def _read(self, topic: str, payload: bytes) -> Optional[State]:
+        """Returns the JSON object of a message with the keys of 2.1, or None if malformed."""
         try:
             message = json.loads(payload.decode('utf-8'), parse_constant=_refuse)
         except (ValueError, RecursionError) as error:
@@ -65,29 +84,18 @@ class VehicleChecker:
         if not isinstance(message, dict):
             self._violate(topic, 'not a JSON object')
             return None
-        if self._is_3:
-            message = in_2(topic, message)
-        last = self._last.get(topic)
-        if topic == 'connection' and last and last.get('connectionState') == 'CONNECTIONBROKEN':
-            self._last = {}  # a vehicle that has died may come back as a new program
-            last = None
-        for problem in self._header_problems(topic, message, last):
-            self._violate(topic, problem)
-        if topic in ('state', 'visualization'):
-            self._look(topic, pose_problems, message)
-        if topic == 'state':
-            missing = [key for key in _NEEDED if key not in message]
-            if missing:
-                self._violate(topic, f'there is no {", ".join(missing)} (6.10.6)')
-            else:
-                self._look(topic, state_problems, message)
-                if last and 'nodeStates' in last:
-                    if not self._is_2_0:
-                        self._look(topic, order_problems, last, message)
-                    self._look(topic, step_problems, last, message)
-            self._remark(topic, message, last)
-        self._last[topic] = message
-        return message
+        return in_2(topic, message) if self._is_3 else message
+
+    def _check_state(self, topic: str, state: State, last: Optional[State]) -> None:
+        missing = [key for key in _NEEDED if key not in state]
+        if missing:
+            self._violate(topic, f'there is no {", ".join(missing)} (6.10.6)')
+            return
+        self._apply(topic, state_problems, state)
+        if last and 'nodeStates' in last:
+            if not self._is_2_0:
+                self._apply(topic, order_problems, last, state)
+            self._apply(topic, step_problems, last, state)
 
     def restarted(self) -> None:
         """Permits header ids to begin anew, because the vehicle's program was restarted."""
@@ -97,7 +105,7 @@ class VehicleChecker:
         """Permits one gap in the header ids, because the broker died and lost messages (QoS 0)."""
         self._lost = dict.fromkeys(self._last, True)
 
-    def _look(self, topic: str, problems: Callable[..., Iterator[str]], *states: State) -> None:
+    def _apply(self, topic: str, problems: Callable[..., Iterator[str]], *states: State) -> None:
         try:
             for problem in problems(*states):
                 self._violate(topic, problem)
@@ -147,6 +155,15 @@ def pose_problems(message: State) -> Iterator[str]:
 
 def state_problems(state: State) -> Iterator[str]:
     """Yields the errors in a single state."""
+    yield from _sequence_problems(state)
+    action_ids = [action['actionId'] for action in state['actionStates']]
+    if len(action_ids) != len(set(action_ids)):
+        yield 'an action is in actionStates twice (6.11)'
+    if not 0.0 <= state['batteryState']['batteryCharge'] <= 100.0:
+        yield 'batteryCharge is not a percentage (6.10.6)'
+
+
+def _sequence_problems(state: State) -> Iterator[str]:
     elements = _elements(state)
     ids = [element['sequenceId'] for element in elements]
     if ids and (ids != list(range(ids[0], ids[0] + len(ids))) or 'nodeId' not in elements[-1]):
@@ -160,11 +177,6 @@ def state_problems(state: State) -> Iterator[str]:
     released = [element['released'] for element in elements]
     if released != sorted(released, reverse=True):
         yield 'a released element follows an element that is not released (6.6.1)'
-    action_ids = [action['actionId'] for action in state['actionStates']]
-    if len(action_ids) != len(set(action_ids)):
-        yield 'an action is in actionStates twice (6.11)'
-    if not 0.0 <= state['batteryState']['batteryCharge'] <= 100.0:
-        yield 'batteryCharge is not a percentage (6.10.6)'
 
 
 def order_problems(before: State, after: State) -> Iterator[str]:

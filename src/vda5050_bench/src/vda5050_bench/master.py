@@ -22,7 +22,7 @@ class TooLate(Exception):
     """An awaited message did not come in time."""
 
 
-class Master:
+class BenchMaster:
     """The master of one vehicle.
 
     messages  -- the received messages by topic, oldest first, with the keys of 2.1

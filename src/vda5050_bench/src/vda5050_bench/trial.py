@@ -7,7 +7,7 @@ import uuid
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, TypeVar
 
-from vda5050_bench.master import Master, Message, TooLate
+from vda5050_bench.master import BenchMaster, Message, TooLate
 from vda5050_bench.track import Track, action
 from vda5050_bench.verdicts import Broken, NotTried, expect
 from vda5050_mqtt.own_broker import OwnBroker
@@ -45,7 +45,7 @@ class Trial:
     patience -- s that the drive from one node to the next may take
     """
 
-    def __init__(self, master: Master, track: Track, patience: float,
+    def __init__(self, master: BenchMaster, track: Track, patience: float,
                  own_broker: Optional[OwnBroker] = None, slow: Optional[SlowAction] = None) -> None:
         self.master = master
         self.track = self.ahead = track

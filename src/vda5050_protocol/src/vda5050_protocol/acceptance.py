@@ -10,12 +10,12 @@ from enum import Enum
 from typing import Tuple, Union
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.values import Error, ErrorKind, Order, Reference
+from vda5050_protocol.values import Error, ErrorKind, ErrorReference, OrderMessage
 
 Place = Tuple[str, int]  # nodeId and sequenceId
 
 
-class Acceptance(Enum):
+class OrderAcceptance(Enum):
     """The use of an order that is not rejected."""
 
     NEW = 'new'              # replaces the present order
@@ -31,7 +31,7 @@ class Rejection:
     error: Error
 
 
-Verdict = Union[Acceptance, Rejection]
+Verdict = Union[OrderAcceptance, Rejection]
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,14 @@ class Held:
     moving: str = ''
 
 
-def judge(held: Held, order: Order, start_is_near: bool, is_3: bool = False) -> Verdict:
+def judge(held: Held, order: OrderMessage, start_is_near: bool, is_3: bool = False) -> Verdict:
     """Returns the verdict on a valid order; `start_is_near` answers question 4 of the figure."""
     if order.order_id != held.order_id:                                       # question 2
         return _judge_new(held, order, start_is_near, is_3)
     return _judge_update(held, order, is_3)
 
 
-def _judge_new(held: Held, order: Order, start_is_near: bool, is_3: bool) -> Verdict:
+def _judge_new(held: Held, order: OrderMessage, start_is_near: bool, is_3: bool) -> Verdict:
     if held.busy:                                                             # question 3
         return _reject(e.OTHER_ORDER, order,
                        f'order {held.order_id!r} is still active; cancel it first')
@@ -79,11 +79,11 @@ def _judge_new(held: Held, order: Order, start_is_near: bool, is_3: bool) -> Ver
         return _reject(e.START_TOO_FAR, order,
                        f'the vehicle is outside the allowed deviation of the first node, '
                        f'{order.nodes[0].node_id!r}',
-                       Reference('nodeId', order.nodes[0].node_id))
-    return Acceptance.NEW
+                       ErrorReference('nodeId', order.nodes[0].node_id))
+    return OrderAcceptance.NEW
 
 
-def _judge_update(held: Held, order: Order, is_3: bool) -> Verdict:
+def _judge_update(held: Held, order: OrderMessage, is_3: bool) -> Verdict:
     if order.order_update_id < held.order_update_id:                          # question 5
         return _reject(e.OLD_UPDATE, order,
                        f'orderUpdateId {order.order_update_id} is older than '
@@ -93,7 +93,7 @@ def _judge_update(held: Held, order: Order, is_3: bool) -> Verdict:
         # Question 7 of 3.0.0, asked here before the question for a copy; not in 2.1.0's figure.
         return _reject(e.UPDATE_AFTER_CANCEL, order, 'the order was cancelled; send another one')
     if is_copy:
-        return Acceptance.DUPLICATE
+        return OrderAcceptance.DUPLICATE
     if held.moving:
         return _reject(e.WRONG_UPDATE, order,
                        f'the instant action {held.moving!r} moves the vehicle away from its last '
@@ -105,9 +105,10 @@ def _judge_update(held: Held, order: Order, is_3: bool) -> Verdict:
                        f'the update begins with node {first[0]!r}, sequenceId {first[1]}, but must '
                        f'begin with {expected[0]!r}, sequenceId {expected[1]}, '
                        + ('the last node of the base' if held.busy else 'the last node passed'),
-                       Reference('nodeId', first[0]))
-    return Acceptance.APPEND if held.busy else Acceptance.CONTINUE
+                       ErrorReference('nodeId', first[0]))
+    return OrderAcceptance.APPEND if held.busy else OrderAcceptance.CONTINUE
 
 
-def _reject(kind: ErrorKind, order: Order, description: str, *more: Reference) -> Rejection:
+def _reject(kind: ErrorKind, order: OrderMessage, description: str,
+            *more: ErrorReference) -> Rejection:
     return Rejection(kind.error(description, *e.order_references(order), *more))

@@ -3,6 +3,16 @@
 The queue knows which actions wait, which may start, and which require the vehicle to stand still.
 An action is triggered when the vehicle reaches its node or edge. Figure 17 of the standard says
 which actions may run at the same time, and which require the vehicle to stand still.
+
+    status                   event                                       next status
+    WAITING                  it is triggered, and figure 17 permits it   RUNNING
+    RUNNING                  it fails, and may be tried again (3.0)      RETRIABLE
+    RETRIABLE                the master says `retry`                     INITIALIZING
+    INITIALIZING             figure 17 permits it                        RUNNING
+    all that have not ended  it succeeds, fails, is cancelled or missed  FINISHED, FAILED
+
+Invariants: an action that has ended does not change. Triggered actions start in the order in which
+they were triggered. An action of an order is removed only with the order or its horizon.
 """
 from __future__ import annotations
 
@@ -11,7 +21,7 @@ from enum import Enum
 from functools import cached_property
 from typing import Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
-from vda5050_protocol.values import Action, ActionState, ActionStatus
+from vda5050_protocol.values import ActionState, ActionStatus, VdaAction
 
 # The largest number of ended instant actions in the state. They are reported until the next order;
 # in 3.0 until the master clears them.
@@ -29,7 +39,7 @@ class Scope(Enum):
 
 
 @dataclass(frozen=True)
-class Entry:
+class QueuedAction:
     """An action and its progress.
 
     sequence_id -- the sequenceId of its node or edge; -1 for an instant action
@@ -37,7 +47,7 @@ class Entry:
                    instant action is triggered when it is received
     """
 
-    action: Action
+    action: VdaAction
     scope: Scope
     sequence_id: int = -1
     status: ActionStatus = ActionStatus.WAITING
@@ -77,16 +87,16 @@ class ActionQueue:
     triggered -- ids of the triggered actions that have not ended, in the sequence of execution
     """
 
-    by_id: Mapping[str, Entry] = field(default_factory=dict)
+    by_id: Mapping[str, QueuedAction] = field(default_factory=dict)
     triggered: Tuple[str, ...] = ()
 
     def __contains__(self, action_id: str) -> bool:
         return action_id in self.by_id
 
-    def __getitem__(self, action_id: str) -> Entry:
+    def __getitem__(self, action_id: str) -> QueuedAction:
         return self.by_id[action_id]
 
-    def __iter__(self) -> Iterator[Entry]:
+    def __iter__(self) -> Iterator[QueuedAction]:
         return iter(self.by_id.values())
 
     @cached_property
@@ -96,10 +106,10 @@ class ActionQueue:
 
     # --- adding and removing actions --------------------------------------------------------------
 
-    def with_entries(self, *new: Entry) -> ActionQueue:
+    def with_entries(self, *new: QueuedAction) -> ActionQueue:
         """Returns the queue with new actions; the oldest ended instant actions may be dropped."""
-        entries: Dict[str, Entry] = {**self.by_id,
-                                     **{entry.action.action_id: entry for entry in new}}
+        entries: Dict[str, QueuedAction] = {**self.by_id,
+                                            **{entry.action.action_id: entry for entry in new}}
         for action_id in _ended_instant_actions(entries.values())[:-MAX_ENDED_INSTANT_ACTIONS]:
             del entries[action_id]
         return replace(self, by_id=entries)
@@ -135,7 +145,7 @@ class ActionQueue:
         """Returns the queue without the actions of these nodes and edges (a replaced horizon)."""
         return self._with_those(lambda entry: entry.sequence_id not in sequence_ids)
 
-    def _with_those(self, are_kept: Callable[[Entry], bool]) -> ActionQueue:
+    def _with_those(self, are_kept: Callable[[QueuedAction], bool]) -> ActionQueue:
         kept = {name: entry for name, entry in self.by_id.items() if are_kept(entry)}
         return ActionQueue(kept, tuple(name for name in self.triggered if name in kept))
 
@@ -164,9 +174,9 @@ class ActionQueue:
 
     # --- permitted steps --------------------------------------------------------------------------
 
-    def startable(self, standing: bool) -> Tuple[Entry, ...]:
+    def startable(self, standing: bool) -> Tuple[QueuedAction, ...]:
         """Returns the actions that may start now, by figure 17; earlier actions may still run."""
-        result: List[Entry] = []
+        result: List[QueuedAction] = []
         busy = False
         for action_id in self.triggered:
             entry = self[action_id]
@@ -195,7 +205,7 @@ class ActionQueue:
         return min((entry.sequence_id for entry in self
                     if entry.sequence_id > after and entry.forbids_driving), default=None)
 
-    def of(self, sequence_id: int) -> List[Entry]:
+    def of(self, sequence_id: int) -> List[QueuedAction]:
         """Returns the actions of a node or edge."""
         return [entry for entry in self if entry.sequence_id == sequence_id]
 
@@ -205,6 +215,6 @@ class ActionQueue:
         return all(entry.status.has_ended for entry in self if entry.belongs_to_order)
 
 
-def _ended_instant_actions(entries: Iterable[Entry]) -> List[str]:
+def _ended_instant_actions(entries: Iterable[QueuedAction]) -> List[str]:
     return [entry.action.action_id for entry in entries
             if not entry.belongs_to_order and entry.status.has_ended]

@@ -19,14 +19,14 @@ from vda5050_protocol.fields import (
     Field,
     Kind,
     ListOf,
-    Record,
-    Text,
+    ObjectKind,
+    TextKind,
 )
 
 _ACTION_NAMES: Mapping[str, str] = {'initializePosition': 'initPosition'}  # 3.0 -> 2.1
 
 
-class _ActionType(Text):
+class _ActionType(TextKind):
     """The name of an action; 3.0 has renamed some actions."""
 
     def read(self, value: Any, path: str) -> str:
@@ -61,7 +61,7 @@ _ACTION = two.ACTION.renamed(description='actionDescriptor').changed(
     retriable=Field('retriable', 'retriable', BOOLEAN, omitted=False))
 _ACTIONS = Field('actions', 'actions', ListOf(_ACTION), True)
 
-DEVIATION = Record(v.Deviation, [
+DEVIATION = ObjectKind(v.Deviation, [
     Field('a', 'a', two.POSITIVE, True), Field('b', 'b', two.POSITIVE, True),
     Field('theta', 'theta', two.ANGLE, True)])
 _POSITION = two.NODE_POSITION.changed(
@@ -96,8 +96,8 @@ _ACTION_STATES = ListOf(two.ACTION_STATE.renamed(
 _ERROR = two.ERROR.changed(**{
     'kind.name': Field('kind.name_3', 'errorType', TEXT, True),
     'kind.level': Field('kind.level_3', 'errorLevel', Choice(v.ErrorLevel), True)})
-_E_STOP = Choice(v.EStop, spelling=((v.EStop.AUTOACK, 'MANUAL'),))
-_MAP = Record(v.MapInformation, [
+_E_STOP = Choice(v.EmergencyStop, spelling=((v.EmergencyStop.AUTOACK, 'MANUAL'),))
+_MAP = ObjectKind(v.MapInformation, [
     Field('map_id', 'mapId', TEXT, True), Field('map_version', 'mapVersion', TEXT, True),
     Field('description', 'mapDescriptor', TEXT), Field('status', 'mapStatus', TEXT, True)])
 _AGV_POSITION = Field('position', 'mobileRobotPosition',
@@ -124,7 +124,7 @@ _STATE = two.STATE.changed(
 _VISUALIZATION = two.VISUALIZATION.changed(
     state_header_id=Field('state_header_id', 'referenceStateHeaderId', UINT, True),
     position=_AGV_POSITION)
-_CONNECTION = Record(v.Connection, [Field('state', 'connectionState', Choice(
+_CONNECTION = ObjectKind(v.ConnectionMessage, [Field('state', 'connectionState', Choice(
     v.ConnectionState, ((v.ConnectionState.CONNECTION_BROKEN, 'CONNECTION_BROKEN'),)), True)])
 
 _SHEET_KEYS: Mapping[str, str] = {
@@ -159,7 +159,7 @@ def _renamed(value: Any) -> Any:
 
 VERSION_3_0 = Codec('3.0.0', {
     'order': _ORDER,
-    'instantActions': Record(v.InstantActions, [_ACTIONS]),
+    'instantActions': ObjectKind(v.InstantActions, [_ACTIONS]),
     'state': _STATE, 'visualization': _VISUALIZATION, 'connection': _CONNECTION},
     _factsheet, is_3=True)
 CODECS: Dict[str, Codec] = {

@@ -23,7 +23,7 @@ from vda5050_protocol.fields import (
     ListOf,
     Malformed,
     Number,
-    Record,
+    ObjectKind,
     read_json,
 )
 
@@ -65,23 +65,23 @@ class _Circle(Kind):
         return POSITIVE.write(value.radius)
 
 
-HEADER = Record(v.Header, [
+HEADER = ObjectKind(v.Header, [
     Field('header_id', 'headerId', UINT, True),
     Field('timestamp', 'timestamp', TEXT, True),
     Field('version', 'version', TEXT, True),
     Field('manufacturer', 'manufacturer', TEXT, True),
     Field('serial_number', 'serialNumber', TEXT, True)])
 
-ACTION = Record(v.Action, [
+ACTION = ObjectKind(v.VdaAction, [
     Field('action_type', 'actionType', TEXT, True, ('actionName',)),
     Field('action_id', 'actionId', TEXT, True),
     Field('blocking_type', 'blockingType', Choice(
         v.BlockingType, unknown=(v.BlockingType.SINGLE,)), True),
     Field('description', 'actionDescription', TEXT),
-    Field('parameters', 'actionParameters', ListOf(Record(v.ActionParameter, [
+    Field('parameters', 'actionParameters', ListOf(ObjectKind(v.ActionParameter, [
         Field('key', 'key', TEXT, True), Field('value', 'value', ANYTHING, True)])), omitted=())])
 
-NODE_POSITION = Record(v.NodePosition, [
+NODE_POSITION = ObjectKind(v.NodePosition, [
     Field('x', 'x', NUMBER, True), Field('y', 'y', NUMBER, True),
     Field('theta', 'theta', ANGLE),
     Field('allowed_deviation_xy', 'allowedDeviationXY', _Circle(),
@@ -90,7 +90,7 @@ NODE_POSITION = Record(v.NodePosition, [
     Field('map_id', 'mapId', TEXT, True),
     Field('map_description', 'mapDescription', TEXT)])
 
-NODE = Record(v.Node, [
+NODE = ObjectKind(v.OrderNode, [
     Field('node_id', 'nodeId', TEXT, True),
     Field('sequence_id', 'sequenceId', UINT, True),
     Field('description', 'nodeDescription', TEXT),
@@ -98,12 +98,12 @@ NODE = Record(v.Node, [
     Field('position', 'nodePosition', NODE_POSITION),
     Field('actions', 'actions', ListOf(ACTION), True)])
 
-CORRIDOR = Record(v.Corridor, [
+CORRIDOR = ObjectKind(v.Corridor, [
     Field('left_width', 'leftWidth', POSITIVE, True),
     Field('right_width', 'rightWidth', POSITIVE, True),
     Field('reference_point', 'corridorRefPoint', TEXT)])
 
-EDGE = Record(v.Edge, [
+EDGE = ObjectKind(v.OrderEdge, [
     Field('edge_id', 'edgeId', TEXT, True),
     Field('sequence_id', 'sequenceId', UINT, True),
     Field('description', 'edgeDescription', TEXT),
@@ -123,71 +123,71 @@ EDGE = Record(v.Edge, [
     Field('corridor', 'corridor', CORRIDOR),
     Field('actions', 'actions', ListOf(ACTION), True)])
 
-ORDER = Record(v.Order, [
+ORDER = ObjectKind(v.OrderMessage, [
     Field('order_id', 'orderId', TEXT, True),
     Field('order_update_id', 'orderUpdateId', UINT, True),
     Field('zone_set_id', 'zoneSetId', TEXT),
     Field('nodes', 'nodes', ListOf(NODE), True),
     Field('edges', 'edges', ListOf(EDGE), True)])
 
-INSTANT_ACTIONS = Record(v.InstantActions, [
+INSTANT_ACTIONS = ObjectKind(v.InstantActions, [
     Field('actions', 'actions', ListOf(ACTION), True, ('instantActions',))])
 
-REFERENCES = ListOf(Record(v.Reference, [
+REFERENCES = ListOf(ObjectKind(v.ErrorReference, [
     Field('key', 'referenceKey', TEXT, True), Field('value', 'referenceValue', TEXT, True)]))
 
-NODE_STATE = Record(v.Node, [
+NODE_STATE = ObjectKind(v.OrderNode, [
     Field('node_id', 'nodeId', TEXT, True),
     Field('sequence_id', 'sequenceId', UINT, True),
     Field('description', 'nodeDescription', TEXT),
     Field('released', 'released', BOOLEAN, True),
     Field('position', 'nodePosition', NODE_POSITION)])
 
-EDGE_STATE = Record(v.Edge, [
+EDGE_STATE = ObjectKind(v.OrderEdge, [
     Field('edge_id', 'edgeId', TEXT, True),
     Field('sequence_id', 'sequenceId', UINT, True),
     Field('description', 'edgeDescription', TEXT),
     Field('released', 'released', BOOLEAN, True)])
 
-ACTION_STATE = Record(v.ActionState, [
+ACTION_STATE = ObjectKind(v.ActionState, [
     Field('action_id', 'actionId', TEXT, True),
     Field('action_type', 'actionType', TEXT, True),
     Field('description', 'actionDescription', TEXT),
     Field('status', 'actionStatus', Choice(v.ActionStatus), True),
     Field('result_description', 'resultDescription', TEXT)])
 
-AGV_POSITION = Record(v.AgvPosition, [
+AGV_POSITION = ObjectKind(v.AgvPosition, [
     Field('position_initialized', 'positionInitialized', BOOLEAN, True),
     Field('localization_score', 'localizationScore', Number(0.0, 1.0)),
     Field('x', 'x', NUMBER, True), Field('y', 'y', NUMBER, True),
     Field('theta', 'theta', ANGLE, True), Field('map_id', 'mapId', TEXT, True)])
 
-VELOCITY = Record(v.Velocity, [
+VELOCITY = ObjectKind(v.Velocity, [
     Field('vx', 'vx', NUMBER), Field('vy', 'vy', NUMBER), Field('omega', 'omega', NUMBER)])
 
-BATTERY = Record(v.BatteryState, [
+BATTERY = ObjectKind(v.BatteryState, [
     Field('charge', 'batteryCharge', NUMBER, True),
     Field('voltage', 'batteryVoltage', NUMBER),
     Field('charging', 'charging', BOOLEAN, True)])
 
-ERROR = Record(v.Error, [
+ERROR = ObjectKind(v.Error, [
     Field('kind.name', 'errorType', TEXT, True),
     Field('references', 'errorReferences', REFERENCES, omitted=()),
     Field('description', 'errorDescription', TEXT),
     Field('kind.hint', 'errorHint', TEXT),
     Field('kind.level', 'errorLevel', Choice(v.ErrorLevel), True)])
 
-SAFETY = Record(v.SafetyState, [
-    Field('e_stop', 'eStop', Choice(v.EStop), True),
+SAFETY = ObjectKind(v.SafetyState, [
+    Field('e_stop', 'eStop', Choice(v.EmergencyStop), True),
     Field('field_violation', 'fieldViolation', BOOLEAN, True)])
 
-MAPS = Field('maps', 'maps', ListOf(Record(v.MapInformation, [
+MAPS = Field('maps', 'maps', ListOf(ObjectKind(v.MapInformation, [
     Field('map_id', 'mapId', TEXT, True),
     Field('map_version', 'mapVersion', TEXT, True),
     Field('description', 'mapDescription', TEXT),
     Field('status', 'mapStatus', TEXT, True)])), omitted=())
 
-STATE = Record(v.State, [
+STATE = ObjectKind(v.StateMessage, [
     MAPS,
     Field('order_id', 'orderId', TEXT, True),
     Field('order_update_id', 'orderUpdateId', UINT, True),
@@ -209,13 +209,13 @@ STATE = Record(v.State, [
     Field('information', 'information', ListOf(ANYTHING), True),
     Field('safety', 'safetyState', SAFETY, True)])
 
-VISUALIZATION = Record(v.Visualization, [
+VISUALIZATION = ObjectKind(v.Visualization, [
     Field('position', 'agvPosition', AGV_POSITION), Field('velocity', 'velocity', VELOCITY)])
 
-CONNECTION = Record(v.Connection, [
+CONNECTION = ObjectKind(v.ConnectionMessage, [
     Field('state', 'connectionState', Choice(v.ConnectionState), True)])
 
-_RECORDS: Mapping[str, Record] = {
+_RECORDS: Mapping[str, ObjectKind] = {
     'order': ORDER, 'instantActions': INSTANT_ACTIONS, 'state': STATE,
     'visualization': VISUALIZATION, 'connection': CONNECTION}
 
@@ -234,7 +234,7 @@ class Codec:
     """
 
     version: str
-    records: Mapping[str, Record]
+    records: Mapping[str, ObjectKind]
     factsheet: Callable[[Dict[str, Any]], Dict[str, Any]]
     is_3: bool = False
 
@@ -254,8 +254,9 @@ class Codec:
         theirs: Optional[Kind] = _RECORDS.get(topic)
         for part in path.split('.'):
             key, bracket, index = part.partition('[')
-            field = theirs.field(key) if isinstance(theirs, Record) else None
-            other = ours.field_of(field.attribute) if field and isinstance(ours, Record) else None
+            field = theirs.field(key) if isinstance(theirs, ObjectKind) else None
+            other = (ours.field_of(field.attribute)
+                     if field and isinstance(ours, ObjectKind) else None)
             if field is None or other is None:
                 return None
             found.append(other.key + bracket + index)

@@ -42,7 +42,7 @@ class Kind:
         return value
 
 
-class Text(Kind):
+class TextKind(Kind):
     """A string of printable characters."""
 
     def read(self, value: Any, path: str) -> str:
@@ -168,7 +168,7 @@ class ListOf(Kind):
         return [self.kind.write(item) for item in value]
 
 
-TEXT, NUMBER, UINT, BOOLEAN = Text(), Number(), UnsignedInteger(), Boolean()
+TEXT, NUMBER, UINT, BOOLEAN = TextKind(), Number(), UnsignedInteger(), Boolean()
 ANYTHING, OBJECT = Anything(), Object()
 
 
@@ -199,7 +199,7 @@ class Field:
         return (None, None) if key is None else (key, json_object[key])
 
 
-class Record(Kind):
+class ObjectKind(Kind):
     """A JSON object that represents a dataclass, described by a table of fields."""
 
     def __init__(self, kind: type, fields: Sequence[Field]) -> None:
@@ -237,17 +237,17 @@ class Record(Kind):
                 result[field.key] = field.kind.write(item)
         return result
 
-    def changed(self, **fields: Union[Field, None]) -> Record:
+    def changed(self, **fields: Union[Field, None]) -> ObjectKind:
         """Returns the table with some lines replaced, by attribute; None removes a line."""
         table = [fields.get(field.attribute, field) for field in self.fields]
         known = {field.attribute for field in self.fields}
         added = [field for name, field in fields.items() if name not in known]
-        return Record(self.kind, [field for field in (*table, *added) if field is not None])
+        return ObjectKind(self.kind, [field for field in (*table, *added) if field is not None])
 
-    def renamed(self, **keys: str) -> Record:
+    def renamed(self, **keys: str) -> ObjectKind:
         """Returns the table with some JSON keys replaced, by attribute."""
-        return Record(self.kind, [replace(field, key=keys.get(field.attribute, field.key))
-                                  for field in self.fields])
+        return ObjectKind(self.kind, [replace(field, key=keys.get(field.attribute, field.key))
+                                      for field in self.fields])
 
 
 def read_json(payload: bytes) -> Dict[str, Any]:

@@ -4,17 +4,17 @@ from __future__ import annotations
 from typing import Iterator, Optional, Sequence, Set, Tuple
 
 from vda5050_protocol.fields import Malformed
-from vda5050_protocol.values import Action, Element, Order
+from vda5050_protocol.values import Element, OrderMessage, VdaAction
 
 
-def check_order(order: Order) -> None:
+def check_order(order: OrderMessage) -> None:
     """Raises Malformed at the first rule that the order breaks."""
     for problem in _problems(order):
         if problem is not None:
             raise problem
 
 
-def _problems(order: Order) -> Iterator[Optional[Malformed]]:
+def _problems(order: OrderMessage) -> Iterator[Optional[Malformed]]:
     yield _wrong_id(order.order_id)
     yield _wrong_count(order)
     yield _wrong_sequence(order)
@@ -27,7 +27,7 @@ def _wrong_id(order_id: str) -> Optional[Malformed]:
     return None if order_id else Malformed('orderId', 'is empty')
 
 
-def _wrong_count(order: Order) -> Optional[Malformed]:
+def _wrong_count(order: OrderMessage) -> Optional[Malformed]:
     if not order.nodes:
         return Malformed('nodes', 'is empty; an order has at least one node')
     if len(order.edges) != len(order.nodes) - 1:
@@ -36,7 +36,7 @@ def _wrong_count(order: Order) -> Optional[Malformed]:
     return None
 
 
-def _wrong_sequence(order: Order) -> Optional[Malformed]:
+def _wrong_sequence(order: OrderMessage) -> Optional[Malformed]:
     """Sequence ids count nodes and edges alternately, from node 0 on, without gaps."""
     first = order.nodes[0].sequence_id
     if first % 2:
@@ -52,7 +52,7 @@ def _wrong_sequence(order: Order) -> Optional[Malformed]:
     return None
 
 
-def _wrong_ends(order: Order) -> Optional[Malformed]:
+def _wrong_ends(order: OrderMessage) -> Optional[Malformed]:
     for index, edge in enumerate(order.edges):
         for key, is_id, node in (('startNodeId', edge.start_node_id, order.nodes[index]),
                                  ('endNodeId', edge.end_node_id, order.nodes[index + 1])):
@@ -62,7 +62,7 @@ def _wrong_ends(order: Order) -> Optional[Malformed]:
     return None
 
 
-def _wrong_release(order: Order) -> Optional[Malformed]:
+def _wrong_release(order: OrderMessage) -> Optional[Malformed]:
     """The base is the first part of the order and ends with a node."""
     if not order.nodes[0].released:
         return Malformed('nodes[0].released', 'is false; an order begins with its base')
@@ -79,7 +79,7 @@ def _wrong_release(order: Order) -> Optional[Malformed]:
     return None
 
 
-def _repeated_action(order: Order) -> Optional[Malformed]:
+def _repeated_action(order: OrderMessage) -> Optional[Malformed]:
     seen: Set[str] = set()
     for action in actions_of(order):
         if action.action_id in seen:
@@ -88,7 +88,7 @@ def _repeated_action(order: Order) -> Optional[Malformed]:
     return None
 
 
-def actions_of(order: Order) -> Iterator[Action]:
+def actions_of(order: OrderMessage) -> Iterator[VdaAction]:
     """Yields all actions of an order, first of its nodes, then of its edges."""
     elements: Tuple[Element, ...] = (*order.nodes, *order.edges)
     for element in elements:

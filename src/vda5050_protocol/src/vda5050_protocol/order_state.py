@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Set, Tuple
 
 from vda5050_protocol.acceptance import Place
-from vda5050_protocol.values import Edge, Element, Node, Order
+from vda5050_protocol.values import Element, OrderEdge, OrderMessage, OrderNode
 
 
 @dataclass(frozen=True)
@@ -20,17 +20,17 @@ class OrderState:
 
     order_id: str = ''
     order_update_id: int = 0
-    nodes: Tuple[Node, ...] = ()
-    edges: Tuple[Edge, ...] = ()
+    nodes: Tuple[OrderNode, ...] = ()
+    edges: Tuple[OrderEdge, ...] = ()
     passed: int = 0
     cancelled: bool = False
 
     @staticmethod
-    def begin(order: Order) -> OrderState:
+    def begin(order: OrderMessage) -> OrderState:
         """Returns the state of a new order; the vehicle is at its first node."""
         return OrderState(order.order_id, order.order_update_id, order.nodes, order.edges)
 
-    def extended(self, order: Order) -> OrderState:
+    def extended(self, order: OrderMessage) -> OrderState:
         """Returns the state in which the nodes and edges of an update replace the horizon.
 
         The node at which base and update join stays as the first order defined it.
@@ -87,5 +87,5 @@ class OrderState:
         return {element.sequence_id for element in elements if not element.released}
 
 
-def _place(node: Node) -> Place:
+def _place(node: OrderNode) -> Place:
     return node.node_id, node.sequence_id

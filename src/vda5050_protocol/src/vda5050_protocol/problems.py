@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Tuple
 
-from vda5050_protocol.values import ErrorKind, ErrorLevel, Order, Reference
+from vda5050_protocol.values import ErrorKind, ErrorLevel, ErrorReference, OrderMessage
 
 _W, _U, _C, _F = ErrorLevel.WARNING, ErrorLevel.URGENT, ErrorLevel.CRITICAL, ErrorLevel.FATAL
 
@@ -61,7 +61,7 @@ LOCALIZATION_ERROR = ErrorKind('localizationError', _F, 'Send initPosition.',
                                'LOCALIZATION_ERROR', _C)
 
 
-def order_references(order: Order) -> Tuple[Reference, ...]:
+def order_references(order: OrderMessage) -> Tuple[ErrorReference, ...]:
     """Returns the references of an error about an order."""
-    return (Reference('topic', 'order'), Reference('orderId', order.order_id),
-            Reference('orderUpdateId', str(order.order_update_id)))
+    return (ErrorReference('topic', 'order'), ErrorReference('orderId', order.order_id),
+            ErrorReference('orderUpdateId', str(order.order_update_id)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Optional
 
-from vda5050_protocol.values import State
+from vda5050_protocol.values import StateMessage
 
 DRIVING_PERIOD = 0.5  # s; a master that connects late receives its first state after this time
 IDLE_PERIOD = 5.0     # s; the standard's limit is 30 s
@@ -21,7 +21,7 @@ class Reporter:
     """Remembers the last state sent."""
 
     def __init__(self) -> None:
-        self._told: Optional[State] = None
+        self._told: Optional[StateMessage] = None
         self._sent = -IDLE_PERIOD
         self._asked = True
         self._answers = False
@@ -34,7 +34,7 @@ class Reporter:
         """Makes a state due that answers a message of the master; see the module's docstring."""
         self._answers = True
 
-    def is_due(self, state: State, now: float) -> bool:
+    def is_due(self, state: StateMessage, now: float) -> bool:
         """Returns whether to send this state; a state that is due counts as sent."""
         events = _events_of(state)
         period = (DRIVING_PERIOD if state.driving else ANSWER_PERIOD if self._answers
@@ -47,7 +47,7 @@ class Reporter:
         return True
 
 
-def _events_of(state: State) -> State:
+def _events_of(state: StateMessage) -> StateMessage:
     """Returns the state without the values that change continuously."""
     return replace(state, position=None, velocity=None, distance_since_last_node=None,
                    battery=replace(state.battery, charge=0.0, voltage=None))

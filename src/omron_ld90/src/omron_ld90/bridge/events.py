@@ -17,7 +17,7 @@ from route_protocol.vehicle import VehicleState
 
 
 @dataclass(frozen=True)
-class RouteRecord:
+class BridgeMemory:
     """All that a restarted bridge needs: what `Vehicle` knows, and where the robot was sent."""
 
     vehicle: VehicleState
@@ -84,7 +84,7 @@ class MotionTold:
     fate: Optional[CommandFate] = None
 
 
-class Link(Enum):
+class RobotLink(Enum):
     """The two connections to the robot, by their names in omron_ld90_msgs/LinkState."""
 
     COMMANDS = 'commands'
@@ -95,7 +95,7 @@ class Link(Enum):
 class LinkReported:
     """The report on a link by the node that owns it; sent at least once a second."""
 
-    link: Link
+    link: RobotLink
     up: bool
     reason: str = ''
 
@@ -118,10 +118,10 @@ class Give:
 
 
 @dataclass(frozen=True)
-class Note:
+class BridgeNote:
     """A message for a person."""
 
     text: str
 
 
-Action = Union[Give, RouteReport, RouteRefusal, Note]
+Action = Union[Give, RouteReport, RouteRefusal, BridgeNote]

@@ -24,7 +24,7 @@ from typing import Optional
 from omron_arcl import ActivityKind
 from omron_arcl.activity import MOVING
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.robot_state import NANOSECONDS, Located
+from omron_ld90.bridge.robot_state import NANOSECONDS, MapLocation
 from route_protocol.values import Motion, Phase
 
 STILL = 0.05   # m
@@ -39,7 +39,7 @@ class MotionJudge:
     def __init__(self) -> None:
         self._rests = False
         self._otherwise = Motion.UNKNOWN  # the motion of a robot that does not rest
-        self._centre: Optional[Located] = None
+        self._centre: Optional[MapLocation] = None
         self._is_driven = False  # by another giver, as the controller tells
         self._by_hand = False
 
@@ -57,7 +57,7 @@ class MotionJudge:
         if self._is_driven:
             self.taken_over()
 
-    def seen(self, status: p.RobotSeen, location: Optional[Located], runs: bool) -> None:
+    def seen(self, status: p.RobotSeen, location: Optional[MapLocation], runs: bool) -> None:
         """The robot tells what it does; `location` is None if it tells no new one.
 
         runs -- a route of ours runs

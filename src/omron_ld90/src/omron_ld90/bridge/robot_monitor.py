@@ -7,15 +7,16 @@ from typing import Callable, Dict, Iterable, List, Optional, Type
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed, TakenOver
-from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.robot_state import MapLocation, RobotLinks, RobotLocation
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
 
 class RobotMonitor:
     """Takes every event except orders; `check` raises when the running route must end."""
 
-    def __init__(self, settings: Settings, links: Iterable[p.Link] = (), number: int = 0) -> None:
+    def __init__(self, settings: RouteSettings, links: Iterable[p.RobotLink] = (),
+                 number: int = 0) -> None:
         """`links`: the links that must be up before the robot can be driven. `number`: larger than
         that of each command given before."""
         self.location = RobotLocation()
@@ -57,7 +58,7 @@ class RobotMonitor:
         self._taken_over = None
         self.tracker.forget()
 
-    def go_on(self) -> None:
+    def route_extended(self) -> None:
         """A complete route gets longer. A giver that drove the robot meanwhile does not count as a
         take-over.
         """
@@ -66,7 +67,7 @@ class RobotMonitor:
     def due_commands(self, now: float) -> List[p.Give]:
         """The commands to give now; they count as given."""
         word = self.tracker.word
-        if not word.due(self.links.stands(p.Link.COMMANDS, now), now):
+        if not word.due(self.links.stands(p.RobotLink.COMMANDS, now), now):
             return []
         self._number += 1
         return [word.give(self._number, self.epoch)]
@@ -112,7 +113,7 @@ class RobotMonitor:
 
     def is_location_overdue(self, now: float) -> bool:
         """Whether the last location is too old, provided that its link was up for that long."""
-        heard = max(self.location.heard, self.links.up_since(p.Link.OUTGOING))
+        heard = max(self.location.heard, self.links.up_since(p.RobotLink.OUTGOING))
         return now - heard > self._settings.location_timeout
 
     def check(self, now: float) -> None:
@@ -125,7 +126,7 @@ class RobotMonitor:
         lost = self.links.why_lost(now)
         if lost:
             raise RouteFailed(lost)
-        if self.links.stands(p.Link.OUTGOING, now) and self.is_location_overdue(now):
+        if self.links.stands(p.RobotLink.OUTGOING, now) and self.is_location_overdue(now):
             raise RouteFailed(_no_location(self._settings.location_timeout))
 
     # --- events ----------------------------------------------------------------------------------
@@ -143,7 +144,7 @@ class RobotMonitor:
         if status.docking is not None and status.docking is not self.docking:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
-                Located(status.stamp, *status.place, status.heading), now):
+                MapLocation(status.stamp, *status.place, status.heading), now):
             self.tracker.located(status.place, status.activity)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Dict, Iterable, Optional, Tuple
 
-from omron_ld90.bridge.events import Link, LinkReported
+from omron_ld90.bridge.events import LinkReported, RobotLink
 from route_protocol.values import NO_REASON, Reason, ReasonCode
 
 NANOSECONDS = 1e-9
@@ -18,7 +18,7 @@ NODE_SILENCE = 2.0              # s without a report, due every second: the node
 
 
 @dataclass(frozen=True)
-class Located:
+class MapLocation:
     """A location (m, map frame) that the robot reported; `heading` is None if it reported none."""
 
     stamp: int
@@ -36,7 +36,7 @@ class RobotLocation:
     """The last location, the speed of the robot, and the period of its locations."""
 
     def __init__(self) -> None:
-        self.last: Optional[Located] = None
+        self.last: Optional[MapLocation] = None
         self.heard = -math.inf
         """When the last location came, s."""
         self.speed = 0.0
@@ -44,7 +44,7 @@ class RobotLocation:
         self.period = USUAL_PERIOD
         """Time between the last two locations, s."""
 
-    def update(self, location: Located, now: float) -> bool:
+    def update(self, location: MapLocation, now: float) -> bool:
         """Takes a location; returns False if it came late or twice and is ignored."""
         if self.last is not None:
             step = location.stamp - self.last.stamp
@@ -88,9 +88,9 @@ class RobotLinks:
     reporting is being restarted or is suspended: it and then its link get `restart_timeout` (s).
     """
 
-    def __init__(self, expected: Iterable[Link], link_timeout: float,
+    def __init__(self, expected: Iterable[RobotLink], link_timeout: float,
                  restart_timeout: float) -> None:
-        self._links: Dict[Link, _LinkState] = {link: _LinkState() for link in expected}
+        self._links: Dict[RobotLink, _LinkState] = {link: _LinkState() for link in expected}
         self._link_timeout = link_timeout
         self._restart_timeout = restart_timeout
 
@@ -104,12 +104,12 @@ class RobotLinks:
         if report.link in self._links:
             self._links[report.link].update(report, now, self._restart_timeout)
 
-    def stands(self, link: Link, now: float) -> bool:
+    def stands(self, link: RobotLink, now: float) -> bool:
         """Whether the link is up and its node alive; always True for a link not expected."""
         state = self._links.get(link)
         return state is None or (state.up and not state.node_is_away(now))
 
-    def up_since(self, link: Link) -> float:
+    def up_since(self, link: RobotLink) -> float:
         """When the link last came up, or its node came back; -inf for a link not expected."""
         state = self._links.get(link)
         return -math.inf if state is None else state.changed
@@ -141,9 +141,9 @@ class RobotLinks:
         return NO_REASON
 
 
-def _node_is_away(link: Link, seconds: float) -> Reason:
+def _node_is_away(link: RobotLink, seconds: float) -> Reason:
     return _lost(link, f'its node has reported nothing for {seconds:.0f} s')
 
 
-def _lost(link: Link, why: str) -> Reason:
+def _lost(link: RobotLink, why: str) -> Reason:
     return Reason(ReasonCode.LOST_LINK, f'lost link: {link.value}: {why}')

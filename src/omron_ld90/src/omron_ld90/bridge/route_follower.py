@@ -12,6 +12,19 @@ The epoch of the reports is the vehicle's own. Commands carry the controller's e
 - a route ended because another giver drives the robot, or because the link was lost,
 - a stop without a number came, or an order of another master was taken,
 - the bridge started without its memory.
+
+    event                            no route runs                 a route runs
+    a stop                           the robot is stopped          the same; the route is STOPPED
+    an order                         begins, waits or is refused   changes it, waits or is refused
+    another giver or person drives   a new epoch begins            FAILED, the robot is left alone
+    a failure (`RouteFailed`)        -                             FAILED, the robot is stopped
+    the last edge is complete        -                             COMPLETE
+    a restart                        the place is restored         it goes on as soon as the robot
+                                                                   is known, or is FAILED
+
+Invariants: a robot that drives for us without a route is stopped. An order is taken only while it
+is known where the robot is, that it can be reached, and that it is not coming to rest. Commands
+come before the reports about them.
 """
 from __future__ import annotations
 
@@ -25,7 +38,7 @@ from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.motion_judge import MotionJudge
 from omron_ld90.bridge.order_notes import OrderNotes
 from omron_ld90.bridge.robot_monitor import RobotMonitor
-from omron_ld90.bridge.robot_state import Located
+from omron_ld90.bridge.robot_state import MapLocation
 from omron_ld90.bridge.route_orders import (
     check_braking,
     check_change,
@@ -34,9 +47,9 @@ from omron_ld90.bridge.route_orders import (
     first_change,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_restart import go_on
+from omron_ld90.bridge.route_restart import continued_route
 from omron_ld90.bridge.route_run import RouteRun
-from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.intake import DueOrder, Intake, NotYet, messages_of
 from route_protocol.order_rules import RouteRefused, check_order
 from route_protocol.values import (
@@ -67,8 +80,8 @@ _STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
 class RouteFollower:
     """Drives one robot along the routes of a fleet manager."""
 
-    def __init__(self, settings: Settings, graph: Optional[Graph] = None,
-                 links: Iterable[p.Link] = (), draw: Callable[[], int] = draw_epoch,
+    def __init__(self, settings: RouteSettings, graph: Optional[Graph] = None,
+                 links: Iterable[p.RobotLink] = (), draw: Callable[[], int] = draw_epoch,
                  clock: Callable[[], int] = milliseconds) -> None:
         """`links`: the links that must be up before an order is accepted.
 
@@ -82,7 +95,8 @@ class RouteFollower:
         """The vehicle's end of the route protocol."""
         self.route: Optional[RouteRun] = None
         """How the vehicle's route is driven, or was; None: it has none, or not on this graph."""
-        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to continue; time to give up
+        # to continue, and the time to give that up
+        self._restored: Optional[Tuple[p.BridgeMemory, float]] = None
         self.orders = Intake(self.vehicle, self._take_up, self._tell_refusal,
                              settings.location_timeout)
         self._order_notes = OrderNotes(self._note)
@@ -101,13 +115,13 @@ class RouteFollower:
 
     def tick(self, now: float) -> List[p.Action]:
         """Passes the time; to be called about ten times a second."""
-        return self._answer(partial(self._go_on, now), now)
+        return self._answer(partial(self._drive_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
         """Replaces the graph; if it changes edges of the running route, waits for the end of it."""
         return self._answer(partial(self._use_graph, graph, now), now)
 
-    def restore(self, record: p.RouteRecord, is_recent: bool, now: float,
+    def restore(self, record: p.BridgeMemory, is_recent: bool, now: float,
                 is_sure: bool = True) -> None:
         """Takes the record from before a restart.
 
@@ -139,15 +153,15 @@ class RouteFollower:
         return self.vehicle.state.is_running
 
     @property
-    def record(self) -> p.RouteRecord:
+    def record(self) -> p.BridgeMemory:
         """The record for `restore` after a restart."""
         if self._restored:  # nothing newer is known yet
             target, number = self._restored[0].target, self._restored[0].number
         else:
             target = self.route.target if self.route else None
             number = self.robot.tracker.word.number
-        return p.RouteRecord(self.vehicle.state, target, number, self.robot.must_stop,
-                             self.robot.epoch, self.orders.old_masters.last)
+        return p.BridgeMemory(self.vehicle.state, target, number, self.robot.must_stop,
+                              self.robot.epoch, self.orders.old_masters.last)
 
     def report(self) -> RouteReport:
         """The next report for the fleet manager."""
@@ -224,7 +238,7 @@ class RouteFollower:
 
     def _note(self, text: str) -> None:
         if text:
-            self._out.append(p.Note(text))
+            self._out.append(p.BridgeNote(text))
 
     # --- orders -----------------------------------------------------------------------------------
 
@@ -239,7 +253,7 @@ class RouteFollower:
             if was_running:
                 self._motion.route_ended(Phase.STOPPED)
         if judgement.answer in (Answer.STOP, Answer.ROUTE):
-            self._go_on(now)
+            self._drive_on(now)
 
     def _why_order_waits(self, now: float) -> Reason:
         motion = self.motion
@@ -269,7 +283,7 @@ class RouteFollower:
         self._restored = None
         if due.goes_on and route is not None and route.progress.graph is graph:
             if not was_running:
-                self.robot.go_on()
+                self.robot.route_extended()
             route.replace(now)
         else:
             self.robot.begin()
@@ -320,14 +334,14 @@ class RouteFollower:
             self._note('The robot obeys a drive of a route that has ended, and is stopped.')
         if moved and driven:
             self._note(driven.locate(self._here, now))
-        self._go_on(now)
+        self._drive_on(now)
 
     def _drives_without_route(self) -> bool:
         """Whether the robot has just begun to obey a drive of ours, but no route needs it."""
         return (self.robot.drives_for_us and not self.running and self._restored is None
                 and not self.robot.must_stop and not self.robot.stop_problem)
 
-    def _go_on(self, now: float) -> None:
+    def _drive_on(self, now: float) -> None:
         """Judges the known state, and drives on."""
         self._end_epoch(now)
         self._consider_restored(now)
@@ -335,7 +349,7 @@ class RouteFollower:
         driven = self._driven
         if driven:
             self.robot.check(now)
-            self._note(driven.go_on(now, self.robot.docking_changed))
+            self._note(driven.drive_on(now, self.robot.docking_changed))
             if not self.running:
                 self._motion.route_ended(Phase.COMPLETE)
 
@@ -359,7 +373,8 @@ class RouteFollower:
         if seen and not unknown:
             if self.running:
                 self.robot.check(now)
-            self.route = go_on(record, self._here, lambda current: self._run(current, now), now)
+            self.route = continued_route(record, self._here,
+                                         lambda current: self._run(current, now), now)
             if self.running:
                 self._note(f'Route {self.vehicle.state.route_id} goes on after a restart of the '
                            'bridge.')
@@ -380,7 +395,7 @@ class RouteFollower:
         self.graph = graph
         if route and not changed:
             route.use_graph(graph)
-        self._go_on(now)
+        self._drive_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
         """Ends the route, and stops the robot unless it already obeys another giver."""
@@ -403,7 +418,7 @@ class RouteFollower:
         self._note(f'Route {self.vehicle.state.route_id} failed: {failure}')
 
 
-def _location_of(last: Optional[Located]) -> Optional[Location]:
+def _location_of(last: Optional[MapLocation]) -> Optional[Location]:
     """The location as reports tell it."""
     if last is None:
         return None

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Callable, Optional
 
-from omron_ld90.bridge.events import RouteRecord
+from omron_ld90.bridge.events import BridgeMemory
 from omron_ld90.bridge.goal_tracker import RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.route_orders import check_edges
@@ -12,8 +12,8 @@ from route_protocol.order_rules import RouteRefused
 from route_protocol.values import Reason, ReasonCode
 
 
-def go_on(record: RouteRecord, here: GraphLocation, run: Callable[[int], RouteRun],
-          now: float) -> Optional[RouteRun]:
+def continued_route(record: BridgeMemory, here: GraphLocation,
+                    run: Callable[[int], RouteRun], now: float) -> Optional[RouteRun]:
     """Returns the route of `record`, continued; None if it had ended on another graph.
 
     `run` makes the route, with the index of the current edge. If the route had ended, only the
@@ -37,7 +37,7 @@ def go_on(record: RouteRecord, here: GraphLocation, run: Callable[[int], RouteRu
     return route
 
 
-def _current_edge(record: RouteRecord, here: GraphLocation) -> int:
+def _current_edge(record: BridgeMemory, here: GraphLocation) -> int:
     """Index of the edge on which the robot is; raises RouteFailed if the robot is elsewhere.
 
     If the robot is on the edges that lead to its last goal, the edges before that were driven.

@@ -93,7 +93,7 @@ STRATEGIES: Mapping[str, Strategy] = {
 
 
 @dataclass(frozen=True)
-class Settings:
+class RouteSettings:
     """The settings for driving routes, in m and s; the motion values are those of the LD-90."""
 
     dock_vertex: Optional[int] = None

@@ -13,7 +13,7 @@ from itertools import accumulate
 from typing import Dict, MutableMapping, Sequence, Tuple
 from weakref import WeakKeyDictionary
 
-from omron_ld90.robot_model import HALF_WIDTH
+from omron_map_converter.footprint import HALF_WIDTH
 from trajectory_graph import Graph
 from trajectory_graph.shortest_paths import distances
 

@@ -21,7 +21,7 @@ import rospy
 
 from json_records import from_json, to_json
 from node_lifecycle.worker import start_worker
-from omron_ld90.bridge.events import RouteRecord
+from omron_ld90.bridge.events import BridgeMemory
 from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 
@@ -36,7 +36,7 @@ class Recalled(NamedTuple):
     is_sure -- no later record can have been lost
     """
 
-    record: RouteRecord
+    record: BridgeMemory
     age: float
     is_sure: bool
 
@@ -57,7 +57,7 @@ class RouteMemory:
         """
         self._launch = launch
         self._file = in_ros_home(file)
-        self._record: Optional[RouteRecord] = None
+        self._record: Optional[BridgeMemory] = None
         self._closed = False
         self._writing = threading.Lock()
         self._changed = threading.Condition()
@@ -74,12 +74,12 @@ class RouteMemory:
         A record of another launch counts as infinitely old. Exception: it is in the file and no
         person ended that launch, so it died.
         """
-        found: List[Tuple[Moment, RouteRecord, bool]] = []
+        found: List[Tuple[Moment, BridgeMemory, bool]] = []
         for text, outlives in ((rospy.get_param(PARAMETER, ''), False), (self._read(), True)):
             try:
                 content = json.loads(text)
                 counts = content['launch'] == self._launch or outlives and not content['closed']
-                record = from_json(RouteRecord, content['record'])
+                record = from_json(BridgeMemory, content['record'])
                 found.append((Moment.read(content), record, counts))
             except (KeyError, TypeError, ValueError):
                 continue
@@ -90,7 +90,7 @@ class RouteMemory:
         return Recalled(record, written.age(now) if counts else math.inf,
                         written.boot == now.boot)
 
-    def keep(self, record: RouteRecord) -> None:
+    def keep(self, record: BridgeMemory) -> None:
         """Writes a record, if it tells anything new; see the text of the class."""
         with self._changed:
             is_new = record != self._record
@@ -108,7 +108,7 @@ class RouteMemory:
         self._thread.join(0.5)
 
     def _run(self) -> None:
-        written: Optional[RouteRecord] = None
+        written: Optional[BridgeMemory] = None
         closing = False
         while not closing and not rospy.is_shutdown():
             with self._changed:

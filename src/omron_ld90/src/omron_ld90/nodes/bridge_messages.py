@@ -7,7 +7,7 @@ from node_lifecycle.headings import yaw_from_quaternion
 from omron_arcl import ActivityKind, Outcome
 from omron_arcl.records import CommandFate
 from omron_arcl.replies import DockingState
-from omron_ld90.bridge.events import CommandEnded, Link, LinkReported, MotionTold, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
@@ -38,7 +38,7 @@ _CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause i
                                   if hasattr(Motion, cause.name)}
 # In a report, STOP is a stop on the fleet manager's own way that came past it: it stops the fleet.
 _CAUSES[Motion.STOP] = EpochCause.OTHER_GIVER
-_LINKS: Dict[str, Link] = {link.value: link for link in Link}
+_LINKS: Dict[str, RobotLink] = {link.value: link for link in RobotLink}
 
 
 def robot_seen(status: RobotStatus) -> RobotSeen:

@@ -4,11 +4,11 @@ from __future__ import annotations
 from typing import Optional
 
 from node_lifecycle import ConfigurationError, choice, number, parameter
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
 from trajectory_graph import Graph
 
 
-def read_settings(graph: Optional[Graph]) -> Settings:
+def read_settings(graph: Optional[Graph]) -> RouteSettings:
     """The settings for driving routes; raises ConfigurationError."""
     dock = parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
@@ -19,7 +19,7 @@ def read_settings(graph: Optional[Graph]) -> Settings:
     native_command = parameter('~native_command', '')
     if strategy == 'native':
         _check_native_command(native_command)
-    return Settings(
+    return RouteSettings(
         dock_vertex=dock or None,
         strategy=STRATEGIES[strategy],
         native_command=native_command if strategy == 'native' else '',

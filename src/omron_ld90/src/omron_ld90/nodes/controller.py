@@ -64,7 +64,7 @@ from omron_arcl import (
 )
 from omron_arcl.drives import Drives
 from omron_arcl.guard import Guard
-from omron_arcl.records import Motion
+from omron_arcl.records import RobotMotion
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
@@ -149,7 +149,6 @@ class Controller:
     def _execute(self, text: str, giver: Giver, **options: Any) -> Execution:
         """Gives a command of `giver` if it is allowed; raises ArclError."""
         execution = self._client.execute(text, giver=giver, check=self._guard.check, **options)
-        self._guard.given(execution)
         self._obeyed.given(execution)
         self._help.sent(execution.command)
         return execution
@@ -170,8 +169,8 @@ class Controller:
             pose.header.frame_id = self._map_frame
             self._move_base.feedback(pose)
 
-    def _on_motion(self, motion: Motion) -> None:
-        self._guard.motion = motion.state
+    def _on_motion(self, motion: RobotMotion) -> None:
+        self._guard.motion = motion
         self._motion.publish(motion)
 
     def _on_link(self, link: Link) -> None:

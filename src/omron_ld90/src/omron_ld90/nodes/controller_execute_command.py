@@ -13,9 +13,9 @@ from omron_ld90.nodes.controller_actions import (
     Cancel,
     CommandActions,
     Execute,
+    GoalRefused,
     NeverSent,
     Obeyed,
-    Refused,
 )
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90_msgs.msg import (
@@ -60,7 +60,7 @@ class ExecuteCommandServer(CommandActions):
 
     def _command_of(self, goal: ExecuteCommandGoal) -> Tuple[str, float]:
         if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
-            raise Refused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
+            raise GoalRefused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
         return goal.command, goal.timeout
 
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:

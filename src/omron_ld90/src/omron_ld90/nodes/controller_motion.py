@@ -11,23 +11,23 @@ import rospy
 
 from json_records import from_json, to_json
 from node_lifecycle import warn
-from omron_arcl.records import Memory, Motion
+from omron_arcl.records import DriveMemory, RobotMotion
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
 
 
 class MotionFile:
-    """Keeps a `Memory`; a relative path begins in ROS_HOME, an empty one means no file."""
+    """Keeps a `DriveMemory`; a relative path begins in ROS_HOME, an empty one means no file."""
 
     def __init__(self, path: str) -> None:
         self._path = in_ros_home(path)
-        self._kept: Optional[Memory] = None
+        self._kept: Optional[DriveMemory] = None
 
     def hold(self) -> None:
         """Raises ConfigurationError if another controller keeps its memory in the file."""
         hold(self._path, '~motion_file')
 
-    def read(self) -> Optional[Memory]:
+    def read(self) -> Optional[DriveMemory]:
         """The stored memory; None if there is none, or it cannot be read.
 
         If the folder is read-only, the stored epoch may be out of date. Then epoch 0 is returned,
@@ -37,7 +37,7 @@ class MotionFile:
         try:
             with open(self._path, encoding='utf-8') as stream:
                 content = json.load(stream)
-            memory = from_json(Memory, content, added=('last_commands', 'ending'))
+            memory = from_json(DriveMemory, content, added=('last_commands', 'ending'))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, TypeError) as error:
@@ -49,7 +49,7 @@ class MotionFile:
         self._warn('its folder is read-only')
         return dataclasses.replace(memory, epoch=0, previous_epoch=0)
 
-    def keep(self, memory: Memory) -> None:
+    def keep(self, memory: DriveMemory) -> None:
         """Replaces the file by a complete new one.
 
         The file is not forced to the disk, because a stop must not wait for a disk. If it cannot be
@@ -83,15 +83,15 @@ class MotionTopic:
         self._publisher = rospy.Publisher('motion', msg.Motion, queue_size=20, latch=True,
                                           tcp_nodelay=True)
 
-    def publish(self, motion: Motion) -> None:
+    def publish(self, motion: RobotMotion) -> None:
         """Publishes the new state."""
         message = message_of(motion)
         message.header.stamp = rospy.Time.now()
         self._publisher.publish(message)
 
 
-def message_of(motion: Motion) -> msg.Motion:
-    """A `Motion` as a message, without its stamp."""
+def message_of(motion: RobotMotion) -> msg.Motion:
+    """A `RobotMotion` as a message, without its stamp."""
     memory = motion.memory
     return msg.Motion(
         epoch=memory.epoch, previous_epoch=memory.previous_epoch, giver=memory.giver.name,

@@ -18,7 +18,7 @@ from move_base_msgs.msg import (
 )
 
 from omron_arcl import Giver, Result
-from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, Obeyed, Refused
+from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, GoalRefused, Obeyed
 from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90.nodes.support.poses import pose_to_robot
@@ -30,14 +30,14 @@ def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
     """x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
     frame = pose.header.frame_id.lstrip('/')
     if frame != map_frame:
-        raise Refused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
+        raise GoalRefused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
     p, q = pose.pose.position, pose.pose.orientation
     if not all(math.isfinite(number) for number in (p.x, p.y, q.x, q.y, q.z, q.w)):
-        raise Refused('the pose contains a number that is not finite')
+        raise GoalRefused('the pose contains a number that is not finite')
     if abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) > 0.01:
-        raise Refused('the orientation is no unit quaternion')
+        raise GoalRefused('the orientation is no unit quaternion')
     if max(abs(p.x), abs(p.y)) > 1e6:
-        raise Refused('the position is more than 1000 km away')
+        raise GoalRefused('the position is more than 1000 km away')
     return pose_to_robot(pose.pose)
 
 
@@ -97,9 +97,9 @@ class MoveBaseServer(CommandActions):
     def _refusal(self, reason: Exception) -> MoveBaseResult:
         return MoveBaseResult()
 
-    def _tell(self, goal_id: str, reason: Optional[str]) -> None:
+    def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:
         """Reports a failure of a goal that came by topic: its giver gets no result."""
         with self._lock:
             giver = self._forwarded.pop(goal_id, None)
         if giver and reason:
-            self._refusals.tell('gotoPoint', giver.name, reason)
+            self._refusals.refused('gotoPoint', giver.name, reason)

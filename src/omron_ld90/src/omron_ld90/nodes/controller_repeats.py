@@ -35,7 +35,7 @@ class ObeyedDrive:
         drive = self._newest
         if drive is None or not drive.command.spec.may_repeat:
             return None
-        is_over = drive.result is not None or drive.cancel_requested is not None
+        is_over = drive.result is not None or drive.progress.cancel_requested is not None
         is_same = (drive.command.text, drive.giver, drive.known_epoch) == (
             text.strip(' '), giver, known_epoch)
         return drive if is_same and not is_over else None

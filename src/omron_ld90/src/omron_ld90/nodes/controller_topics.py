@@ -9,7 +9,7 @@ from std_msgs.msg import String
 
 from omron_arcl import ArclError, Execution, Giver, Result
 from omron_arcl.command_line import is_stop
-from omron_ld90.nodes.controller_actions import Obeyed, Refused
+from omron_ld90.nodes.controller_actions import GoalRefused, Obeyed
 from omron_ld90.nodes.controller_move_base import MoveBaseServer, robot_pose
 from omron_ld90.nodes.controller_refusals import Refusals, failure
 from omron_ld90.nodes.support.callers import giver_of
@@ -54,7 +54,7 @@ class TopicCommands:
             if is_click and not reason:
                 reason = self._refuse_click()
             if reason:
-                self._refusals.tell(text, giver.name, reason)
+                self._refusals.refused(text, giver.name, reason)
             else:
                 callback(message, giver)
         return receive
@@ -66,8 +66,8 @@ class TopicCommands:
         """Makes a goal of the action `move_base`, so that an observer of the action sees it."""
         try:
             robot_pose(message, self._map_frame)
-        except Refused as error:
-            self._refusals.tell('gotoPoint', giver.name, f'The goal was not sent: {error}.')
+        except GoalRefused as error:
+            self._refusals.refused('gotoPoint', giver.name, f'The goal was not sent: {error}.')
         else:
             self._move_base.forward(message, giver)
 
@@ -75,8 +75,8 @@ class TopicCommands:
         pose = PoseStamped(header=message.header, pose=message.pose.pose)
         try:
             x, y, heading = robot_pose(pose, self._map_frame)
-        except Refused as error:
-            self._refusals.tell('localizeToPoint', giver.name,
+        except GoalRefused as error:
+            self._refusals.refused('localizeToPoint', giver.name,
                                 f'The pose was not sent: {error}.')
         else:
             self._send(f'localizeToPoint {x} {y} {heading}', giver)
@@ -88,9 +88,9 @@ class TopicCommands:
         def on_end(result: Result) -> None:
             reason = failure(text, result)
             if reason:
-                self._refusals.tell(text, giver.name, reason)
+                self._refusals.refused(text, giver.name, reason)
 
         try:
             self._execute(text, giver, on_end=on_end)
         except ArclError as error:
-            self._refusals.tell(text, giver.name, str(error))
+            self._refusals.refused(text, giver.name, str(error))

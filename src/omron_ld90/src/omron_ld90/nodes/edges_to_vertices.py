@@ -92,7 +92,7 @@ class EdgesToVertices:
         graph = shared_parameters.trajectory_graph()
         self._clock = RunningClock()
         settings = read_settings(graph)
-        self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
+        self._follower = RouteFollower(settings, graph, links=tuple(p.RobotLink))
         self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
         self._memory.hold()
         left = self._memory.recall()
@@ -131,7 +131,7 @@ class EdgesToVertices:
 
     # --- callbacks -------------------------------------------------------------------------------
 
-    def _tell(self, event: p.Event) -> None:
+    def _on_event(self, event: p.Event) -> None:
         """Queues an event from a topic; waits while the queue is full, so the topic drops some."""
         self._loop.put_if_room(
             lambda: self._act(self._follower.handle(event, self._clock.read())), QUEUE_SIZE,
@@ -143,19 +143,19 @@ class EdgesToVertices:
         self._loop.put(lambda: self._act(self._follower.handle(event, self._clock.read())))
 
     def _on_route(self, message: msg.TargetRoute) -> None:
-        self._tell(replace(order_of(message, rospy.Time.now().to_nsec()),
+        self._on_event(replace(order_of(message, rospy.Time.now().to_nsec()),
                            comes_again=self._old.comes_again(message, 'target_route')))
 
     def _on_status(self, message: RobotStatus) -> None:
-        self._tell(robot_seen(message))
+        self._on_event(robot_seen(message))
 
     def _on_link(self, message: LinkState) -> None:
         event = link_reported(message)
         if event is not None:
-            self._tell(event)
+            self._on_event(event)
 
     def _on_motion(self, message: Motion) -> None:
-        self._tell(motion_told(message, rospy.get_name()))
+        self._on_event(motion_told(message, rospy.get_name()))
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._loop.put(lambda: self._act(self._follower.use_graph(graph, self._clock.read())))

@@ -53,7 +53,7 @@ from node_lifecycle import number, parameter, run
 from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.periodic import Periodic
 from omron_arcl import InvalidCommand, parse_line, replies
-from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
+from omron_ld90.nodes.rviz.interactive_goals import HandleAction, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.click_rule import ClickRule
@@ -69,8 +69,8 @@ from omron_ld90.operator.goal_clicks import (
     resolve_click,
     targets_of,
 )
-from omron_ld90.operator.localizing import Judged, Localizing
-from omron_ld90.operator.notices import Notice, Severity
+from omron_ld90.operator.localizing import Judged, LocalizingWatch
+from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
 from omron_map import MapDocument
@@ -79,22 +79,22 @@ TRANSFORM_TIMEOUT = 0.3  # s
 CHECK_PERIOD = 0.5  # s
 
 # The commands of those menu entries that have the same command everywhere.
-COMMANDS = {Action.DOCK: 'dock', Action.UNDOCK: 'undock', Action.STOP: 'stop'}
+COMMANDS = {HandleAction.DOCK: 'dock', HandleAction.UNDOCK: 'undock', HandleAction.STOP: 'stop'}
 
 LOCALIZE = 'localizeToPoint'
 
 # The messages for the end of a command; if the robot gave no words, {words} is the command.
-ENDINGS: Dict[int, Tuple[Severity, str]] = {
-    ExecuteCommandResult.SUCCEEDED: (Severity.GOOD, '{words}'),
-    ExecuteCommandResult.FAILED: (Severity.BAD, '{command} failed: {words}'),
-    ExecuteCommandResult.INTERRUPTED: (Severity.INFO, '{command} was interrupted: {words}'),
-    ExecuteCommandResult.LOST: (Severity.BAD, '{command} was lost: {words}'),
-    ExecuteCommandResult.TIMED_OUT: (Severity.BAD, '{command} timed out: {words}'),
-    ExecuteCommandResult.REFUSED: (Severity.BAD, '{command} refused: {words}'),
-    ExecuteCommandResult.CANCELLED: (Severity.INFO, '{command} was cancelled'),
-    ExecuteCommandResult.EMERGENCY_STOPPED: (Severity.BAD, '{command}: emergency stop'),
-    ExecuteCommandResult.NEVER_SENT: (Severity.BAD, '{command} was not sent: {words}'),
-    ExecuteCommandResult.OVERRULED: (Severity.INFO, '{command} was not sent: {words}'),
+ENDINGS: Dict[int, Tuple[NoticeSeverity, str]] = {
+    ExecuteCommandResult.SUCCEEDED: (NoticeSeverity.GOOD, '{words}'),
+    ExecuteCommandResult.FAILED: (NoticeSeverity.BAD, '{command} failed: {words}'),
+    ExecuteCommandResult.INTERRUPTED: (NoticeSeverity.INFO, '{command} was interrupted: {words}'),
+    ExecuteCommandResult.LOST: (NoticeSeverity.BAD, '{command} was lost: {words}'),
+    ExecuteCommandResult.TIMED_OUT: (NoticeSeverity.BAD, '{command} timed out: {words}'),
+    ExecuteCommandResult.REFUSED: (NoticeSeverity.BAD, '{command} refused: {words}'),
+    ExecuteCommandResult.CANCELLED: (NoticeSeverity.INFO, '{command} was cancelled'),
+    ExecuteCommandResult.EMERGENCY_STOPPED: (NoticeSeverity.BAD, '{command}: emergency stop'),
+    ExecuteCommandResult.NEVER_SENT: (NoticeSeverity.BAD, '{command} was not sent: {words}'),
+    ExecuteCommandResult.OVERRULED: (NoticeSeverity.INFO, '{command} was not sent: {words}'),
 }
 
 
@@ -116,7 +116,7 @@ class GoalSender:
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
         self._given: Dict[int, Given] = {}  # commands under way, by number
-        self._localizing = Localizing()
+        self._localizing = LocalizingWatch()
         self._count = 0
         self._heading: Optional[float] = None  # degrees
 
@@ -183,18 +183,18 @@ class GoalSender:
             return
         old = self._old.reason(message, 'clicked_point')
         if old:
-            self._feedback.say(Severity.BAD, f'The click did nothing. {old}', point)
+            self._feedback.say(NoticeSeverity.BAD, f'The click did nothing. {old}', point)
             return
         with self._lock:
             if self._targets is None:
-                self._feedback.say(Severity.BAD, 'No map is displayed yet: the click did nothing.',
-                                   point)
+                self._feedback.say(NoticeSeverity.BAD,
+                                   'No map is displayed yet: the click did nothing.', point)
                 return
             click = resolve_click(self._targets, point[0], point[1], self._tolerance)
             if click.hit and click.target:
                 self._drive_to(click.target)
             else:
-                self._feedback.say(Severity.INFO, explain_miss(click, self._tolerance), point)
+                self._feedback.say(NoticeSeverity.INFO, explain_miss(click, self._tolerance), point)
 
     def _in_map(self, message: PointStamped) -> Optional[Tuple[float, float]]:
         x, y = message.point.x, message.point.y
@@ -206,7 +206,7 @@ class GoalSender:
                 x, y = point.x, point.y
             except tf2_ros.TransformException as error:
                 self._feedback.say(
-                    Severity.BAD, f'The click did nothing: {message.header.frame_id} has no '
+                    NoticeSeverity.BAD, f'The click did nothing: {message.header.frame_id} has no '
                               f'transform to {self._map_frame} ({error}).')
                 return None
         if not (math.isfinite(x) and math.isfinite(y)):
@@ -214,13 +214,13 @@ class GoalSender:
             return None
         return x, y
 
-    def _on_handle(self, action: Action, target: Optional[Target]) -> None:
+    def _on_handle(self, action: HandleAction, target: Optional[Target]) -> None:
         with self._lock:
-            if action is Action.LOCALIZE and target:
+            if action is HandleAction.LOCALIZE and target:
                 self._localize(target)
-            elif action is Action.GO and target:
+            elif action is HandleAction.GO and target:
                 self._drive_to(target)
-            elif action is Action.STOP:
+            elif action is HandleAction.STOP:
                 self._give(COMMANDS[action], None)
             else:
                 self._drive(COMMANDS[action], target)
@@ -229,8 +229,8 @@ class GoalSender:
         heading = self._heading if target.heading is None else target.heading
         if heading is None:
             self._feedback.say(
-                Severity.BAD, f'Which way does the robot face at {target}? Use 2D Pose Estimate.',
-                target.place)
+                NoticeSeverity.BAD,
+                f'Which way does the robot face at {target}? Use 2D Pose Estimate.', target.place)
             return
         self._drive(f'{LOCALIZE} {millimetres(target.x)} {millimetres(target.y)} '
                     f'{round(heading)}', target)
@@ -241,7 +241,7 @@ class GoalSender:
         try:
             self._drive(target.command, target)
         except InvalidCommand as error:
-            self._feedback.say(Severity.BAD, str(error), target.place)
+            self._feedback.say(NoticeSeverity.BAD, str(error), target.place)
 
     def _drive(self, command: str, target: Optional[Target]) -> None:
         refusal = self._rule.refusal()
@@ -249,17 +249,17 @@ class GoalSender:
             notice = self._missions.send(target)
             self._feedback.say(notice.severity, notice.text, _place(target))
         elif refusal:
-            self._feedback.say(Severity.BAD, refusal, _place(target))
+            self._feedback.say(NoticeSeverity.BAD, refusal, _place(target))
         elif any(given.command == command for given in self._given.values()):
-            self._feedback.show(Notice(Severity.INFO, f'{command}: already under way.'),
-                                _place(target))
+            notice = OperatorNotice(NoticeSeverity.INFO, f'{command}: already under way.')
+            self._feedback.show(notice, _place(target))
         else:
             self._give(command, target)
 
     def _give(self, command: str, target: Optional[Target]) -> None:
         self._count += 1
         self._given[self._count] = Given(command, _place(target))
-        self._feedback.say(Severity.INFO, f'{command} ...', _place(target))
+        self._feedback.say(NoticeSeverity.INFO, f'{command} ...', _place(target))
         self._commands.give(self._count, command)
 
     # Results
@@ -269,7 +269,7 @@ class GoalSender:
         with self._lock:
             given = self._given.get(number)
             if given and isinstance(parse_line(line), (replies.GoingTo, replies.GoingToPoint)):
-                self._feedback.show(Notice(Severity.INFO, line), given.place)
+                self._feedback.show(OperatorNotice(NoticeSeverity.INFO, line), given.place)
 
     def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
         with self._lock:
@@ -287,14 +287,14 @@ class GoalSender:
         if judged is not None:
             self._feedback.say(judged.notice.severity, judged.notice.text, judged.place)
 
-    def _on_mission(self, notice: Notice, target: Optional[Target]) -> None:
+    def _on_mission(self, notice: OperatorNotice, target: Optional[Target]) -> None:
         with self._lock:
             self._feedback.say(notice.severity, notice.text, _place(target))
 
     def _on_refused(self, message: CommandRefused) -> None:
         """Shows a refusal of the controller, which has already logged it."""
-        self._feedback.show(Notice(
-            Severity.BAD, f'{message.command} refused: {message.reason}'))
+        self._feedback.show(OperatorNotice(
+            NoticeSeverity.BAD, f'{message.command} refused: {message.reason}'))
 
 
 def _is_vertex(target: Target, command: str) -> bool:

@@ -85,7 +85,7 @@ MARKER_ARRAYS = {
 
 
 @dataclass(frozen=True)
-class Settings:
+class MapSettings:
     """The settings of the display; lengths in m, times in s."""
 
     frame_id: str
@@ -111,7 +111,7 @@ class MapVisualisation:
     stays.
     """
 
-    def __init__(self, settings: Settings, path: str, made_from: Tuple[str, ...] = ()) -> None:
+    def __init__(self, settings: MapSettings, path: str, made_from: Tuple[str, ...] = ()) -> None:
         self._settings = settings
         self._loading = threading.Lock()
         self._watcher: Optional[MapWatcher] = None
@@ -275,7 +275,7 @@ def _path(url: str) -> str:
 
 
 def _start() -> MapVisualisation:
-    settings = Settings(
+    settings = MapSettings(
         frame_id=parameter('~frame_id', 'map'),
         background=BACKGROUNDS[choice('~background', 'unknown', tuple(BACKGROUNDS))],
         areas_in_grid=parameter('~areas_in_grid', False, bool),

@@ -58,7 +58,7 @@ from node_lifecycle.headings import yaw_from_quaternion
 from omron_ld90.nodes.laser_scans import LaserScans
 from omron_ld90.nodes.support import poses, shared_parameters
 from omron_ld90.nodes.support.transforms import wait_for_transform
-from omron_ld90.odometry import Location, Motion, Odometer
+from omron_ld90.odometry import MeanMotion, MotionMeter, TimedPose
 from omron_ld90_msgs.msg import RobotStatus
 
 SILENCE = 3.0  # s without a location before /diagnostics warns; the robot sends two a second
@@ -102,7 +102,7 @@ class RobotStatePublisher:
 
         self._pose = rospy.Publisher('pose', PoseStamped, queue_size=10, tcp_nodelay=True)
         self._transforms = tf2_ros.TransformBroadcaster()
-        self._odometer = Odometer()
+        self._odometer = MotionMeter()
         self._odometry = rospy.Publisher('odom', Odometry, queue_size=10, tcp_nodelay=True)
         with_scan = parameter('~laser_scan', False, bool)
         self._buffer = tf2_ros.Buffer() if self._odom_frame or with_scan else None
@@ -139,7 +139,7 @@ class RobotStatePublisher:
     def _publish_motion(self, stamp: rospy.Time, pose: Pose) -> None:
         yaw = yaw_from_quaternion(pose.orientation)
         motion = self._odometer.add(
-            Location(stamp.to_sec(), pose.position.x, pose.position.y, yaw))
+            TimedPose(stamp.to_sec(), pose.position.x, pose.position.y, yaw))
         if motion is not None:
             self._odometry.publish(
                 odometry_of(motion, pose, stamp, self._map_frame, self._base_frame))
@@ -180,7 +180,7 @@ class RobotStatePublisher:
         return status
 
 
-def odometry_of(motion: Motion, pose: Pose, stamp: rospy.Time, map_frame: str,
+def odometry_of(motion: MeanMotion, pose: Pose, stamp: rospy.Time, map_frame: str,
                 base_frame: str) -> Odometry:
     """The motion at a location as a message; with variances of the position and of the turns."""
     message = Odometry(child_frame_id=base_frame)

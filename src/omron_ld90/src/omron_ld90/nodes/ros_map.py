@@ -22,9 +22,9 @@ from __future__ import annotations
 import sys
 from typing import List, Optional
 
-from omron_ld90.converter import converter_cli
-from omron_ld90.converter.converter import ExistingGoals, Options
-from omron_ld90.converter.fences import Fences
+from omron_map_converter import cli
+from omron_map_converter.converter import ConversionOptions, ExistingGoals
+from omron_map_converter.fences import Fences
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
@@ -32,7 +32,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     arguments = sys.argv[1:] if arguments is None else arguments
     options = [argument for argument in arguments if ':=' not in argument]
     as_node = len(options) < len(arguments) and not options
-    sys.exit(_run_node() if as_node else converter_cli.main(options))
+    sys.exit(_run_node() if as_node else cli.main(options))
 
 
 def _run_node() -> int:
@@ -43,7 +43,7 @@ def _run_node() -> int:
 
     init_node('omron_ros_map')
     try:
-        options = Options(
+        options = ConversionOptions(
             dock_vertex=parameter('~dock_vertex', kind=int) if _given('~dock_vertex') else None,
             dock_heading=(parameter('~dock_heading', kind=float) if _given('~dock_heading')
                           else None),
@@ -52,13 +52,13 @@ def _run_node() -> int:
                 tuple(existing.value for existing in ExistingGoals))),
             fences=Fences(choice('~fences', Fences.AREAS.value,
                                  tuple(fences.value for fences in Fences))),
-            corridors=converter_cli.corridor_rules(
+            corridors=cli.corridor_rules(
                 parameter('~corridor_width', 0.9, float), parameter('~edge_width', ''),
                 parameter('~turning_margin', 0.05, float)))
-        converter_cli.run(
+        cli.run(
             parameter('~graph'), parameter('~base_map'), parameter('~output'), options,
             say=rospy.loginfo, warn=rospy.logwarn, picture=parameter('~draw', ''))
-    except (ConfigurationError, *converter_cli.ERRORS) as error:
+    except (ConfigurationError, *cli.ERRORS) as error:
         rospy.logfatal('%s made no map: %s', rospy.get_name(), error)
         return 1
     return 0

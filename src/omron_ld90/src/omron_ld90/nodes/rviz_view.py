@@ -31,14 +31,14 @@ BORDER = 0.5  # m around all of it
 FROM_ABOVE = 'rviz/TopDownOrtho'
 
 
-class Size(NamedTuple):
+class PixelSize(NamedTuple):
     """Width and height in pixels."""
 
     width: int
     height: int
 
 
-FULL = Size(WIDTH, HEIGHT)
+FULL = PixelSize(WIDTH, HEIGHT)
 
 
 class View(NamedTuple):
@@ -49,24 +49,25 @@ class View(NamedTuple):
     y: float
 
     @classmethod
-    def on(cls, west: float, south: float, east: float, north: float, size: Size = FULL) -> View:
+    def on(cls, west: float, south: float, east: float, north: float,
+           size: PixelSize = FULL) -> View:
         """The view that shows this rectangle (m) as large as possible."""
         scale = min(size.width / (east - west), size.height / (north - south))
         return cls(scale, (west + east) / 2, (south + north) / 2)
 
     def shows(self, west: float, south: float, east: float, north: float,
-              size: Size = FULL) -> bool:
+              size: PixelSize = FULL) -> bool:
         """Whether the whole rectangle (m) is in view."""
         half_width, half_height = size.width / self.scale / 2, size.height / self.scale / 2
         return (west >= self.x - half_width and east <= self.x + half_width
                 and south >= self.y - half_height and north <= self.y + half_height)
 
 
-class ConfigurationError(Exception):
+class CannotFit(Exception):
     """An RViz configuration whose view cannot be fitted to a map; the text is a clause."""
 
 
-class Configuration:
+class RvizConfiguration:
     """An RViz configuration: its view from above, and the size of its window."""
 
     def __init__(self, text: str) -> None:
@@ -76,9 +77,9 @@ class Configuration:
             self._view: Dict[str, Any] = self._root['Visualization Manager']['Views']['Current']
             self.is_from_above = self._view.get('Class') == FROM_ABOVE
         except yaml.YAMLError:
-            raise ConfigurationError('it is not YAML') from None
+            raise CannotFit('it is not YAML') from None
         except (KeyError, TypeError, AttributeError):
-            raise ConfigurationError('it has no current view') from None
+            raise CannotFit('it has no current view') from None
 
     @property
     def view(self) -> View:
@@ -88,14 +89,14 @@ class Configuration:
         except (KeyError, TypeError, ValueError):
             view = View(math.nan, 0.0, 0.0)
         if not (view.scale > 0.0 and math.isfinite(sum(view))):
-            raise ConfigurationError('its view from above has no Scale, X and Y')
+            raise CannotFit('its view from above has no Scale, X and Y')
         return view
 
     @view.setter
     def view(self, view: View) -> None:
         self._view.update(zip(('Scale', 'X', 'Y'), (round(value, 3) for value in view)))
 
-    def fit_window(self, size: Size) -> bool:
+    def fit_window(self, size: PixelSize) -> bool:
         """Shrinks the window to what a view of that size needs; returns whether it was larger."""
         window = self._root.get('Window Geometry')
         narrow = {name: pixels + frame for name, pixels, full, frame
@@ -109,19 +110,19 @@ class Configuration:
         return yaml.safe_dump(self._root, sort_keys=False, allow_unicode=True, width=math.inf)
 
 
-def view_size(screen: Size) -> Size:
+def view_size(screen: PixelSize) -> PixelSize:
     """The size of the 3D view when the configuration's window is fitted to the screen."""
-    rest = Size(screen.width, screen.height - DESKTOP)
-    return Size(*(size if size + frame <= whole else max(left - frame, 1)
-                  for size, frame, whole, left in zip(FULL, FRAME, screen, rest)))
+    rest = PixelSize(screen.width, screen.height - DESKTOP)
+    return PixelSize(*(size if size + frame <= whole else max(left - frame, 1)
+                       for size, frame, whole, left in zip(FULL, FRAME, screen, rest)))
 
 
-def configuration_for(document: MapDocument, text: str, size: Size = FULL) -> Optional[str]:
+def configuration_for(document: MapDocument, text: str, size: PixelSize = FULL) -> Optional[str]:
     """The RViz configuration `text` with a view of that size that shows all of the map.
 
     None if it already does so, or if its view is not from above. Raises ConfigurationError.
     """
-    configuration = Configuration(text)
+    configuration = RvizConfiguration(text)
     bounds = bounds_of(document.points, document.lines)
     if bounds is None or not configuration.is_from_above:
         return None
@@ -142,7 +143,7 @@ def rendering_arguments() -> List[str]:
     return ['--disable-anti-aliasing'] if software else []
 
 
-def screen_size() -> Size:
+def screen_size() -> PixelSize:
     """The size of the screen; without one, ends the program with a clear message, unlike Qt.
 
     libX11 is used because RViz also opens the display with it, so the answer is the same as RViz's.
@@ -156,12 +157,12 @@ def screen_size() -> Size:
         sys.exit(f'RViz is not opened: there is no X display "{display}". Set DISPLAY, or open '
                  'RViz on another computer; everything else runs without it.')
     screen = ctypes.c_void_p(screen)
-    size = Size(library.XDisplayWidth(screen, 0), library.XDisplayHeight(screen, 0))
+    size = PixelSize(library.XDisplayWidth(screen, 0), library.XDisplayHeight(screen, 0))
     library.XCloseDisplay(screen)
     return size
 
 
-def fitted_copy(map_file: str, path: str, size: Size) -> str:
+def fitted_copy(map_file: str, path: str, size: PixelSize) -> str:
     """A copy of the configuration `path` that shows all of the map, or `path` if none is needed.
 
     If the view cannot be fitted, standard error gets the reason.
@@ -171,7 +172,7 @@ def fitted_copy(map_file: str, path: str, size: Size) -> str:
             fitted = configuration_for(MapDocument.load(map_file), file.read(), size)
     except (OSError, UnicodeDecodeError) as error:
         sys.exit(f'RViz is not opened: its configuration {path} cannot be read ({error}).')
-    except ConfigurationError as error:
+    except CannotFit as error:
         print(f'RViz opens with the view of {path}, not fitted to the map: {error}.',
               file=sys.stderr)
         return path

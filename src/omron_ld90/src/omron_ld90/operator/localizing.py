@@ -5,7 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 
 from omron_arcl import Reply
 from omron_arcl.replies import LocalizationScore, OneLineStatus
-from omron_ld90.operator.notices import Notice, Severity
+from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 
 LOW_SCORE = 0.2   # 0 to 1; below it the scan does not fit the map, so the place is wrong
 SCORE_WITHIN = 5.0  # s within which a robot reports its score: it does so with each status
@@ -17,7 +17,7 @@ Place = Tuple[float, float]
 class Judged(NamedTuple):
     """The notice about a localized robot, and the place to which it belongs."""
 
-    notice: Notice
+    notice: OperatorNotice
     place: Optional[Place]
 
 
@@ -29,7 +29,7 @@ class _Awaited(NamedTuple):
     since: float
 
 
-class Localizing:
+class LocalizingWatch:
     """Waits for the score of a robot that says that it is localized. Times are in s."""
 
     def __init__(self) -> None:
@@ -55,11 +55,13 @@ class Localizing:
         return None if awaited is None else Judged(_localized(awaited.words, score), awaited.place)
 
 
-def _localized(words: str, score: Optional[float]) -> Notice:
+def _localized(words: str, score: Optional[float]) -> OperatorNotice:
     if score is None:
-        return Notice(Severity.INFO, f'{words}, but the robot does not report how well that fits: '
-                                     'compare its laser points with the walls.')
+        return OperatorNotice(NoticeSeverity.INFO,
+                              f'{words}, but the robot does not report how well that fits: '
+                              'compare its laser points with the walls.')
     if score < LOW_SCORE:
-        return Notice(Severity.BAD, f'{words}, but the score is {score:.2f}, so the robot is '
-                                    'probably elsewhere: localize it again before it drives.')
-    return Notice(Severity.GOOD, f'{words}, score {score:.2f}')
+        return OperatorNotice(NoticeSeverity.BAD,
+                              f'{words}, but the score is {score:.2f}, so the robot is '
+                              'probably elsewhere: localize it again before it drives.')
+    return OperatorNotice(NoticeSeverity.GOOD, f'{words}, score {score:.2f}')

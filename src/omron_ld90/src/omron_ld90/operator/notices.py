@@ -5,7 +5,7 @@ import enum
 from dataclasses import dataclass
 
 
-class Severity(enum.Enum):
+class NoticeSeverity(enum.Enum):
     """Whether a notice is good news, bad news, or neither."""
 
     INFO = 'info'
@@ -14,8 +14,8 @@ class Severity(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Notice:
+class OperatorNotice:
     """A sentence for a person."""
 
-    severity: Severity
+    severity: NoticeSeverity
     text: str

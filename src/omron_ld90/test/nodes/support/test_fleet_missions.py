@@ -12,7 +12,7 @@ from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 from omron_ld90.nodes.support.fleet_missions import FleetMissions
 from omron_ld90.operator.goal_clicks import Target, TargetKind
-from omron_ld90.operator.notices import Notice, Severity
+from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 
 
 class Topics:
@@ -65,7 +65,7 @@ def topics(monkeypatch) -> Topics:
 
 
 @pytest.fixture
-def told() -> List[Tuple[Notice, Any]]:
+def told() -> List[Tuple[OperatorNotice, Any]]:
     return []
 
 
@@ -82,8 +82,8 @@ def test_a_click_is_a_mission_of_this_robot_to_that_vertex(topics, missions):
     request, = topics.requests
     assert (request.robot, list(request.destination_vertices_id)) == ('omron_1', [12])
     assert request.header.stamp == rospy.Time(5, 0)
-    assert notice == Notice(
-        Severity.INFO, f'omron_1 to vertex 12, as mission {request.request_id} ...')
+    assert notice == OperatorNotice(
+        NoticeSeverity.INFO, f'omron_1 to vertex 12, as mission {request.request_id} ...')
 
 
 def test_each_click_is_a_mission_of_its_own(topics, missions):
@@ -98,21 +98,21 @@ def test_where_nobody_takes_missions_none_is_sent(topics, missions):
     topics.supervisors = 0
     notice = missions.send(TARGET)
     assert topics.requests == []
-    assert notice == Notice(
-        Severity.BAD, 'Not sent. No program takes missions: is path_supervisor running?')
+    assert notice == OperatorNotice(
+        NoticeSeverity.BAD, 'Not sent. No program takes missions: is path_supervisor running?')
 
 
 @pytest.mark.parametrize(('state', 'reason', 'severity', 'words'), [
-    (MissionStatus.SUCCEEDED, '', Severity.GOOD, 'has succeeded'),
-    (MissionStatus.FAILED, 'no way', Severity.BAD, 'has failed: no way'),
-    (MissionStatus.REFUSED, 'no such vertex', Severity.BAD, 'was refused: no such vertex'),
-    (MissionStatus.CANCELLED, '', Severity.INFO, 'was cancelled')])
+    (MissionStatus.SUCCEEDED, '', NoticeSeverity.GOOD, 'has succeeded'),
+    (MissionStatus.FAILED, 'no way', NoticeSeverity.BAD, 'has failed: no way'),
+    (MissionStatus.REFUSED, 'no such vertex', NoticeSeverity.BAD, 'was refused: no such vertex'),
+    (MissionStatus.CANCELLED, '', NoticeSeverity.INFO, 'was cancelled')])
 def test_the_end_of_a_mission_is_told_once(topics, missions, told, state, reason, severity, words):
     missions.send(TARGET)
     id = topics.requests[0].request_id
     topics.tell(id, state, reason)
     topics.tell(id, state, reason)
-    assert told == [(Notice(severity, f'Mission {id} {words}'), TARGET)]
+    assert told == [(OperatorNotice(severity, f'Mission {id} {words}'), TARGET)]
 
 
 @pytest.mark.parametrize('state', [
@@ -147,7 +147,7 @@ def test_an_end_that_was_missed_is_asked_for(topics, missions, told, monkeypatch
         True, MissionStatus(request_id=id, state=MissionStatus.SUCCEEDED))
     missions.ask()
     missions.ask()
-    assert told == [(Notice(Severity.GOOD, f'Mission {id} has succeeded'), TARGET)]
+    assert told == [(OperatorNotice(NoticeSeverity.GOOD, f'Mission {id} has succeeded'), TARGET)]
 
 
 def test_a_click_that_the_fleet_manager_never_got_is_told(topics, missions, told, monkeypatch):
@@ -158,5 +158,5 @@ def test_a_click_that_the_fleet_manager_never_got_is_told(topics, missions, told
     topics.stored = GetMissionStatusResponse()
     missions.ask()
     (notice, target), = told
-    assert (notice.severity, target) == (Severity.BAD, TARGET)
+    assert (notice.severity, target) == (NoticeSeverity.BAD, TARGET)
     assert 'has not reached the fleet manager' in notice.text

@@ -1,12 +1,18 @@
-"""The activities of the robot, as scripts for `Robot.start`."""
+"""The activities of the robot, as scripts for `SimRobot.start`."""
 from __future__ import annotations
 
 from typing import Callable, Optional, Sequence, Tuple
 
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.behaviour.states import STANDING, Activity, DockingState, Failure, Script
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.behaviour.states import (
+    STANDING,
+    ActivityFailure,
+    DockingPhase,
+    Script,
+    ScriptedActivity,
+)
 from omron_ld90_sim.devices.battery import ChargeState
-from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.kinematics import SimPose, normalise
 from omron_ld90_sim.motion.places import docked_pose
 from omron_ld90_sim.motion.planner import Blocked, NoWay
 from omron_ld90_sim.motion.track import straight_track
@@ -23,18 +29,19 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
                        ChargeState.NOT)
 
 
-def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
+def go_to_goal(robot: SimRobot, goal: MapObject,
+               heading: Optional[float] = None) -> ScriptedActivity:
     """`goto`: leaves the dock first, drives to the goal, turns if the goal has a heading."""
     return _go(robot, goal.name, *_place(goal, heading), goal=True)
 
 
-def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
+def go_to_point(robot: SimRobot, x: float, y: float, heading: Optional[float]) -> ScriptedActivity:
     """`gotoPoint`."""
     return _go(robot, 'point', x, y, heading)
 
 
-def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
-        goal: bool = False) -> Activity:
+def _go(robot: SimRobot, name: str, x: float, y: float, heading: Optional[float],
+        goal: bool = False) -> ScriptedActivity:
     def script() -> Script:
         yield from leave_dock(robot)
         robot.status = robot.extended = f'Going to {name}'
@@ -43,10 +50,10 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
         robot.status = robot.extended = f'Arrived at {name}'
         robot.announce(f'Arrived at {name}')
 
-    return Activity(f'Going to {name}', f'Going to {name}', script(), (x, y), goal)
+    return ScriptedActivity(f'Going to {name}', f'Going to {name}', script(), (x, y), goal)
 
 
-def park(robot: Robot, goal: MapObject) -> Activity:
+def park(robot: SimRobot, goal: MapObject) -> ScriptedActivity:
     """Drives to a goal by the robot's own decision, and stays there."""
     def script() -> Script:
         yield from leave_dock(robot)
@@ -55,10 +62,10 @@ def park(robot: Robot, goal: MapObject) -> Activity:
         robot.status = robot.extended = 'Parked'
         robot.announce('Parked')
 
-    return Activity('Parking', 'Parking', script())
+    return ScriptedActivity('Parking', 'Parking', script())
 
 
-def pass_goal(robot: Robot, goal: MapObject) -> Script:
+def pass_goal(robot: SimRobot, goal: MapObject) -> Script:
     """Drives to a goal on the way; only the extended status shows it."""
     robot.extended = f'Going to {goal.name}'
     yield from _reach(robot, goal.name, *_place(goal))
@@ -71,35 +78,37 @@ def _place(goal: MapObject, heading: Optional[float] = None
     return goal.x, goal.y, heading
 
 
-def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Script:
+def _reach(robot: SimRobot, name: str, x: float, y: float, heading: Optional[float]) -> Script:
     failed = f'Failed going to {name}'
-    robot.last_goal = name
-    if name.lower() in robot.failing_goals:
+    robot.tasks.last_goal = name
+    if name.lower() in robot.quirks.failing_goals:
         yield 1.0
-        raise Failure('Failed going to goal', failed)
+        raise ActivityFailure('Failed going to goal', failed)
     yield from drive(robot, *_near(robot, x, y, heading), failed)
 
 
-def _near(robot: Robot, x: float, y: float, heading: Optional[float]
+def _near(robot: SimRobot, x: float, y: float, heading: Optional[float]
           ) -> Tuple[float, float, Optional[float]]:
     """The pose at which the robot stops for a goal: with an arrival error if there is room."""
-    distance, angle = robot.arrival_error
-    place = Pose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
+    distance, angle = robot.quirks.arrival_error
+    place = SimPose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
         robot.random.uniform(0.0, distance))
     turned = robot.random.uniform(-angle, angle)
     if robot.base.still and robot.true_pose.distance_to(x, y) <= distance:
         place = robot.true_pose     # already near enough
-    if robot.floor.clearance_of(place.x, place.y) < robot.planner.turn_clearance:
+    clearance = robot.navigation.floor.clearance_of(place.x, place.y)
+    if clearance < robot.navigation.planner.turn_clearance:
         return x, y, heading
     return place.x, place.y, heading if heading is None else normalise(heading + turned)
 
 
-def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
+def drive(robot: SimRobot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
     """Drives to a place, around obstacles."""
-    yield from _until_there(robot, x, y, heading, lambda: robot.set_course(x, y, heading), failed)
+    yield from _until_there(robot, x, y, heading,
+                            lambda: robot.executive.set_course(x, y, heading), failed)
 
 
-def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
+def _until_there(robot: SimRobot, x: float, y: float, heading: Optional[float],
                  set_off: Callable[[], None], failed: str) -> Script:
     """Sets off for a place until the robot is there; waits for obstacles for a limited time."""
     waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
@@ -111,7 +120,7 @@ def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
         except Blocked:
             pass
         except NoWay as reason:
-            raise Failure('Failed going to goal', failed) from reason
+            raise ActivityFailure('Failed going to goal', failed) from reason
         else:
             yield STANDING
             left = robot.true_pose.distance_to(x, y)
@@ -121,51 +130,51 @@ def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
             if left < nearest - PROGRESS:
                 waited, nearest = 0.0, left
         if waited >= BLOCKED_TIMEOUT:
-            raise Failure('Failed going to goal', failed)
+            raise ActivityFailure('Failed going to goal', failed)
         pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: two robots must not be in step
         yield pause
         waited += pause
 
 
-def _straight_to(robot: Robot, x: float, y: float) -> None:
+def _straight_to(robot: SimRobot, x: float, y: float) -> None:
     """Sets off slowly for a place that is straight ahead or behind."""
     here, limits = robot.true_pose, robot.base.limits
     distance = here.distance_to(x, y)
     if here.ahead(distance).distance_to(x, y) > distance:
         distance = -distance
     if abs(distance) >= ARRIVED_WITHIN:
-        robot.follow([straight_track(here, distance, limits, limits.docking_speed)])
+        robot.executive.follow([straight_track(here, distance, limits, limits.docking_speed)])
 
 
-def come_to_rest(robot: Robot) -> Script:
+def come_to_rest(robot: SimRobot) -> Script:
     """Brakes and waits until the robot stands."""
     if not robot.base.still:
         robot.base.brake()
         yield STANDING
 
 
-def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
+def leave_dock(robot: SimRobot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
     """Backs out of the dock if the robot is in it, with the charge states seen in transcripts."""
-    if robot.docking.state is DockingState.UNDOCKED:
+    if robot.docking.state is DockingPhase.UNDOCKED:
         return
     yield from come_to_rest(robot)
     robot.docking.update()
-    robot.docking.enter(DockingState.UNDOCKING, robot.docking.charge)
+    robot.docking.enter(DockingPhase.UNDOCKING, robot.docking.charge)
     robot.extended = 'Undocking'
     dock = nearest_dock(robot)
     if dock is not None:
         _straight_to(robot, dock.x, dock.y)
     for charge in wavering:
         yield SETTLE
-        robot.docking.enter(DockingState.UNDOCKING, charge)
+        robot.docking.enter(DockingPhase.UNDOCKING, charge)
     yield STANDING
     if dock is not None:
         yield from _until_there(robot, dock.x, dock.y, None,
                                 lambda: _straight_to(robot, dock.x, dock.y), 'Failed to undock')
-    robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+    robot.docking.enter(DockingPhase.UNDOCKED, ChargeState.NOT)
 
 
-def dock(robot: Robot, station: MapObject) -> Activity:
+def dock(robot: SimRobot, station: MapObject) -> ScriptedActivity:
     """`dock`: drives to the dock's pose, then into the station, and charges.
 
     If the robot misses the charger, it backs out and tries again. That is still one `dock`, with
@@ -177,45 +186,45 @@ def dock(robot: Robot, station: MapObject) -> Activity:
         yield from _until_there(robot, x, y, None, lambda: _straight_to(robot, x, y), failed)
 
     def drive_in() -> Script:
-        robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
-        robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
+        robot.docking.enter(DockingPhase.UNDOCKED, ChargeState.NOT)
+        robot.docking.enter(DockingPhase.DOCKING, ChargeState.NOT)
         yield from drive(robot, station.x, station.y, station.theta, failed)
         robot.extended = 'Driving into dock'
-        inside = docked_pose(robot.floor, station)
+        inside = docked_pose(robot.navigation.floor, station)
         yield from straight_to(inside.x, inside.y)
 
     def script() -> Script:
         yield from drive_in()
-        while robot.failing_docks > 0:
-            robot.failing_docks -= 1
-            robot.docking.enter(DockingState.UNDOCKING, ChargeState.NOT)
+        while robot.quirks.failing_docks > 0:
+            robot.quirks.failing_docks -= 1
+            robot.docking.enter(DockingPhase.UNDOCKING, ChargeState.NOT)
             yield from straight_to(station.x, station.y)
             yield from drive_in()
-        robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
+        robot.docking.enter(DockingPhase.DOCKING, ChargeState.BULK)
         yield SETTLE
         robot.docking.update()
         robot.docking.battery.docked()
-        robot.docking.enter(DockingState.DOCKED, ChargeState.BULK)
+        robot.docking.enter(DockingPhase.DOCKED, ChargeState.BULK)
         robot.extended = 'Docked'
 
-    return Activity(f'Going to dock at {station.name}', f'Going to dock at {station.name}',
-                    script())
+    return ScriptedActivity(f'Going to dock at {station.name}', f'Going to dock at {station.name}',
+                            script())
 
 
-def undock(robot: Robot) -> Activity:
+def undock(robot: SimRobot) -> ScriptedActivity:
     """`undock`: backs out; if the robot is not docked, it only sends the last three lines."""
     def script() -> Script:
-        if robot.docking.state is DockingState.UNDOCKED:
+        if robot.docking.state is DockingPhase.UNDOCKED:
             robot.announce(robot.docking.line)
         else:
             yield from leave_dock(robot, _WAVERING_ON_UNDOCK)
         yield AFTER_UNDOCKING
         robot.announce_stopping(at_least=AFTER_UNDOCKING)
 
-    return Activity('Undocking', 'Undocking', script())
+    return ScriptedActivity('Undocking', 'Undocking', script())
 
 
-def nearest_dock(robot: Robot) -> Optional[MapObject]:
+def nearest_dock(robot: SimRobot) -> Optional[MapObject]:
     """The dock nearest to the robot; None if the map has none."""
     pose, docks = robot.true_pose, robot.document.docks
     return min(docks, key=lambda d: pose.distance_to(d.x, d.y)) if docks else None

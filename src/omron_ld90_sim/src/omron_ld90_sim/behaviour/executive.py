@@ -1,14 +1,24 @@
 """The executive: carries out one activity at a time, and steps the base while it moves.
 
-An activity's script is a generator (`states.Activity`). It yields a number of seconds to wait, or
-`STANDING` to wait until the base stands.
+An activity's script is a generator (`states.ScriptedActivity`). It yields a number of seconds to
+wait, or `STANDING` to wait until the base stands.
+
+    event                             no activity       an activity runs
+    `run`                             it begins         the base brakes, and the new one begins
+    the wait is over; the base stands -                 the script goes on
+    the script ends                   -                 there is none
+    the script fails                  -                 there is none; the base brakes
+    `drop`                            -                 there is none; the base goes on
+
+Invariants: there is one script at most, and one wait of it. A script does not end itself from the
+inside: `outside` waits for its next pause.
 """
 from __future__ import annotations
 
 from typing import Callable, List, Optional
 
-from omron_ld90_sim.behaviour.states import Activity, Failure, Standing
-from omron_ld90_sim.clock import Clock, Timer
+from omron_ld90_sim.behaviour.states import ActivityFailure, ScriptedActivity, Standing
+from omron_ld90_sim.clock import SimClock, Timer
 from omron_ld90_sim.motion.base import STEP
 from omron_ld90_sim.motion.navigation import Navigation
 from omron_ld90_sim.motion.track import Manoeuvre
@@ -17,10 +27,10 @@ from omron_ld90_sim.motion.track import Manoeuvre
 class Executive:
     """Runs the activity of one robot on the clock."""
 
-    def __init__(self, clock: Clock, navigation: Navigation, stepping: Callable[[], None],
-                 failed: Callable[[Failure], None]) -> None:
+    def __init__(self, clock: SimClock, navigation: Navigation, stepping: Callable[[], None],
+                 failed: Callable[[ActivityFailure], None]) -> None:
         """`stepping` is called before every step of the base, `failed` when a script fails."""
-        self.activity: Optional[Activity] = None
+        self.activity: Optional[ScriptedActivity] = None
         self._clock, self._navigation, self._base = clock, navigation, navigation.base
         self._stepping, self._failed = stepping, failed
         self._step_timer: Optional[Timer] = None
@@ -31,7 +41,7 @@ class Executive:
 
     # -- activities --------------------------------------------------------------------------
 
-    def run(self, activity: Activity) -> None:
+    def run(self, activity: ScriptedActivity) -> None:
         """Begins an activity. The base brakes, unless the script sets a course at once."""
         if self._wait_timer is not None:
             self._wait_timer.cancel()
@@ -65,7 +75,7 @@ class Executive:
             request = next(activity.script)
         except StopIteration:
             self.activity = None
-        except Failure as failure:
+        except ActivityFailure as failure:
             self.activity = None
             self.brake()
             self._failed(failure)

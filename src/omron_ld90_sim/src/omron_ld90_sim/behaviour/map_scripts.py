@@ -9,19 +9,19 @@ from dataclasses import dataclass
 from typing import Dict, List, Tuple
 
 from omron_ld90_sim.behaviour import activities, tasks
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.behaviour.states import Activity, Failure, Script
-from omron_ld90_sim.behaviour.task import Task, find_goal, split_words
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.behaviour.states import ActivityFailure, Script, ScriptedActivity
+from omron_ld90_sim.behaviour.task import RobotTask, find_goal, split_words
 from omron_map import MapDocument
 
 
 @dataclass(frozen=True)
-class Route:
+class MapRoute:
     """A route: goals in order, and tasks to do at some of them."""
 
     name: str
     goals: Tuple[str, ...]
-    tasks: Dict[int, List[Task]]
+    tasks: Dict[int, List[RobotTask]]
 
 
 def _blocks(document: MapDocument, keyword: str, head: str) -> List[Tuple[str, List[List[str]]]]:
@@ -34,40 +34,40 @@ def _blocks(document: MapDocument, keyword: str, head: str) -> List[Tuple[str, L
         words = split_words(rest)
         if words[:1] == [head] and len(words) > 1:
             blocks.append((words[1], []))
-        elif words[:1] in (['Goal'], ['Task']) and blocks:
+        elif words[:1] in (['Goal'], ['RobotTask']) and blocks:
             blocks[-1][1].append([words[0], *words[1:]])
         else:
             blocks.append(('', []))     # another kind of block, to which the next lines belong
     return [block for block in blocks if block[0]]
 
 
-def _task(words: List[str]) -> Task:
-    return Task(words[0], ' '.join(f'"{w}"' if ' ' in w else w for w in words[1:]))
+def _task(words: List[str]) -> RobotTask:
+    return RobotTask(words[0], ' '.join(f'"{w}"' if ' ' in w else w for w in words[1:]))
 
 
-def routes(document: MapDocument) -> List[Route]:
+def routes(document: MapDocument) -> List[MapRoute]:
     """The map's routes that have a goal, in file order."""
     found = []
     for name, rows in _blocks(document, 'RouteInfo:', 'Route'):
         goals: List[str] = []
-        tasks: Dict[int, List[Task]] = {}
+        tasks: Dict[int, List[RobotTask]] = {}
         for kind, *words in rows:
             if kind == 'Goal' and words:
                 goals.append(words[0])
             elif words and goals:
                 tasks.setdefault(len(goals) - 1, []).append(_task(words))
         if goals:
-            found.append(Route(name, tuple(goals), tasks))
+            found.append(MapRoute(name, tuple(goals), tasks))
     return found
 
 
-def macros(document: MapDocument) -> Dict[str, List[Task]]:
+def macros(document: MapDocument) -> Dict[str, List[RobotTask]]:
     """The map's macros by name, in file order."""
     return {name: [_task(words) for kind, *words in rows if kind == 'Task' and words]
             for name, rows in _blocks(document, 'MacroInfo:', 'Macro')}
 
 
-def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
+def patrol(robot: SimRobot, route: MapRoute, once: bool, first: int = 0) -> ScriptedActivity:
     """`patrol` without end, or `patrolOnce` from the goal with index `first`.
 
     The goals on the way are not announced (ARCL manual I617-E-02 p. 161-166).
@@ -80,15 +80,16 @@ def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
         start = first
         while True:
             for index in range(start, len(route.goals)):
-                robot.patrol_places[route.name.lower()] = index
+                robot.tasks.patrol_places[route.name.lower()] = index
                 robot.status = text
                 goal = find_goal(robot.document, route.goals[index])
                 if goal is None:
-                    raise Failure('Failed going to goal', f'Failed going to {route.goals[index]}')
+                    raise ActivityFailure('Failed going to goal',
+                                          f'Failed going to {route.goals[index]}')
                 yield from activities.pass_goal(robot, goal)
                 for task in route.tasks.get(index, ()):
                     yield from tasks.script(robot, task)
-            robot.patrol_places.pop(route.name.lower(), None)
+            robot.tasks.patrol_places.pop(route.name.lower(), None)
             if once:
                 break
             start = 0
@@ -96,4 +97,4 @@ def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
         robot.status = robot.extended = f'Finished patrolling route {route.name}'
         robot.announce(robot.status)
 
-    return Activity(text, text, run())
+    return ScriptedActivity(text, text, run())

@@ -1,72 +1,114 @@
 """The robot: one body on one floor, with one activity at a time.
 
-It sends `Interrupted:` for an activity that another one replaces, keeps what forbids driving, and
-announces events to all clients through `announce`. Its `executive` carries out the activities.
+It sends `Interrupted:` for an activity that another one replaces, and announces events to all
+clients through `announce`. Its `executive` carries out the activities; its `permission` says
+whether it may drive. Events from outside and what follows from them:
+
+    event                        activity           status at rest         lines
+    another activity starts      replaced           its own                Interrupted
+    stop, a reason to block      ends, brakes       Stopped                Interrupted, Stopping,
+                                                                           Stopped
+    halt                         ends, brakes       Stopped                none
+    motors cut, button pressed   ends, brakes hard  words of the motors    words of the motors
+    motors enabled               none runs          Stopped                Motors enabled,
+                                                                           Stopping, Stopped
+    the script fails             ends, brakes       words of the failure   Error
+    the robot is lost            ends, brakes       Robot lost             Error: Robot lost
+
+Invariants: there is one activity at most; none runs while the motors are off. The robot is docking
+or undocking only while an activity runs.
 """
 from __future__ import annotations
 
 import random
-from typing import Callable, Dict, List, Optional, Set, Tuple
+from dataclasses import dataclass, field
+from typing import Callable, Dict, Optional, Set, Tuple
 
 import numpy as np
 
 from omron_ld90_sim.behaviour.docking import Docking
 from omron_ld90_sim.behaviour.executive import Executive
+from omron_ld90_sim.behaviour.permission import DrivePermission, PermissionChange
 from omron_ld90_sim.behaviour.state_times import StateTimes, WorkState
 from omron_ld90_sim.behaviour.states import (
-    Activity,
-    DockingState,
-    Failure,
+    ActivityFailure,
+    DockingPhase,
     InterruptedWords,
-    Motors,
+    MotorState,
+    ScriptedActivity,
 )
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.devices import laser
 from omron_ld90_sim.devices.battery import ChargeState
 from omron_ld90_sim.devices.equipment import Equipment
 from omron_ld90_sim.devices.localization import FOUND_WITHIN, Localization
-from omron_ld90_sim.devices.odometer import Odometer
+from omron_ld90_sim.devices.odometer import SimOdometer
 from omron_ld90_sim.devices.scanner import Scanner
 from omron_ld90_sim.motion.base import Base
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose, normalise
 from omron_ld90_sim.motion.navigation import Navigation
 from omron_ld90_sim.motion.places import docked_pose, start_places
-from omron_ld90_sim.motion.planner import Planner
-from omron_ld90_sim.motion.track import Manoeuvre
 from omron_map import MapDocument
 
 
-class Robot:
-    """One simulated LD-90 without its interface; lengths in mm, angles in degrees."""
+@dataclass
+class Quirks:
+    """How this robot differs from an ideal one.
 
-    def __init__(self, clock: Clock, document: MapDocument, floor: Floor, start: Optional[Pose],
-                 seed: int = 0, battery: float = 100.0,
+    arrival_error -- the largest error (mm, deg) with which it stops at a goal
+    failing_goals -- goals that it fails to reach, in lower case
+    failing_docks -- number of next drives into a dock that fail
+    stops_to_replace -- whether it says `Stopping` to replace a drive
+    speed_limit -- mm/s, of every drive
+    """
+
+    arrival_error: Tuple[float, float] = (0.0, 0.0)
+    failing_goals: Set[str] = field(default_factory=set)
+    failing_docks: int = 0
+    interrupted_words: InterruptedWords = InterruptedWords.NAME
+    stops_to_replace: bool = False
+    speed_limit: Optional[float] = None
+
+
+@dataclass
+class TaskState:
+    """What the robot knows of its tasks.
+
+    last_goal -- the goal of its last drive
+    waiting, pausing -- status text of a running wait task; whether a pause task runs
+    patrol_places -- by route in lower case: the index of the present goal
+    """
+
+    last_goal: str = ''
+    waiting: str = ''
+    pausing: bool = False
+    patrol_places: Dict[str, int] = field(default_factory=dict)
+
+
+class SimRobot:
+    """One simulated LD-90 without its interface; lengths in mm, angles in degrees.
+
+    It has many attributes because it puts the parts of a robot together: each is one part.
+    """
+
+    def __init__(self, clock: SimClock, document: MapDocument, floor: SimFloor,
+                 start: Optional[SimPose], seed: int = 0, battery: float = 100.0,
                  announce: Callable[[str], None] = lambda line: None,
                  arrival_error: Tuple[float, float] = (0.0, 0.0)) -> None:
-        """`arrival_error`: the largest error (mm, deg) with which the robot stops at a goal."""
         self.clock, self.announce = clock, announce
-        self.arrival_error = arrival_error
         self.random = random.Random(seed)
         self.scanner = Scanner(clock, seed)
-        self.motors = Motors.ENABLED
         self.status = self.extended = 'Stopped'
-        self.blocked_by: List[Tuple[str, str]] = []     # what forbids driving: kind and name
-        self.failing_goals: Set[str] = set()    # names in lower case
-        self.failing_docks = 0                  # number of next drives into a dock that fail
-        self.interrupted_words = InterruptedWords.NAME
-        self.stops_to_replace = False           # whether it says `Stopping` to replace a drive
-        self.speed_limit: Optional[float] = None    # mm/s, of every drive
-        self.last_goal = ''
-        self.waiting = ''                       # status text of a running wait task
-        self.pausing = False                    # whether a pause task runs
-        self.patrol_places: Dict[str, int] = {}     # route in lower case -> index of present goal
+        self.permission = DrivePermission(self._permission_changed)
+        self.quirks = Quirks(arrival_error)
+        self.tasks = TaskState()
         self.equipment = Equipment()
         self.localization = Localization(clock, seed)
         self.document = document
         self.base = Base(start or start_places(document, floor, [None])[0])
         self.docking = Docking(clock, self.base, battery, self._docking_changed)
-        self.odometer = Odometer(self.base, clock)
+        self.odometer = SimOdometer(self.base, clock)
         self.state_times = StateTimes(clock, self.base)
         self.navigation = Navigation(self.base, floor)
         self.executive = Executive(clock, self.navigation, self.docking.update, self._failed)
@@ -74,7 +116,7 @@ class Robot:
 
     # -- the world ---------------------------------------------------------------------------
 
-    def load_map(self, document: MapDocument, floor: Floor) -> None:
+    def load_map(self, document: MapDocument, floor: SimFloor) -> None:
         """Loads another map; the robot stays where it is."""
         self.document = document
         self.navigation.change_floor(floor)
@@ -83,7 +125,7 @@ class Robot:
         """Sets up a robot that starts in a dock: it is charged, or charges."""
         here = self.base.pose
         for dock in self.document.docks:
-            inside = docked_pose(self.floor, dock)
+            inside = docked_pose(self.navigation.floor, dock)
             if (here.distance_to(inside.x, inside.y) < 1.0
                     and abs(normalise(here.theta - inside.theta)) < 1.0):
                 self.docking.begin_docked()
@@ -91,64 +133,49 @@ class Robot:
                 self._at_rest()
 
     @property
-    def floor(self) -> Floor:
-        """The floor on which the robot drives."""
-        return self.navigation.floor
-
-    @property
-    def planner(self) -> Planner:
-        """The planner of its paths."""
-        return self.navigation.planner
-
-    @property
-    def true_pose(self) -> Pose:
+    def true_pose(self) -> SimPose:
         """The true pose of the body."""
         return self.base.pose
 
     @property
-    def pose(self) -> Pose:
+    def pose(self) -> SimPose:
         """The pose that the robot believes and reports."""
         return self.localization.believed(self.base.pose)
 
-    @property
-    def lost(self) -> bool:
-        """Whether the believed pose is wrong."""
-        return self.localization.lost
-
     def scan(self) -> np.ndarray:
         """One laser scan: hits (N, 2) in mm, in the frame of the believed pose."""
-        return self.scanner.scan(self.floor, self.true_pose, self.pose,
+        return self.scanner.scan(self.navigation.floor, self.true_pose, self.pose,
                                  self.navigation.outlines(laser.RANGE))
 
     def _docking_changed(self) -> None:
-        if self.docking.state is not DockingState.UNDOCKED:
+        if self.docking.state is not DockingPhase.UNDOCKED:
             self.status = self.docking.line
         self._note_state()
         self.announce(self.docking.line)
 
     def _note_state(self) -> None:
         """Updates the state whose times the data store counts."""
-        if self.motors in (Motors.ESTOP, Motors.RELIEVED):
+        if self.permission.motors in (MotorState.ESTOP, MotorState.RELIEVED):
             state: Optional[WorkState] = WorkState.IN_ESTOP
-        elif any(kind == 'fault' for kind, _ in self.blocked_by):
+        elif any(kind == 'fault' for kind, _ in self.permission.blocked_by):
             state = WorkState.IN_FAULT
         else:
-            state = {DockingState.DOCKING: WorkState.DOCKING,
-                     DockingState.DOCKED: WorkState.DOCKED}.get(self.docking.state)
+            state = {DockingPhase.DOCKING: WorkState.DOCKING,
+                     DockingPhase.DOCKED: WorkState.DOCKED}.get(self.docking.state)
         self.state_times.enter(state)
 
     # -- activities --------------------------------------------------------------------------
 
     @property
-    def activity(self) -> Optional[Activity]:
+    def activity(self) -> Optional[ScriptedActivity]:
         """The present activity, if any."""
         return self.executive.activity
 
-    def start(self, activity: Activity) -> None:
+    def start(self, activity: ScriptedActivity) -> None:
         """Replaces the activity. The base brakes, unless the new one sets a course at once."""
-        if self._interrupt() and self.stops_to_replace:
+        if self._interrupt() and self.quirks.stops_to_replace:
             self.announce('Stopping')
-        self.navigation.speed_limit = self.speed_limit
+        self.navigation.speed_limit = self.quirks.speed_limit
         self.status, self.extended = activity.status, activity.extended
         self.executive.run(activity)
 
@@ -156,7 +183,7 @@ class Robot:
         """Ends the activity; False if there is none."""
         interrupted = self.activity is not None
         if self.activity is not None:
-            line = self.activity.interrupted(self.interrupted_words)
+            line = self.activity.interrupted(self.quirks.interrupted_words)
             self._drop_activity()
             if line is not None:
                 self.announce(line)
@@ -167,21 +194,21 @@ class Robot:
         self._give_up_docking()
 
     def _give_up_docking(self) -> None:
-        if self.docking.state in (DockingState.DOCKING, DockingState.UNDOCKING):
-            self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        if self.docking.state in (DockingPhase.DOCKING, DockingPhase.UNDOCKING):
+            self.docking.enter(DockingPhase.UNDOCKED, ChargeState.NOT)
 
-    def _failed(self, failure: Failure) -> None:
+    def _failed(self, failure: ActivityFailure) -> None:
         self._give_up_docking()
         self.status = self.extended = failure.status
         self.announce(f'Error: {failure}')
 
     def _at_rest(self) -> None:
         """Sets the status of a robot without an activity."""
-        if self.motors is not Motors.ENABLED:
-            self.status = self.extended = self.motors.value
-        elif self.lost:
+        if self.permission.motors is not MotorState.ENABLED:
+            self.status = self.extended = self.permission.motors.value
+        elif self.localization.lost:
             self.status = self.extended = 'Robot lost'
-        elif self.docking.state is DockingState.DOCKED:
+        elif self.docking.state is DockingPhase.DOCKED:
             self.status, self.extended = self.docking.line, 'Docked'
         else:
             self.status = self.extended = 'Stopped'
@@ -208,95 +235,52 @@ class Robot:
         self.executive.brake()
         self._at_rest()
 
-    def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, like `Navigation.set_course`."""
-        self.executive.set_course(x, y, heading)
-
-    def follow(self, manoeuvres: List[Manoeuvre]) -> None:
-        """Makes the standing base carry out manoeuvres."""
-        self.executive.follow(manoeuvres)
-
-    # -- what forbids driving ------------------------------------------------------------------
+    # -- whether it may drive ------------------------------------------------------------------
 
     @property
     def can_drive(self) -> bool:
         """Motors on, localized and not blocked."""
-        return self.motors is Motors.ENABLED and not self.lost and not self.blocked_by
+        return self.permission.granted and not self.localization.lost
 
-    def block(self, kind: str, name: str) -> None:
-        """Forbids driving from now on, and cancels the activity."""
-        self.unblock(kind, name)
-        self.blocked_by.append((kind, name))
+    def _permission_changed(self, change: PermissionChange) -> None:
+        if change is PermissionChange.MOTORS_CUT:
+            self._drop_activity()
+            self.executive.brake(self.base.limits.emergency_deceleration)
         self._note_state()
-
-        def end() -> None:
-            if self.activity is not None:
-                self.stop()
-
-        self.executive.outside(end)
-
-    def unblock(self, kind: str, name: str) -> bool:
-        """Removes a reason that forbids driving; False if it did not exist."""
-        known = (kind, name) in self.blocked_by
-        if known:
-            self.blocked_by.remove((kind, name))
-            self._note_state()
-        return known
-
-    def press_estop(self) -> None:
-        """Presses the emergency stop button: motors off, the activity has ended."""
-        self.cut_motors(Motors.ESTOP)
-
-    def cut_motors(self, motors: Motors) -> None:
-        """Motors off: the activity has ended, and nothing is resumed."""
-        self._drop_activity()
-        self.executive.brake(self.base.limits.emergency_deceleration)
-        self._set_motors(motors)
-
-    def release_estop(self) -> None:
-        """Releases the button; the motors stay off."""
-        if self.motors is Motors.ESTOP:
-            self._set_motors(Motors.RELIEVED)
-
-    def _set_motors(self, motors: Motors) -> None:
-        self.motors = motors
-        self._note_state()
-        self._at_rest()
-        self.announce(motors.value)
-
-    def enable_motors(self) -> bool:
-        """Switches the motors on; False while the button is pressed."""
-        if self.motors is Motors.ESTOP:
-            return False
-        if self.motors is not Motors.ENABLED:
-            self.motors = Motors.ENABLED
-            self._note_state()
-            self.announce(Motors.ENABLED.value)
+        if change is PermissionChange.BLOCKED:
+            self.executive.outside(self._end_as_blocked)
+        elif change is not PermissionChange.UNBLOCKED:
+            self._at_rest()
+            self.announce(self.permission.motors.value)
+        if change is PermissionChange.MOTORS_ENABLED:
             self.announce_stopping()
-        return True
 
-    def push(self, pose: Pose) -> None:
+    def _end_as_blocked(self) -> None:
+        if self.activity is not None:
+            self.stop()
+
+    def push(self, pose: SimPose) -> None:
         """A person pushes the robot to `pose`, with the motors switched off.
 
         The robot stays localized.
         """
-        self.cut_motors(Motors.DISABLED)
-        if self.docking.state is not DockingState.UNDOCKED:
-            self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        self.permission.cut_motors()
+        if self.docking.state is not DockingPhase.UNDOCKED:
+            self.docking.enter(DockingPhase.UNDOCKED, ChargeState.NOT)
         self.base.put(pose)
         self._at_rest()
 
     # -- localization ------------------------------------------------------------------------
 
-    def localize(self, pose: Pose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
+    def localize(self, pose: SimPose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
         """Searches for itself around `pose`; the robot is lost if it is not there."""
         self.localization.search(pose, self.base.pose, spread)
-        if self.lost:
+        if self.localization.lost:
             self.executive.outside(self._end_as_lost)
         elif self.status == 'Robot lost':
             self._at_rest()
 
-    def lose(self, error: Pose) -> None:
+    def lose(self, error: SimPose) -> None:
         """Makes the believed pose wrong by `error`, and ends the activity."""
         self.localization.error = error
         self._end_as_lost()

@@ -4,7 +4,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Dict, Optional, Tuple
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.motion.base import Base
 
 Sum = Tuple[float, float]       # seconds, mm
@@ -22,7 +22,7 @@ class WorkState(Enum):
 class StateTimes:
     """Sums since the start and since the last trip reset; at most one state is active."""
 
-    def __init__(self, clock: Clock, base: Base) -> None:
+    def __init__(self, clock: SimClock, base: Base) -> None:
         self._clock, self._base = clock, base
         self._sums: Dict[WorkState, Sum] = dict.fromkeys(WorkState, (0.0, 0.0))
         self._state: Optional[WorkState] = None

@@ -6,7 +6,7 @@ from enum import Enum
 from typing import Generator, Optional, Tuple, Union
 
 
-class DockingState(Enum):
+class DockingPhase(Enum):
     """The DockingState field of a DockingState line."""
 
     UNDOCKED = 'Undocked'
@@ -15,7 +15,7 @@ class DockingState(Enum):
     UNDOCKING = 'Undocking'
 
 
-class Motors(Enum):
+class MotorState(Enum):
     """Whether the robot can drive, in the words of `queryMotors`."""
 
     ENABLED = 'Motors enabled'
@@ -32,7 +32,7 @@ class InterruptedWords(Enum):
     NOTHING = 'nothing'             # no such line is sent
 
 
-class Failure(Exception):
+class ActivityFailure(Exception):
     """An activity failed; carries the text of the `Error:` line and the status that remains."""
 
     def __init__(self, text: str, status: str) -> None:
@@ -49,7 +49,7 @@ Script = Generator[Union[float, Standing], None, None]
 
 
 @dataclass
-class Activity:
+class ScriptedActivity:
     """An activity of the robot."""
 
     status: str         # the Status text during the activity

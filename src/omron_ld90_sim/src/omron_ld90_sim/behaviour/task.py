@@ -24,7 +24,7 @@ class BadTask(ValueError):
 
 
 @dataclass(frozen=True)
-class Task:
+class RobotTask:
     """A task with its arguments, as typed."""
 
     name: str

@@ -9,9 +9,9 @@ from typing import Callable, Dict, List, NamedTuple
 
 from omron_ld90_sim.behaviour import activities
 from omron_ld90_sim.behaviour.instant_tasks import INSTANT
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.behaviour.states import STANDING, Activity, Failure, Script
-from omron_ld90_sim.behaviour.task import BadTask, Task, find_goal
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.behaviour.states import STANDING, ActivityFailure, Script, ScriptedActivity
+from omron_ld90_sim.behaviour.task import BadTask, RobotTask, find_goal
 from omron_ld90_sim.motion.kinematics import normalise
 from omron_ld90_sim.motion.track import Turn, straight_track
 
@@ -44,10 +44,10 @@ ARGUMENTS: Dict[str, Arguments] = {     # of tasks that need any; checked before
 }
 
 
-def parse(text: str) -> Task:
+def parse(text: str) -> RobotTask:
     """The task in `<task> <arguments>`; raises BadTask if there is none of that name."""
     name, _, rest = text.strip().partition(' ')
-    task = Task(name, rest.strip())
+    task = RobotTask(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
         raise BadTask(f"No task '{name}'")
     wanted = ARGUMENTS.get(name.lower(), Arguments(0))
@@ -59,7 +59,7 @@ def parse(text: str) -> Task:
     return task
 
 
-def script(robot: Robot, task: Task) -> Script:
+def script(robot: SimRobot, task: RobotTask) -> Script:
     """Carries out one task, instant or not."""
     if task.name.lower() in INSTANT:
         INSTANT[task.name.lower()](robot, task)
@@ -69,7 +69,7 @@ def script(robot: Robot, task: Task) -> Script:
 
 # -- the tasks -------------------------------------------------------------------------------
 
-def _move(robot: Robot, task: Task) -> Script:
+def _move(robot: SimRobot, task: RobotTask) -> Script:
     """`<mm> <mm/s> <front clearance> <side clearance> <s without progress before it fails>`."""
     left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), MINIMUM_SPEED)
     clearance, timeout = task.number(2, 200.0), task.number(4, 30.0)
@@ -80,19 +80,19 @@ def _move(robot: Robot, task: Task) -> Script:
         here = robot.true_pose
         leg = _free_leg(robot, left, clearance)
         if leg:
-            robot.follow([straight_track(here, leg, robot.base.limits, speed)])
+            robot.executive.follow([straight_track(here, leg, robot.base.limits, speed)])
             yield STANDING
         driven = here.distance_to(robot.true_pose.x, robot.true_pose.y)
         if driven >= 1.0:
             left, waited = left - math.copysign(driven, left), 0.0
         elif waited >= timeout:
-            raise Failure('Failed to move', 'Failed to move')
+            raise ActivityFailure('Failed to move', 'Failed to move')
         else:
             yield LOOK_AGAIN
             waited += LOOK_AGAIN
 
 
-def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
+def _free_leg(robot: SimRobot, distance: float, clearance: float) -> float:
     """The part of `distance` (mm, back when negative) that can be driven straight on.
 
     All of it, or up to `clearance` before the first obstacle.
@@ -101,7 +101,8 @@ def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
     wanted = math.copysign(min(abs(distance), LONGEST_LEG), distance)
 
     def is_free(leg: float) -> bool:
-        return robot.planner.straight_is_free(here, math.copysign(leg, wanted), obstacles)
+        return robot.navigation.planner.straight_is_free(
+            here, math.copysign(leg, wanted), obstacles)
 
     if is_free(abs(wanted)):
         return wanted
@@ -112,16 +113,16 @@ def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
     return math.copysign(max(free - max(clearance, 0.0), 0.0), wanted)
 
 
-def _turn(robot: Robot, turn: Callable[[], Turn]) -> Script:
+def _turn(robot: SimRobot, turn: Callable[[], Turn]) -> Script:
     yield from activities.come_to_rest(robot)
     yield from activities.leave_dock(robot)
-    if not robot.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
-        raise Failure('Failed to turn', 'Failed to turn')
-    robot.follow([turn()])
+    if not robot.navigation.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
+        raise ActivityFailure('Failed to turn', 'Failed to turn')
+    robot.executive.follow([turn()])
     yield STANDING
 
 
-def _delta_heading(robot: Robot, task: Task) -> Script:
+def _delta_heading(robot: SimRobot, task: RobotTask) -> Script:
     """`<deg, left positive> <deg/s>`; may be more than a whole turn."""
     limits, angle = robot.base.limits, task.number(0)
     wanted = abs(task.number(1, limits.goal_rotation))
@@ -129,64 +130,64 @@ def _delta_heading(robot: Robot, task: Task) -> Script:
     yield from _turn(robot, lambda: Turn(normalise(robot.true_pose.theta + angle), rate, angle))
 
 
-def _set_heading(robot: Robot, task: Task) -> Script:
+def _set_heading(robot: SimRobot, task: RobotTask) -> Script:
     """`<deg>`; turns in the shorter direction."""
     yield from _turn(robot, lambda: Turn(normalise(task.number(0)),
                                          robot.base.limits.goal_rotation))
 
 
-def _go_to_point(robot: Robot, task: Task) -> Script:
+def _go_to_point(robot: SimRobot, task: RobotTask) -> Script:
     heading = normalise(task.number(2)) if len(task.words) > 2 else None
     yield from activities.go_to_point(robot, task.number(0), task.number(1), heading).script
 
 
-def _go_to_goal(robot: Robot, task: Task) -> Script:
+def _go_to_goal(robot: SimRobot, task: RobotTask) -> Script:
     goal = find_goal(robot.document, task.words[0])
     if goal is None:
-        raise Failure('Failed going to goal', f'Failed going to {task.rest}')
+        raise ActivityFailure('Failed going to goal', f'Failed going to {task.rest}')
     yield from activities.go_to_goal(robot, goal).script
 
 
-def _wait(robot: Robot, task: Task) -> Script:
+def _wait(robot: SimRobot, task: RobotTask) -> Script:
     seconds = max(task.number(0), 0.0)
-    robot.waiting = ''.join(task.words[1:2]) or 'Waiting'
-    robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.waiting}"')
+    robot.tasks.waiting = ''.join(task.words[1:2]) or 'Waiting'
+    robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.tasks.waiting}"')
     try:
         end = robot.clock.now + seconds
-        while robot.clock.now < end and robot.waiting:
+        while robot.clock.now < end and robot.tasks.waiting:
             yield max(min(end - robot.clock.now, 0.1), 0.001)
-        robot.announce('WaitState: Waiting completed' if robot.waiting
+        robot.announce('WaitState: Waiting completed' if robot.tasks.waiting
                        else 'WaitState: Waiting cancelled')
     except GeneratorExit:
         robot.announce('WaitState: Waiting interrupted')
         raise
     finally:
-        robot.waiting = ''
+        robot.tasks.waiting = ''
 
 
-def _pause(robot: Robot, task: Task) -> Script:
-    robot.pausing = True
+def _pause(robot: SimRobot, task: RobotTask) -> Script:
+    robot.tasks.pausing = True
     robot.announce('PauseTask: pausing')
     try:
-        while robot.pausing:
+        while robot.tasks.pausing:
             yield 0.1
         robot.announce('PauseTask: cancelled')
     except GeneratorExit:
         robot.announce('PauseTask: interrupted')
         raise
     finally:
-        robot.pausing = False
+        robot.tasks.pausing = False
 
 
-def _say(robot: Robot, task: Task) -> Script:
+def _say(robot: SimRobot, task: RobotTask) -> Script:
     yield len(task.rest) / SPEECH
 
 
-def _play(robot: Robot, task: Task) -> Script:
+def _play(robot: SimRobot, task: RobotTask) -> Script:
     yield SOUND
 
 
-SCRIPTS: Dict[str, Callable[[Robot, Task], Script]] = {
+SCRIPTS: Dict[str, Callable[[SimRobot, RobotTask], Script]] = {
     'move': _move, 'deltaheading': _delta_heading, 'setheading': _set_heading,
     'gotopoint': _go_to_point, 'goto': _go_to_goal, 'wait': _wait, 'pause': _pause,
     'say': _say, 'play': _play,
@@ -195,7 +196,7 @@ SCRIPTS: Dict[str, Callable[[Robot, Task], Script]] = {
 
 # -- activities made of tasks ----------------------------------------------------------------
 
-def single(robot: Robot, task: Task) -> Activity:
+def single(robot: SimRobot, task: RobotTask) -> ScriptedActivity:
     """`doTask`."""
     def run() -> Script:
         robot.announce(f'Doing task {task}')
@@ -203,25 +204,26 @@ def single(robot: Robot, task: Task) -> Activity:
         robot.status = robot.extended = f'Completed doing task {task}'
         robot.announce(robot.status)
 
-    return Activity(f'Doing task {task}', f'Doing task {task}', run())
+    return ScriptedActivity(f'Doing task {task}', f'Doing task {task}', run())
 
 
-def macro(robot: Robot, name: str, tasks: List[Task]) -> Activity:
+def macro(robot: SimRobot, name: str, tasks: List[RobotTask]) -> ScriptedActivity:
     """`executeMacro`."""
     def run() -> Script:
         robot.announce(f'Executing macro {name}')
         try:
             for task in tasks:
                 yield from script(robot, task)
-        except Failure as failure:      # the status of a failed macro is the line of the event
-            raise Failure(str(failure), f'Error: {failure}') from failure
+        except ActivityFailure as failure:
+            # the status of a failed macro is the line of the event
+            raise ActivityFailure(str(failure), f'Error: {failure}') from failure
         robot.status = robot.extended = f'Completed macro {name}'
         robot.announce(robot.status)
 
-    return Activity(f'Executing macro {name}', f'Executing macro {name}', run())
+    return ScriptedActivity(f'Executing macro {name}', f'Executing macro {name}', run())
 
 
-def task_list(robot: Robot, tasks: List[Task]) -> Activity:
+def task_list(robot: SimRobot, tasks: List[RobotTask]) -> ScriptedActivity:
     """`listExecute`."""
     def run() -> Script:
         robot.announce('Executing list')
@@ -230,4 +232,4 @@ def task_list(robot: Robot, tasks: List[Task]) -> Activity:
         robot.status = robot.extended = 'Successfully finished task list'
         robot.announce(robot.status)
 
-    return Activity('Executing list', 'Executing list', run())
+    return ScriptedActivity('Executing list', 'Executing list', run())

@@ -21,7 +21,7 @@ class ChargeState(Enum):
     FLOAT = 'Float'
 
 
-class Battery:
+class SimBattery:
     """State of charge over time."""
 
     def __init__(self, percent: float) -> None:

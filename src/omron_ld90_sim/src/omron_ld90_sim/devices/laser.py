@@ -11,8 +11,8 @@ from typing import Sequence
 
 import numpy as np
 
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 
 FIELD_OF_VIEW = 240.0   # deg
 RANGE = 15000.0         # mm
@@ -21,7 +21,7 @@ STEPS_AT_ONCE = 8       # steps of a ray between two checks which rays have ende
 _ANGLES = np.radians(np.linspace(-FIELD_OF_VIEW / 2, FIELD_OF_VIEW / 2, RAYS))
 
 
-def scan(floor: Floor, pose: Pose, others: Sequence[np.ndarray] = ()) -> np.ndarray:
+def scan(floor: SimFloor, pose: SimPose, others: Sequence[np.ndarray] = ()) -> np.ndarray:
     """Ranges (mm) of the 455 rays from right to left; inf if there is no hit within 15 m.
 
     `others`: outlines of further obstacles, as arrays (K, N, 2) of K obstacles with N corners each,
@@ -37,7 +37,7 @@ def scan(floor: Floor, pose: Pose, others: Sequence[np.ndarray] = ()) -> np.ndar
     return ranges
 
 
-def points(pose: Pose, ranges: np.ndarray) -> np.ndarray:
+def points(pose: SimPose, ranges: np.ndarray) -> np.ndarray:
     """Hits (N, 2) in mm, map frame, for ranges measured at `pose`."""
     hit = np.isfinite(ranges)
     angles = _ANGLES[hit] + np.radians(pose.theta)
@@ -45,7 +45,7 @@ def points(pose: Pose, ranges: np.ndarray) -> np.ndarray:
                                                                             np.sin(angles)])
 
 
-def _march(floor: Floor, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def _march(floor: SimFloor, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
     field, cell = floor.sight.ravel(), floor.resolution
     rows, columns = floor.sight.shape
     ranges = np.full(len(direction), np.inf)

@@ -3,21 +3,21 @@ from __future__ import annotations
 
 from typing import Tuple
 
-from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.clock import SimClock
+from omron_ld90_sim.motion.kinematics import SimPose, normalise
 from omron_ld90_sim.motion.noise import noise
 
 FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: largest error of a search's start that still succeeds
 SCORE_FOUND, SCORE_LOST = 0.87, 0.06
 SCORE_NOISE = 0.012             # standard deviation
 
-_NO_ERROR = Pose(0.0, 0.0, 0.0)
+_NO_ERROR = SimPose(0.0, 0.0, 0.0)
 
 
 class Localization:
     """The believed pose of one robot: the true pose, or wrong by `error` while it is lost."""
 
-    def __init__(self, clock: Clock, seed: int) -> None:
+    def __init__(self, clock: SimClock, seed: int) -> None:
         self.error = _NO_ERROR
         self._clock, self._seed = clock, seed
 
@@ -26,19 +26,19 @@ class Localization:
         """Whether the believed pose is wrong."""
         return self.error != _NO_ERROR
 
-    def believed(self, true: Pose) -> Pose:
+    def believed(self, true: SimPose) -> SimPose:
         """The believed pose of a robot whose true pose is `true`."""
-        return Pose(true.x + self.error.x, true.y + self.error.y,
-                    normalise(true.theta + self.error.theta))
+        return SimPose(true.x + self.error.x, true.y + self.error.y,
+                       normalise(true.theta + self.error.theta))
 
-    def search(self, around: Pose, true: Pose, spread: Tuple[float, float]) -> None:
+    def search(self, around: SimPose, true: SimPose, spread: Tuple[float, float]) -> None:
         """Searches within `spread` (mm, deg) of a pose; the robot is lost if it is not there."""
         off = true.distance_to(around.x, around.y)
         turned = normalise(around.theta - true.theta)
         if off <= spread[0] and abs(turned) <= spread[1]:
             self.error = _NO_ERROR
         else:
-            self.error = Pose(around.x - true.x, around.y - true.y, turned)
+            self.error = SimPose(around.x - true.x, around.y - true.y, turned)
 
     @property
     def score(self) -> float:

@@ -3,14 +3,14 @@ from __future__ import annotations
 
 from typing import Tuple
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.motion.base import Base
 
 
-class Odometer:
+class SimOdometer:
     """Distance, rotation and time since its last reset."""
 
-    def __init__(self, base: Base, clock: Clock) -> None:
+    def __init__(self, base: Base, clock: SimClock) -> None:
         self._base, self._clock = base, clock
         self.reset()
 

@@ -6,10 +6,10 @@ from typing import Deque, Sequence, Tuple
 
 import numpy as np
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.devices import laser
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.noise import noise
 
 NOISE = 6.0             # mm, standard deviation along the ray
@@ -21,11 +21,11 @@ KEPT_POINTS = 200       # the most that are reported
 class Scanner:
     """The range device `Laser_1`."""
 
-    def __init__(self, clock: Clock, seed: int) -> None:
+    def __init__(self, clock: SimClock, seed: int) -> None:
         self._clock, self._seed = clock, seed
         self._kept: Deque[Tuple[float, np.ndarray]] = deque()
 
-    def scan(self, floor: Floor, true: Pose, believed: Pose,
+    def scan(self, floor: SimFloor, true: SimPose, believed: SimPose,
              others: Sequence[np.ndarray]) -> np.ndarray:
         """Hits (N, 2) in mm of one scan from `true`, in the frame of the believed pose."""
         ranges = laser.scan(floor, true, others)
@@ -36,7 +36,7 @@ class Scanner:
             self._kept.popleft()
         return hits
 
-    def cumulative(self, around: Pose) -> np.ndarray:
+    def cumulative(self, around: SimPose) -> np.ndarray:
         """The points (N, 2) near `around` that were seen recently."""
         seen = np.concatenate([hits for _, hits in self._kept])
         near = np.hypot(*(seen - [around.x, around.y]).T) <= KEPT_WITHIN

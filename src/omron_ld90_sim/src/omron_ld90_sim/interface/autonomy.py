@@ -6,7 +6,7 @@ ARCL connection setup` of the configuration switch them on.
 from __future__ import annotations
 
 from omron_ld90_sim.behaviour import activities
-from omron_ld90_sim.behaviour.states import DockingState
+from omron_ld90_sim.behaviour.states import DockingPhase
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.devices.battery import ChargeState
 from omron_ld90_sim.interface.configuration_table import DOCKING, OUTGOING
@@ -29,16 +29,16 @@ class Autonomy:
         self._warn_from = 0.0
         self._idle_since = server.clock.now
         self._docked_by_itself = False
-        Ticker(server.clock, PERIOD, self._look)
+        Ticker(server.clock, PERIOD, self._decide)
 
-    def _look(self) -> None:
+    def _decide(self) -> None:
         robot = self._robot
         if not self._server.online:
             return
         if robot.activity is not None or not robot.base.still:
             self._idle_since = self._server.clock.now
         self._need_link()
-        if robot.docking.state is DockingState.DOCKED:
+        if robot.docking.state is DockingPhase.DOCKED:
             self._leave_when_full()
         elif robot.docking.percent <= 0.0:
             self._give_out()
@@ -82,7 +82,7 @@ class Autonomy:
         required = self._server.configuration.flag(OUTGOING, 'RequireConnectionToPathPlan')
         linked = any(session.outgoing for session in self._server.sessions)
         if required and not linked:
-            if NO_LINK not in self._robot.blocked_by:
-                self._robot.block(*NO_LINK)
+            if NO_LINK not in self._robot.permission.blocked_by:
+                self._robot.permission.block(*NO_LINK)
         else:
-            self._robot.unblock(*NO_LINK)
+            self._robot.permission.unblock(*NO_LINK)

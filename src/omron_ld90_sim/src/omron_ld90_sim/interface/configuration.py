@@ -16,7 +16,7 @@ _BOUNDS = {WHOLE: ('-2147483648', '2147483647'), REAL: ('-inf', 'inf')}
 
 
 @dataclass
-class Parameter:
+class ConfigParameter:
     """One value and its description for `getConfigSectionInfo`; a bound of None is open."""
 
     name: str
@@ -56,22 +56,22 @@ class Parameter:
 
 
 @dataclass
-class Section:
+class ConfigSection:
     """A named group of parameters."""
 
     comment: str
-    parameters: List[Parameter] = field(default_factory=list)
+    parameters: List[ConfigParameter] = field(default_factory=list)
     flags: str = ''
 
-    def find(self, name: str) -> Optional[Parameter]:
+    def find(self, name: str) -> Optional[ConfigParameter]:
         """The parameter with this name; case matters."""
         return next((p for p in self.parameters if p.name == name), None)
 
 
-class Configuration:
+class RobotConfiguration:
     """All sections, and the pending import."""
 
-    def __init__(self, sections: Dict[str, Section]) -> None:
+    def __init__(self, sections: Dict[str, ConfigSection]) -> None:
         self.sections = sections
         self._import: Optional[List[Tuple[str, str]]] = None
 

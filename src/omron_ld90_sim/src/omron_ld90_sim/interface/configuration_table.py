@@ -15,9 +15,9 @@ from omron_ld90_sim.interface.configuration import (
     REAL,
     TEXT,
     WHOLE,
-    Configuration,
-    Parameter,
-    Section,
+    ConfigParameter,
+    ConfigSection,
+    RobotConfiguration,
 )
 from omron_ld90_sim.motion.floor import PLANNING_PITCH
 from omron_ld90_sim.motion.kinematics import LD90_LIMITS
@@ -39,32 +39,32 @@ SECTIONS = (
     'Triangle Drive To', 'Robot Type', 'Absolute Movement Maximums', 'Payload',
     'MARC Configuration', 'Custom Enterprise Queuing Tasks', FLEET,
 )
-_normal = partial(Parameter, priority='Normal')
-_detailed = partial(Parameter, priority='Detailed')
+_normal = partial(ConfigParameter, priority='Normal')
+_detailed = partial(ConfigParameter, priority='Detailed')
 
 
-def default_configuration() -> Configuration:
+def default_configuration() -> RobotConfiguration:
     """A robot's configuration before any change."""
     known = _known()
-    return Configuration({name: known.get(name, Section('')) for name in SECTIONS})
+    return RobotConfiguration({name: known.get(name, ConfigSection('')) for name in SECTIONS})
 
 
-def _known() -> Dict[str, Section]:
+def _known() -> Dict[str, ConfigSection]:
     return {
-        'Log Config': Section('What the robot logs', [
+        'Log Config': ConfigSection('What the robot logs', [
             _detailed('MaxSingleFileSizeMegs', REAL, '50', 'MB of one log file, 0 is any', 0.0),
             _detailed('LogTotalMaxMegs', REAL, '300', 'MB of all log files', 0.0),
             _detailed('LogTotalNumFiles', WHOLE, '0', 'Log files kept, 0 is all', 0),
             _detailed('Level', TEXT, 'Normal', 'How much is logged',
                       hint='Choices:Terse;;Normal;;Verbose')]),
-        SERVER: Section('The ARCL server', [
-            Parameter('ArclConfig', FLAG, 'true', 'Whether ARCL may read and change this',
-                      priority='Expert'),
-            Parameter('SessionTimeoutMins', REAL, '-1',
-                      'Minutes of silence after which a client is dropped, -1 is off')]),
-        OUTGOING_COMMANDS: Section('Setup of commands that can be automatically sent on the '
-                                   'Outgoing ARCL connection.', _command_lists()),
-        OUTGOING: Section('The connection that the robot opens', [
+        SERVER: ConfigSection('The ARCL server', [
+            ConfigParameter('ArclConfig', FLAG, 'true', 'Whether ARCL may read and change this',
+                            priority='Expert'),
+            ConfigParameter('SessionTimeoutMins', REAL, '-1',
+                            'Minutes of silence after which a client is dropped, -1 is off')]),
+        OUTGOING_COMMANDS: ConfigSection('Setup of commands that can be automatically sent on the '
+                                         'Outgoing ARCL connection.', _command_lists()),
+        OUTGOING: ConfigSection('The connection that the robot opens', [
             _detailed('OutgoingHostname', TEXT, '', 'Where to connect to, empty is off'),
             _detailed('OutgoingPort', WHOLE, '0', 'Port to connect to, 0 is off', 0, 65535),
             _detailed('OutgoingSocketTimeoutInMins', REAL, '-1',
@@ -73,28 +73,28 @@ def _known() -> Dict[str, Section]:
                       'Milliseconds between two status lines, 0 is off', 0),
             _detailed('RequireConnectionToPathPlan', FLAG, 'false',
                       'Whether the robot drives only while connected')]),
-        DOCKING: Section('When the robot docks by itself', [
+        DOCKING: ConfigSection('When the robot docks by itself', [
             _normal('AutoDock', FLAG, 'false', 'Whether the robot docks by itself'),
             _normal('AutoDockStateOfCharge', REAL, '25', 'Percent below which it docks', 0, 100),
             _normal('AutoDockIdleTime', REAL, '15', 'Idle minutes after which it docks', 0)]),
-        FILES: Section('The files the robot uses', [
+        FILES: ConfigSection('The files the robot uses', [
             _normal('Map', TEXT, '', 'The map the robot drives on')]),
-        'Path Planning Settings': Section('How the robot plans its way', [
+        'Path Planning Settings': ConfigSection('How the robot plans its way', [
             _detailed('MaxSpeed', REAL, f'{LD90_LIMITS.speed:g}', 'Speed on a path (mm/s)'),
             _detailed('MaxRotSpeed', REAL, f'{LD90_LIMITS.path_rotation:g}',
                       'Rotation on a path (deg/s)'),
             _detailed('PlanRes', REAL, f'{PLANNING_PITCH:g}',
                       'Cells of the grid that ways are planned on (mm)', 1.0)]),
-        FLEET: Section('The fleet manager, which this robot has none of', [
-            Parameter('Identifier', TEXT, 'robot', 'What the robot is called',
-                      priority='Calibration'),
+        FLEET: ConfigSection('The fleet manager, which this robot has none of', [
+            ConfigParameter('Identifier', TEXT, 'robot', 'What the robot is called',
+                            priority='Calibration'),
             _detailed('ConnectToEnterpriseManager', FLAG, 'false', 'Always false')]),
     }
 
 
-def _command_lists() -> List[Parameter]:
+def _command_lists() -> List[ConfigParameter]:
     """Texts and priorities as in I617-E-02 p. 105."""
-    advanced = partial(Parameter, priority='Advanced')
+    advanced = partial(ConfigParameter, priority='Advanced')
     lists = [advanced('LogOutgoingCommands', FLAG, 'false',
                       'Log the commands sent on the Outgoing ARCL connection.')]
     for n in LISTS:

@@ -13,7 +13,7 @@ from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.transport import RECONNECT, PortTaken
 
 
-class ControlServer:
+class SimControlServer:
     """A line protocol on loopback.
 
     A line is a fault or `speed FACTOR`, answered with `ok` or `error: <sentence>`; or it is

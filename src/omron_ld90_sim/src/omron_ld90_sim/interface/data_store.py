@@ -13,10 +13,10 @@ import time
 from dataclasses import dataclass
 from typing import Callable, Dict, List, Tuple
 
-from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.robot import SimRobot
 from omron_ld90_sim.behaviour.state_times import StateTimes, Sum, WorkState
 from omron_ld90_sim.devices.battery import ChargeState
-from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.kinematics import SimPose, normalise
 
 DATE = '%a %b %d %H:%M:%S %Y'
 DOUBLE, LONG, TEXT = 'Double', 'Long long', 'String'
@@ -34,7 +34,7 @@ STATES = (('DropOffDriving', True), ('PickupDriving', True), ('Parking', True), 
 
 
 @dataclass(frozen=True)
-class Field:
+class StoredValue:
     """One value of the data store."""
 
     name: str
@@ -62,14 +62,14 @@ class Group:
     name: str
     description: str
     category: str
-    fields: Tuple[Field, ...]
+    fields: Tuple[StoredValue, ...]
     trip: bool = False      # whether a trip reset affects it
 
 
 class DataStore:
     """The data store of one robot."""
 
-    def __init__(self, robot: Robot, wall_time: Callable[[], time.struct_time]) -> None:
+    def __init__(self, robot: SimRobot, wall_time: Callable[[], time.struct_time]) -> None:
         self.robot, self.wall_time = robot, wall_time
         self.trip_start = wall_time()
         self._encoder_zero = robot.true_pose
@@ -79,7 +79,7 @@ class DataStore:
         """The robot's times in each state."""
         return self.robot.state_times
 
-    def reset_trip(self) -> List[Field]:
+    def reset_trip(self) -> List[StoredValue]:
         """Restarts the trip's fields and returns them; dates are not counters."""
         self.times.reset_trip()
         self.trip_start = self.wall_time()
@@ -87,12 +87,12 @@ class DataStore:
                 if group.trip and field.name.startswith('Trip')]
 
     @property
-    def encoder_pose(self) -> Pose:
+    def encoder_pose(self) -> SimPose:
         """The pose that the wheels measure, relative to the pose at the start."""
         zero, here = self._encoder_zero, self.robot.true_pose
         turn = complex(math.cos(math.radians(zero.theta)), -math.sin(math.radians(zero.theta)))
         place = complex(here.x - zero.x, here.y - zero.y) * turn
-        return Pose(place.real, place.imag, normalise(here.theta - zero.theta))
+        return SimPose(place.real, place.imag, normalise(here.theta - zero.theta))
 
     def speed(self) -> float:
         """mm/s, negative when driving backwards."""
@@ -100,13 +100,14 @@ class DataStore:
         return -base.speed if base.track is not None and base.track.reverse else base.speed
 
 
-def _counts(names: Tuple[str, ...], trip: str = '') -> Tuple[Field, ...]:
+def _counts(names: Tuple[str, ...], trip: str = '') -> Tuple[StoredValue, ...]:
     """Counters of jobs; they stay 0, because a robot without a fleet manager gets no jobs."""
-    return tuple(Field(f'{trip}{name}', LONG, f'{name}, of the fleet manager\'s jobs', lambda _: 0)
-                 for name in names)
+    return tuple(StoredValue(f'{trip}{name}', LONG, f'{name}, of the fleet manager\'s jobs',
+                             lambda _: 0) for name in names)
 
 
-def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]) -> Tuple[Field, ...]:
+def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]
+                  ) -> Tuple[StoredValue, ...]:
     """Hours, and metres if they are counted, of every state of the manual's list."""
     counted: Dict[str, WorkState] = {state.value: state for state in WorkState}
 
@@ -120,70 +121,71 @@ def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]) -> Tu
 
     fields = []
     for name, driving in STATES:
-        fields.append(Field(f'{trip}{name}Time', DOUBLE, f'Time in state {name} (hours)',
-                            hours(name)))
+        fields.append(StoredValue(f'{trip}{name}Time', DOUBLE, f'Time in state {name} (hours)',
+                                  hours(name)))
         if driving:
-            fields.append(Field(f'{trip}{name}Distance', DOUBLE, f'Way in state {name} (m)',
-                                metres(name)))
+            fields.append(StoredValue(f'{trip}{name}Distance', DOUBLE, f'Way in state {name} (m)',
+                                      metres(name)))
     return tuple(fields)
 
 
-def _pose_fields(names: str, pose: Callable[[DataStore], Pose]) -> Tuple[Field, ...]:
+def _pose_fields(names: str, pose: Callable[[DataStore], SimPose]) -> Tuple[StoredValue, ...]:
     """X and Y (mm) and Th (deg); `names` has a `*` in place of these."""
     x, y, theta = (names.replace('*', axis) for axis in ('X', 'Y', 'Th'))
-    return (Field(x, LONG, 'X (mm)', lambda store: round(pose(store).x), ANY_SIGN),
-            Field(y, LONG, 'Y (mm)', lambda store: round(pose(store).y), ANY_SIGN),
-            Field(theta, DOUBLE, 'Heading (deg)', lambda store: pose(store).theta, '-180 180'))
+    return (StoredValue(x, LONG, 'X (mm)', lambda store: round(pose(store).x), ANY_SIGN),
+            StoredValue(y, LONG, 'Y (mm)', lambda store: round(pose(store).y), ANY_SIGN),
+            StoredValue(theta, DOUBLE, 'Heading (deg)', lambda store: pose(store).theta,
+                        '-180 180'))
 
 
-def _robot_pose(store: DataStore) -> Pose:
+def _robot_pose(store: DataStore) -> SimPose:
     return store.robot.pose
 
 
-def _encoder_pose(store: DataStore) -> Pose:
+def _encoder_pose(store: DataStore) -> SimPose:
     return store.encoder_pose
 
 
 _GROUPS = (
     Group('BatteryStateOfCharge', 'State of charge of the battery', 'Robot', (
-        Field('BatteryStateOfCharge', DOUBLE, 'State of charge (percent)',
-              lambda store: store.robot.docking.percent),)),
+        StoredValue('BatteryStateOfCharge', DOUBLE, 'State of charge (percent)',
+                    lambda store: store.robot.docking.percent),)),
     Group('ChargingInfo', 'State of the charger', 'Robot', (
-        Field('RobotChargeState', TEXT, 'Phase of charging',
-              lambda store: store.robot.docking.charge.value),
-        Field('RobotChargeStateNumber', LONG, 'Phase of charging as a number',
-              lambda store: CHARGE_NUMBERS[store.robot.docking.charge]))),
+        StoredValue('RobotChargeState', TEXT, 'Phase of charging',
+                    lambda store: store.robot.docking.charge.value),
+        StoredValue('RobotChargeStateNumber', LONG, 'Phase of charging as a number',
+                    lambda store: CHARGE_NUMBERS[store.robot.docking.charge]))),
     Group('DateAndTime', 'Date and time', 'Time', (
-        Field('DateAndTime', TEXT, 'Date and time',
-              lambda store: time.strftime(DATE, store.wall_time())),)),
+        StoredValue('DateAndTime', TEXT, 'Date and time',
+                    lambda store: time.strftime(DATE, store.wall_time())),)),
     Group('EncoderPose', 'Pose from the wheels', 'Robot',
           _pose_fields('Encoder*', _encoder_pose)),
     Group('EncoderPoseInterpolated', 'Pose from the wheels, now', 'Robot',
           _pose_fields('EncoderPoseInterpolated_*', _encoder_pose)),
     Group('JobCounts', 'Counts of jobs', 'Queuing Statistics', _counts(JOB_COUNTS)),
     Group('LaserLocalization', 'Localization with the laser', 'Robot', (
-        Field('LaserLocalizationScore', LONG, 'Localization score (percent)',
-              lambda store: round(store.robot.localization.score * 100.0), '0 100'),)),
+        StoredValue('LaserLocalizationScore', LONG, 'Localization score (percent)',
+                    lambda store: round(store.robot.localization.score * 100.0), '0 100'),)),
     Group('LastTripReset', 'The last trip reset', 'Time', (
-        Field('SecsSinceLastTripReset', LONG, 'Seconds since the last trip reset',
-              lambda store: int(store.times.trip_seconds)),
-        Field('DateAndTimeOfLastTripReset', TEXT, 'Date and time of the last trip reset',
-              lambda store: time.strftime(DATE, store.trip_start))), trip=True),
+        StoredValue('SecsSinceLastTripReset', LONG, 'Seconds since the last trip reset',
+                    lambda store: int(store.times.trip_seconds)),
+        StoredValue('DateAndTimeOfLastTripReset', TEXT, 'Date and time of the last trip reset',
+                    lambda store: time.strftime(DATE, store.trip_start))), trip=True),
     Group('ModeInfo', 'What the robot is doing', 'Robot', (
-        Field('ModeStatus', TEXT, 'Status of the present mode',
-              lambda store: store.robot.status),)),
+        StoredValue('ModeStatus', TEXT, 'Status of the present mode',
+                    lambda store: store.robot.status),)),
     Group('Path_Planning', 'Path planning', 'Robot', (
-        Field('Distance_to_goal', DOUBLE, 'Way left to the goal (mm)',
-              lambda store: store.robot.base.distance_left),)),
+        StoredValue('Distance_to_goal', DOUBLE, 'Way left to the goal (mm)',
+                    lambda store: store.robot.base.distance_left),)),
     Group('RobotPose', 'Pose of the robot', 'Robot', _pose_fields('Robot*', _robot_pose)),
     Group('RobotPoseInterpolated', 'Pose of the robot, now', 'Robot',
           _pose_fields('RobotPoseInterpolated_*', _robot_pose)),
     Group('SecondsSinceEpoch', 'Seconds since 1970', 'Time', (
-        Field('SecondsSinceEpoch', LONG, 'Seconds since 1970',
-              lambda store: int(time.mktime(store.wall_time()))),)),
+        StoredValue('SecondsSinceEpoch', LONG, 'Seconds since 1970',
+                    lambda store: int(time.mktime(store.wall_time()))),)),
     Group('SecondsSinceEpochMonotonic', 'Seconds since the start', 'Time', (
-        Field('SecondsSinceEpochMonotonic', LONG, 'Seconds since the start',
-              lambda store: int(store.robot.clock.now)),)),
+        StoredValue('SecondsSinceEpochMonotonic', LONG, 'Seconds since the start',
+                    lambda store: int(store.robot.clock.now)),)),
     Group('StateInformation', 'Sums of states', 'Queuing Statistics',
           _counts(SEGMENT_COUNTS) + _state_fields(
               '', lambda store, state: store.times.total(state))),
@@ -193,11 +195,12 @@ _GROUPS = (
           _counts(SEGMENT_COUNTS, 'Trip') + _state_fields(
               'Trip', lambda store, state: store.times.trip(state)), trip=True),
     Group('Velocities', 'Speeds of the robot', 'Robot', (
-        Field('TransVel', LONG, 'Speed, forwards positive (mm/s)',
-              lambda store: round(store.speed()), ANY_SIGN),)),
+        StoredValue('TransVel', LONG, 'Speed, forwards positive (mm/s)',
+                    lambda store: round(store.speed()), ANY_SIGN),)),
     Group('Versions', 'What the robot runs', 'Robot', tuple(
-        Field(name, TEXT, 'Version', lambda _: 'ld90_sim') for name in ('SNG', 'ARAM', 'MARC'))),
+        StoredValue(name, TEXT, 'Version', lambda _: 'ld90_sim')
+        for name in ('SNG', 'ARAM', 'MARC'))),
 )
 
 GROUPS: Dict[str, Group] = {group.name: group for group in _GROUPS}
-FIELDS: Dict[str, Field] = {field.name: field for group in _GROUPS for field in group.fields}
+FIELDS: Dict[str, StoredValue] = {field.name: field for group in _GROUPS for field in group.fields}

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Callable, Dict, Set, Tuple
 
-from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.robot import SimRobot
 from omron_ld90_sim.behaviour.states import InterruptedWords
 
 PROMPT = 'Enter password:'
@@ -62,56 +62,56 @@ class Dialect:
     extended: bool = True           # `status` begins with ExtendedStatusForHumans
 
 
-def _prompt(dialect: Dialect, robot: Robot, text: str) -> None:
+def _prompt(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.prompt = text.encode()
 
 
-def _welcome(dialect: Dialect, robot: Robot, text: str) -> None:
+def _welcome(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.welcome = (text,) if text else ()
 
 
-def _help(dialect: Dialect, robot: Robot, text: str) -> None:
+def _help(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.help_layout = HelpLayout[text.upper()]
 
 
-def _unlisted(dialect: Dialect, robot: Robot, text: str) -> None:
+def _unlisted(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.unlisted = set(text.lower().split())
 
 
-def _missing(dialect: Dialect, robot: Robot, text: str) -> None:
+def _missing(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.missing = set(text.lower().split())
 
 
-def _encoding(dialect: Dialect, robot: Robot, text: str) -> None:
+def _encoding(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.encoding = Encoding(text)
 
 
-def _goals(dialect: Dialect, robot: Robot, text: str) -> None:
+def _goals(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.quoted_goals = {'plain': False, 'quoted': True}[text]
 
 
-def _interrupted(dialect: Dialect, robot: Robot, text: str) -> None:
-    robot.interrupted_words = InterruptedWords(text)
+def _interrupted(dialect: Dialect, robot: SimRobot, text: str) -> None:
+    robot.quirks.interrupted_words = InterruptedWords(text)
 
 
-def _replacing(dialect: Dialect, robot: Robot, text: str) -> None:
-    robot.stops_to_replace = {'silent': False, 'stopping': True}[text]
+def _replacing(dialect: Dialect, robot: SimRobot, text: str) -> None:
+    robot.quirks.stops_to_replace = {'silent': False, 'stopping': True}[text]
 
 
-def _unknown(dialect: Dialect, robot: Robot, text: str) -> None:
+def _unknown(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.names_unknown = {'bare': False, 'named': True}[text]
 
 
-def _battery(dialect: Dialect, robot: Robot, text: str) -> None:
+def _battery(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.volts = {'percent': False, 'volts': True}[text]
 
 
-def _status(dialect: Dialect, robot: Robot, text: str) -> None:
+def _status(dialect: Dialect, robot: SimRobot, text: str) -> None:
     dialect.extended = {'older': False, 'newer': True}[text]
 
 
 # the settings that can be switched; a wrong value raises ValueError or KeyError
-SWITCHES: Dict[str, Callable[[Dialect, Robot, str], None]] = {
+SWITCHES: Dict[str, Callable[[Dialect, SimRobot, str], None]] = {
     'prompt': _prompt, 'welcome': _welcome, 'help': _help, 'unlisted': _unlisted,
     'missing': _missing, 'encoding': _encoding, 'goals': _goals, 'interrupted': _interrupted,
     'replacing': _replacing, 'unknown': _unknown, 'battery': _battery, 'status': _status,

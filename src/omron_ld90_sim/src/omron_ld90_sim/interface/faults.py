@@ -10,14 +10,13 @@ import sys
 from typing import Callable, Dict, Iterable, Tuple
 
 from omron_ld90_sim.behaviour import activities
-from omron_ld90_sim.behaviour.states import Motors
 from omron_ld90_sim.behaviour.task import find_goal
 from omron_ld90_sim.interface import numbers
 from omron_ld90_sim.interface.configuration_table import DOCKING
 from omron_ld90_sim.interface.dialect import PROMPT, SWITCHES
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import SimSession
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.space import Disc
 
 BLOCK_AHEAD = 1500.0        # mm in front of the robot at which `block` places its obstacle
@@ -25,7 +24,7 @@ BLOCK_RADIUS = 300.0
 LARGEST_BLOCK = 10_000.0    # mm
 
 
-class UnknownFault(ValueError):
+class NoSuchFault(ValueError):
     """The words name no fault, or contain wrong numbers."""
 
 
@@ -40,18 +39,18 @@ class Faults:
         self._other = SimSession(server, -1, outgoing=True)
 
     def inject(self, words: str) -> None:
-        """Applies one fault; raises `UnknownFault` if the words name none."""
+        """Applies one fault; raises `NoSuchFault` if the words name none."""
         name, *arguments = words.split() or ['']
         method = _method(name)
         try:
             inspect.signature(method).bind(self, *arguments)
         except TypeError as error:
-            raise UnknownFault(f"'{words}' is no fault, expected: {_usage(method)}") from error
+            raise NoSuchFault(f"'{words}' is no fault, expected: {_usage(method)}") from error
         try:
             method(self, *arguments)
         except (ValueError, KeyError) as error:
             reason = f' ({error})' if isinstance(error, ValueError) else ''
-            raise UnknownFault(
+            raise NoSuchFault(
                 f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
@@ -65,13 +64,13 @@ class Faults:
         try:
             seconds = numbers.seconds(first)
         except ValueError as error:
-            raise UnknownFault(f"'{line}' has no time ({error})") from error
+            raise NoSuchFault(f"'{line}' has no time ({error})") from error
         _method(*rest.split()[:1])
 
         def later() -> None:
             try:
                 self.inject(rest)
-            except UnknownFault as error:   # no client waits for an answer now
+            except NoSuchFault as error:   # no client waits for an answer now
                 print(f'ld90_sim: {error}', file=sys.stderr)
 
         self._server.clock.at(seconds, later)
@@ -83,14 +82,15 @@ class Faults:
 
         The emergency stop button; after its release the motors stay off until enableMotors.
         """
-        {'press': self._robot.press_estop, 'release': self._robot.release_estop}[action]()
+        permission = self._robot.permission
+        {'press': permission.press_estop, 'release': permission.release_estop}[action]()
 
     def motors(self, action: str) -> None:
         """motors off
 
         Motors off without the emergency stop; enableMotors switches them on.
         """
-        {'off': lambda: self._robot.cut_motors(Motors.DISABLED)}[action]()
+        {'off': lambda: self._robot.permission.cut_motors()}[action]()
 
     def push(self, x: str, y: str, turn: str = '') -> None:
         """push X_MM Y_MM [HEADING_DEG]
@@ -98,14 +98,14 @@ class Faults:
         A person pushes the robot there with motors off; enableMotors switches them on.
         """
         heading = numbers.angle(turn) if turn else self._robot.true_pose.theta
-        self._robot.push(Pose(numbers.length(x), numbers.length(y), heading))
+        self._robot.push(SimPose(numbers.length(x), numbers.length(y), heading))
 
     def lost(self, dx: str = '3000', dy: str = '0', turn: str = '90') -> None:
         """lost [DX_MM DY_MM TURN_DEG]
 
         The robot believes that it is somewhere else, until localizeToPoint corrects it.
         """
-        self._robot.lose(Pose(numbers.length(dx), numbers.length(dy), numbers.angle(turn)))
+        self._robot.lose(SimPose(numbers.length(dx), numbers.length(dy), numbers.angle(turn)))
 
     def block(self, x: str = '', y: str = '', radius: str = str(BLOCK_RADIUS)) -> None:
         """block [X_MM Y_MM [RADIUS_MM]]
@@ -114,7 +114,7 @@ class Faults:
         """
         size = numbers.number(radius, 1.0, LARGEST_BLOCK)
         if x:
-            place = Pose(numbers.length(x), numbers.length(y), 0.0)
+            place = SimPose(numbers.length(x), numbers.length(y), 0.0)
         else:
             track = self._robot.base.track
             place = (track.pose_at(min(self._robot.base.place + BLOCK_AHEAD, track.length))
@@ -133,21 +133,21 @@ class Faults:
 
         The next drives to that goal end in `Error: Failed going to goal`; see mend.
         """
-        self._robot.failing_goals.add(_name(goal))
+        self._robot.quirks.failing_goals.add(_name(goal))
 
     def mend(self, *goal: str) -> None:
         """mend GOAL
 
         The goal can be reached again.
         """
-        self._robot.failing_goals.discard(_name(goal))
+        self._robot.quirks.failing_goals.discard(_name(goal))
 
     def faildock(self, times: str = '1') -> None:
         """faildock [TIMES]
 
         This number of next drives into a dock misses the charger: the robot backs out and retries.
         """
-        self._robot.failing_docks = int(numbers.number(times, 0, 100))
+        self._robot.quirks.failing_docks = int(numbers.number(times, 0, 100))
 
     def battery(self, percent: str) -> None:
         """battery PERCENT
@@ -265,14 +265,14 @@ class Faults:
 
 
 def run_script(lines: Iterable[str], schedule: Callable[[str], None]) -> None:
-    """Schedules every line of a script; `UnknownFault` names a line without a fault."""
+    """Schedules every line of a script; `NoSuchFault` names a line without a fault."""
     for count, line in enumerate(lines, 1):
         line = line.partition('#')[0].strip()
         if line:
             try:
                 schedule(line)
-            except UnknownFault as error:
-                raise UnknownFault(f'line {count}: {error}') from error
+            except NoSuchFault as error:
+                raise NoSuchFault(f'line {count}: {error}') from error
 
 
 def _name(words: Tuple[str, ...]) -> str:
@@ -290,7 +290,7 @@ def _methods() -> Dict[str, Callable[..., None]]:
 def _method(name: str = '') -> Callable[..., None]:
     method = _methods().get(name.lower())
     if method is None:
-        raise UnknownFault(f"no fault '{name}': --help-faults lists them")
+        raise NoSuchFault(f"no fault '{name}': --help-faults lists them")
     return method
 
 

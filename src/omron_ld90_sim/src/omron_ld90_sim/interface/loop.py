@@ -15,7 +15,7 @@ import time
 from collections import deque
 from typing import Callable, Deque, List
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 
 INPUT_CYCLE = 0.02      # s of wall time within which inputs count as simultaneous, at most
 LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock, the same limit
@@ -25,7 +25,7 @@ LONGEST_SLEEP = 3600.0  # s; a selector does not accept much longer times
 class Loop:
     """Runs sockets and the clock."""
 
-    def __init__(self, clock: Clock, speed: float) -> None:
+    def __init__(self, clock: SimClock, speed: float) -> None:
         self.clock = clock
         self.set_speed(speed)
         self.selector = selectors.DefaultSelector()

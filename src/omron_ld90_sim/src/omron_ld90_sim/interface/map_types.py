@@ -28,7 +28,7 @@ class ObjectType:
 
 
 @dataclass(frozen=True)
-class Argument:
+class TypeArgument:
     """A parameter of the objects of one type."""
 
     name: str
@@ -59,11 +59,11 @@ def object_types(document: MapDocument) -> List[ObjectType]:
     return sorted(types.values(), key=lambda known: known.name.lower())
 
 
-def arguments(document: MapDocument, kind: str) -> List[Argument]:
+def arguments(document: MapDocument, kind: str) -> List[TypeArgument]:
     """The parameters of a type's objects."""
     described = (_pairs(words) for words in _lines(document, 'mapinfo:') if words[0] == 'ArgDesc')
-    return [Argument(pairs.get('Name', ''), pairs.get('Type', ''), pairs.get('Priority', ''),
-                     pairs.get('Desc', ''))
+    return [TypeArgument(pairs.get('Name', ''), pairs.get('Type', ''), pairs.get('Priority', ''),
+                         pairs.get('Desc', ''))
             for pairs in described if pairs.get('Parent') == kind]
 
 

@@ -9,8 +9,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Deque, Dict, List, Optional, TextIO
 
-from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.clock import SimClock
+from omron_ld90_sim.interface.configuration import RobotConfiguration
 from omron_ld90_sim.interface.configuration_table import default_configuration
 from omron_ld90_sim.interface.session import HIDDEN, said
 
@@ -67,10 +67,10 @@ def read_log(lines: List[str]) -> List[Transfer]:
     return transfers
 
 
-class SessionLog:
+class SessionRecording:
     """Writes every transfer of one robot to a file, as it happens."""
 
-    def __init__(self, clock: Clock, file: TextIO) -> None:
+    def __init__(self, clock: SimClock, file: TextIO) -> None:
         self._clock, self._file = clock, file
 
     def __call__(self, connection: int, direction: str, line: bytes) -> None:
@@ -93,7 +93,7 @@ class ReplaySession:
         self._is_asked = False  # whether no line has followed the last recognised command
         self._input = b''
         self._shift = server.clock.now - (script[0].time if script else 0.0)
-        self._go_on()
+        self._send_due_lines()
 
     @property
     def finished(self) -> bool:
@@ -104,9 +104,9 @@ class ReplaySession:
         """Takes bytes from the client; each of its lines triggers the recorded answers."""
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
         self._asked.extend(filter(None, map(said, lines)))
-        self._go_on()
+        self._send_due_lines()
 
-    def _go_on(self) -> None:
+    def _send_due_lines(self) -> None:
         """Sends the due lines up to the next line for which a command of the client is needed."""
         clock = self.server.clock
         while self._script and not self.closed:
@@ -114,7 +114,7 @@ class ReplaySession:
             due = head.time + self._shift
             if head.direction == 'S':
                 if due > clock.now:
-                    clock.at(due, self._go_on)
+                    clock.at(due, self._send_due_lines)
                     return
                 self.output += unescape(head.text) + b'\r\n'
                 self._script.popleft()
@@ -124,7 +124,7 @@ class ReplaySession:
             elif not self._is_asked:
                 return
             elif due + OVERLAP > clock.now:
-                clock.at(due + OVERLAP, self._go_on)
+                clock.at(due + OVERLAP, self._send_due_lines)
                 return
             else:  # recorded before the answer to the last command, and not given this time
                 self._script.popleft()
@@ -150,8 +150,8 @@ class ReplaySession:
 class ReplayServer:
     """Plays back a recording instead of a robot; further connections get the first one's script."""
 
-    def __init__(self, clock: Clock, transfers: List[Transfer],
-                 configuration: Optional[Configuration] = None) -> None:
+    def __init__(self, clock: SimClock, transfers: List[Transfer],
+                 configuration: Optional[RobotConfiguration] = None) -> None:
         self.clock, self.configuration = clock, configuration or default_configuration()
         self.online = self.accepting = self.outgoing_wanted = True
         self.sessions: List[ReplaySession] = []

@@ -9,14 +9,14 @@ import time
 from pathlib import Path
 from typing import Callable, List, Optional
 
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.clock import Clock, Ticker
-from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.clock import SimClock, Ticker
+from omron_ld90_sim.interface.configuration import RobotConfiguration
 from omron_ld90_sim.interface.configuration_table import FILES, FLEET, SERVER, default_configuration
 from omron_ld90_sim.interface.data_store import DataStore
 from omron_ld90_sim.interface.dialect import Dialect
-from omron_ld90_sim.interface.session import Impairment, Phase, SimSession
-from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.interface.session import Impairment, LoginPhase, SimSession
+from omron_ld90_sim.motion.floor import SimFloor
 from omron_map import MapDocument, MapError
 
 MINIMUM_TIMEOUT = 60.0      # s, lower limit of SessionTimeoutMins
@@ -25,8 +25,8 @@ MINIMUM_TIMEOUT = 60.0      # s, lower limit of SessionTimeoutMins
 class ArclServer:
     """The interface of one robot."""
 
-    def __init__(self, clock: Clock, robot: Robot, password: str, interpreter: Interpreter,
-                 configuration: Optional[Configuration] = None,
+    def __init__(self, clock: SimClock, robot: SimRobot, password: str, interpreter: Interpreter,
+                 configuration: Optional[RobotConfiguration] = None,
                  map_folder: Optional[Path] = None) -> None:
         self._jobs = 0
         """`interpreter` executes command lines: `commands.execute`.
@@ -85,7 +85,7 @@ class ArclServer:
 
     def forget(self, session: SimSession) -> None:
         """Removes a session that has ended."""
-        session.phase = Phase.CLOSED
+        session.phase = LoginPhase.CLOSED
         if session in self.sessions:
             self.sessions.remove(session)
 
@@ -132,7 +132,7 @@ class ArclServer:
     def broadcast(self, line: str) -> None:
         """Sends a line to all clients that are logged in."""
         for session in list(self.sessions):
-            if session.phase is Phase.OPEN:
+            if session.phase is LoginPhase.OPEN:
                 session.send(line)
 
     def execute(self, session: SimSession, line: str) -> None:
@@ -148,7 +148,7 @@ class ArclServer:
         except MapError as error:
             raise ValueError(str(error)) from error
         self.robot.halt()
-        self.robot.load_map(document, Floor.from_map(document))
+        self.robot.load_map(document, SimFloor.from_map(document))
         self.configuration.set(FILES, 'Map', name)
         self.broadcast('Map changed')
 

@@ -3,6 +3,15 @@
 Framing, login and echo are those of a robot (docs/explanation/sources.md): lines end with CRLF, LF
 or CR; after a wrong password the connection closes silently; a command of more than 5,000
 characters drops the client.
+
+    phase   event                                    next phase
+    LOGIN   the right password                       OPEN; welcome and help list are sent
+            another line                             CLOSED
+    OPEN    a line                                   OPEN; it is carried out
+    all     a line that is too long; the end         CLOSED
+
+Invariants: lines are sent in the order in which they were queued, late or not. Nothing is carried
+out before the password.
 """
 from __future__ import annotations
 
@@ -13,7 +22,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Deque, Optional, Protocol, Tuple
 
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 
 MAX_COMMAND = 5000
@@ -28,7 +37,7 @@ def said(line: bytes) -> bytes:
     return _TELNET.sub(b'', line).strip(BLANK)
 
 
-class Phase(Enum):
+class LoginPhase(Enum):
     """The phase of a session."""
 
     LOGIN = 'login'
@@ -45,10 +54,10 @@ class Impairment:
     half_line: Optional[float] = None   # s: the next line is cut, its rest comes this much later
 
 
-class Host(Protocol):
+class SessionHost(Protocol):
     """The interface that a session needs of its server."""
 
-    clock: Clock
+    clock: SimClock
     password: str
     impairment: Impairment
     dialect: Dialect
@@ -66,13 +75,13 @@ class Host(Protocol):
 class SimSession:
     """One connection of a client, or the robot's own outgoing one."""
 
-    def __init__(self, server: Host, number: int, outgoing: bool = False) -> None:
+    def __init__(self, server: SessionHost, number: int, outgoing: bool = False) -> None:
         self.server, self.number, self.outgoing = server, number, outgoing
         self.output = bytearray()
         self.echo: Optional[bool] = None        # None until it is set: see _echo_typed
         self.task_list: Optional[list] = None   # the list that listAdd extends
         self.aborted = False            # it ends with RST, and queued lines are lost
-        self.phase = Phase.OPEN if outgoing else Phase.LOGIN
+        self.phase = LoginPhase.OPEN if outgoing else LoginPhase.LOGIN
         self.last_received = server.clock.now
         self._input = b''               # an incomplete line
         self._echoed = 0                # number of its bytes that were echoed
@@ -84,7 +93,7 @@ class SimSession:
     @property
     def closed(self) -> bool:
         """Whether the session has ended; queued bytes are still sent."""
-        return self.phase is Phase.CLOSED
+        return self.phase is LoginPhase.CLOSED
 
     @property
     def finished(self) -> bool:
@@ -99,7 +108,7 @@ class SimSession:
         self.server.log(self.number, 'S', data)
         data += b'\r\n'
         fault = self.server.impairment
-        if fault.half_line is not None and self.phase is Phase.OPEN:
+        if fault.half_line is not None and self.phase is LoginPhase.OPEN:
             half, rest, fault.half_line = len(data) // 2, fault.half_line, None
             self._put(data[:half])
             self._put(data[half:], rest)
@@ -126,7 +135,7 @@ class SimSession:
         if abort:
             self.output.clear()
             self._held.clear()
-        self.phase = Phase.CLOSED
+        self.phase = LoginPhase.CLOSED
         self.server.forget(self)
 
     def receive(self, data: bytes) -> None:
@@ -138,7 +147,7 @@ class SimSession:
                 self._put(b'\n\r')
                 self._echoed = 0
             if self._accepts(line):
-                self._take(said(line))
+                self._line_received(said(line))
         if self._accepts(self._input) and self._input:
             self.server.clock.after(CYCLE, self._echo_typed)
 
@@ -158,10 +167,10 @@ class SimSession:
             self._put(typed.encode('ascii'))
             self._echoed = len(self._input)
 
-    def _take(self, line: bytes) -> None:
+    def _line_received(self, line: bytes) -> None:
         if not line:
             return
-        if self.phase is Phase.LOGIN:
+        if self.phase is LoginPhase.LOGIN:
             self.server.log(self.number, 'C', HIDDEN)
             self._log_in(line)
         else:
@@ -175,7 +184,7 @@ class SimSession:
         if not hmac.compare_digest(password, self.server.password.encode()):
             self.close()
             return
-        self.phase = Phase.OPEN
+        self.phase = LoginPhase.OPEN
         for line in self.server.dialect.welcome:
             self.send(line)
         if self.server.dialect.help_layout is not HelpLayout.NONE:

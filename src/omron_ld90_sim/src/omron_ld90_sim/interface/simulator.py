@@ -9,11 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, TextIO, Tuple, Union
 
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.autonomy import Autonomy
 from omron_ld90_sim.interface.commands import execute
-from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration import RobotConfiguration
 from omron_ld90_sim.interface.configuration_table import (
     FILES,
     FLEET,
@@ -21,17 +21,17 @@ from omron_ld90_sim.interface.configuration_table import (
     OUTGOING_COMMANDS,
     default_configuration,
 )
-from omron_ld90_sim.interface.control import ControlServer
-from omron_ld90_sim.interface.faults import Faults, UnknownFault
+from omron_ld90_sim.interface.control import SimControlServer
+from omron_ld90_sim.interface.faults import Faults, NoSuchFault
 from omron_ld90_sim.interface.fleet import RobotSpec
 from omron_ld90_sim.interface.loop import Loop
 from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.outgoing import OutgoingLink
-from omron_ld90_sim.interface.recording import ReplayServer, SessionLog, Transfer
+from omron_ld90_sim.interface.recording import ReplayServer, SessionRecording, Transfer
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.transport import TcpServer
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.places import start_places
 from omron_map import MapDocument
 
@@ -44,12 +44,12 @@ ANSWER_TIMEOUT = 10.0       # s of wall time for which `inject` waits for the si
 class Unit:
     """One robot with its interface."""
 
-    def __init__(self, loop: Loop, document: MapDocument, floor: Floor, spec: RobotSpec,
-                 place: Optional[Pose], settings: Configuration, password: str, seed: int,
+    def __init__(self, loop: Loop, document: MapDocument, floor: SimFloor, spec: RobotSpec,
+                 place: Optional[SimPose], settings: RobotConfiguration, password: str, seed: int,
                  host: str, folder: Path, arrival_error: Tuple[float, float]) -> None:
         self.name = spec.name
-        self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
-                           arrival_error=arrival_error)
+        self.robot = SimRobot(loop.clock, document, floor, place, seed, spec.battery,
+                              arrival_error=arrival_error)
         self.server = ArclServer(loop.clock, self.robot, password, execute, settings, folder)
         self.server.outgoing_begins = partial(OutgoingLink, self.server)
         self.faults = Faults(self.server)
@@ -58,7 +58,7 @@ class Unit:
 
 
 def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: CommandLists,
-                 changes: Sequence[Tuple[str, str, str]] = ()) -> Configuration:
+                 changes: Sequence[Tuple[str, str, str]] = ()) -> RobotConfiguration:
     """A robot's configuration; ValueError if a change (section, name, value) does not fit."""
     settings = default_configuration()
     settings.set(FILES, 'Map', map_name)
@@ -93,9 +93,9 @@ class Simulator:
         """
         path = Path(map_path)
         document = MapDocument.load(str(path))
-        floor = Floor.from_map(document)
+        floor = SimFloor.from_map(document)
         specs = list(robots or [RobotSpec('robot', port, outgoing, start, battery)])
-        self.loop = Loop(Clock(), speed)
+        self.loop = Loop(SimClock(), speed)
         self.units: List[Unit] = []
         try:
             places = start_places(document, floor, [spec.start for spec in specs], seed)
@@ -128,11 +128,11 @@ class Simulator:
 
     def log_to(self, file: TextIO) -> None:
         """Writes the (first) robot's sessions to `file` from now on."""
-        self.server.log = SessionLog(self.loop.clock, file)
+        self.server.log = SessionRecording(self.loop.clock, file)
 
     def control_on(self, port: int) -> int:
         """Opens the control socket on loopback; returns its port."""
-        return ControlServer(self.loop, port, self._inject_here, self.where).port
+        return SimControlServer(self.loop, port, self._inject_here, self.where).port
 
     def where(self) -> Dict[str, object]:
         """The simulated time (s), and by name the true pose of every robot (m, m, degrees).
@@ -166,12 +166,12 @@ class Simulator:
             function()
             return
         done = threading.Event()
-        errors: List[UnknownFault] = []
+        errors: List[NoSuchFault] = []
 
         def call() -> None:
             try:
                 function()
-            except UnknownFault as error:
+            except NoSuchFault as error:
                 errors.append(error)
             self.loop.call(done.set)    # in the next round, after ports and connections
 
@@ -191,7 +191,7 @@ class Simulator:
         for unit in self.units:
             if unit.name == name:
                 return unit.faults.schedule
-        raise UnknownFault(f"no robot '{name}'")
+        raise NoSuchFault(f"no robot '{name}'")
 
     def run(self) -> None:
         """Runs in this thread until `stop`."""
@@ -231,7 +231,7 @@ class Replay:
     def __init__(self, transfers: List[Transfer], port: int = 0,
                  outgoing: Optional[Tuple[str, int]] = None, speed: float = 1.0,
                  host: str = '127.0.0.1') -> None:
-        self.loop = Loop(Clock(), speed)
+        self.loop = Loop(SimClock(), speed)
         settings = settings_for('', outgoing, ())
         self._tcp = TcpServer(self.loop, ReplayServer(self.loop.clock, transfers, settings), host,
                               port)

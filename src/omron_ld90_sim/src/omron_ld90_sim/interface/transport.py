@@ -7,7 +7,7 @@ import socket
 import struct
 from typing import Callable, List, Optional, Protocol, Tuple
 
-from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration import RobotConfiguration
 from omron_ld90_sim.interface.configuration_table import OUTGOING
 from omron_ld90_sim.interface.loop import Loop
 
@@ -45,7 +45,7 @@ class ConnectedSession(Protocol):
 class Server(Protocol):
     """The interface that a port needs of its server: a robot, or a recording of one."""
 
-    configuration: Configuration
+    configuration: RobotConfiguration
     online: bool
     accepting: bool
     outgoing_wanted: bool
@@ -60,11 +60,11 @@ class Server(Protocol):
         """Sends a farewell to all clients."""
 
 
-class Connection:
+class ClientConnection:
     """One TCP connection and its session."""
 
     def __init__(self, loop: Loop, sock: socket.socket, session: ConnectedSession,
-                 gone: Callable[[Connection], None]) -> None:
+                 gone: Callable[[ClientConnection], None]) -> None:
         self.loop, self.sock, self.session, self._gone = loop, sock, session, gone
         self._mask = selectors.EVENT_READ
         loop.selector.register(sock, self._mask, self._ready)
@@ -121,7 +121,7 @@ class TcpServer:
     def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
         self._host = host
-        self._connections: List[Connection] = []
+        self._connections: List[ClientConnection] = []
         self._listener: Optional[socket.socket] = self._listen(port)
         self.port: int = self._listener.getsockname()[1]
         self._dialling: Optional[socket.socket] = None
@@ -174,7 +174,7 @@ class TcpServer:
     def _add(self, sock: socket.socket, session: ConnectedSession) -> None:
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        connection = Connection(self.loop, sock, session, self._connections.remove)
+        connection = ClientConnection(self.loop, sock, session, self._connections.remove)
         self._connections.append(connection)
         connection.flush()
 

@@ -5,8 +5,8 @@ import math
 from collections import deque
 from typing import Deque, List, Optional
 
-from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Limits, Pose, normalise
-from omron_ld90_sim.motion.track import Manoeuvre, Track, Turn
+from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Limits, SimPose, normalise
+from omron_ld90_sim.motion.track import Manoeuvre, SmoothTrack, Turn
 
 STEP = 0.05             # s between two steps while moving
 BISECTIONS = 10
@@ -17,7 +17,7 @@ CREEP = 5.0             # mm/s and deg/s, slowest motion towards an end
 class Base:
     """Pose and speeds of the robot, and its remaining manoeuvres."""
 
-    def __init__(self, pose: Pose, limits: Limits = LD90_LIMITS) -> None:
+    def __init__(self, pose: SimPose, limits: Limits = LD90_LIMITS) -> None:
         self.pose, self.limits = pose, limits
         self.speed = 0.0            # mm/s along the driving direction, never negative
         self.rotation = 0.0         # deg/s, left positive
@@ -38,9 +38,9 @@ class Base:
         return self._queue[0] if self._queue else None
 
     @property
-    def track(self) -> Optional[Track]:
+    def track(self) -> Optional[SmoothTrack]:
         """The present track, if the manoeuvre is one."""
-        return self._queue[0] if self._queue and isinstance(self._queue[0], Track) else None
+        return self._queue[0] if self._queue and isinstance(self._queue[0], SmoothTrack) else None
 
     @property
     def place(self) -> float:
@@ -69,7 +69,7 @@ class Base:
             if self.speed == 0.0 and self.rotation == 0.0:
                 self._halt()
 
-    def put(self, pose: Pose) -> None:
+    def put(self, pose: SimPose) -> None:
         """Puts the robot at another pose; this distance is not counted as driven."""
         self._halt()
         self.pose = pose
@@ -108,16 +108,16 @@ class Base:
                                * max(abs(left) - now * dt / 2, 0.0)) - change / 2
             wanted = min(max(wanted, CREEP), turn.rate)
         if now <= change and abs(left) <= now * dt / 2 + CLOSE and self._braking is None:
-            self.pose = Pose(self.pose.x, self.pose.y, normalise(turn.heading))
+            self.pose = SimPose(self.pose.x, self.pose.y, normalise(turn.heading))
             return True
         rate = min(max(wanted, now - change), now + change)
         moved = min((now + rate) / 2 * dt, abs(left))
         self.rotation = sign * rate
         self._place += sign * moved
-        self.pose = Pose(self.pose.x, self.pose.y, normalise(self.pose.theta + sign * moved))
+        self.pose = SimPose(self.pose.x, self.pose.y, normalise(self.pose.theta + sign * moved))
         return False
 
-    def _drive(self, track: Track, dt: float) -> bool:
+    def _drive(self, track: SmoothTrack, dt: float) -> bool:
         now = self.speed
         if self._braking is not None:
             slow = min(self._braking, track.acceleration_at(self._place))
@@ -136,7 +136,7 @@ class Base:
         self.rotation = math.degrees(track.curvature_at(self._place) * speed)
         return False
 
-    def _allowed(self, track: Track, slowest: float, fastest: float, now: float,
+    def _allowed(self, track: SmoothTrack, slowest: float, fastest: float, now: float,
                  dt: float) -> float:
         """The highest speed after this step that the track allows at the end of the step."""
         def fits(speed: float) -> bool:
@@ -152,7 +152,7 @@ class Base:
     @property
     def distance_left(self) -> float:
         """Length (mm) of the remaining tracks."""
-        tracks = [part for part in self._queue if isinstance(part, Track)]
+        tracks = [part for part in self._queue if isinstance(part, SmoothTrack)]
         return sum(track.length for track in tracks) - (self._place if self.track else 0.0)
 
     def stopping_distance(self) -> float:

@@ -24,7 +24,7 @@ EXACT_DISTANCE = 750    # mm around lines and areas with exact values; the plann
 PLANNING_PITCH = 60     # mm, cell size of the planner's grid
 
 
-class Floor:
+class SimFloor:
     """Distance fields of one map; all lengths in mm, map frame."""
 
     def __init__(self, points: np.ndarray, segments: np.ndarray, forbidden_segments: np.ndarray,
@@ -65,7 +65,7 @@ class Floor:
         return ndimage.label(room, structure=np.ones((3, 3)))[0]
 
     @classmethod
-    def from_map(cls, document: MapDocument) -> Floor:
+    def from_map(cls, document: MapDocument) -> SimFloor:
         """The floor of a `.map` file."""
         extents = [line.extent for line in document.forbidden_lines if line.extent is not None]
         lines = [[e.from_x, e.from_y, e.to_x, e.to_y] for e in extents]

@@ -22,18 +22,18 @@ def normalise(angle: float) -> float:
 
 
 @dataclass(frozen=True)
-class Pose:
+class SimPose:
     """A position and heading in the map frame: mm, mm, degrees in (-180, 180]."""
 
     x: float
     y: float
     theta: float
 
-    def ahead(self, distance: float) -> Pose:
+    def ahead(self, distance: float) -> SimPose:
         """The pose `distance` mm straight ahead (behind when negative)."""
         angle = math.radians(self.theta)
-        return Pose(self.x + distance * math.cos(angle), self.y + distance * math.sin(angle),
-                    self.theta)
+        return SimPose(self.x + distance * math.cos(angle), self.y + distance * math.sin(angle),
+                       self.theta)
 
     def distance_to(self, x: float, y: float) -> float:
         """Distance (mm) to a point."""
@@ -62,11 +62,11 @@ class Body:
         """Free space that is needed all around while turning."""
         return math.hypot(self.length, self.width) / 2
 
-    def corners(self, pose: Pose) -> np.ndarray:
+    def corners(self, pose: SimPose) -> np.ndarray:
         """The four corners (4, 2) at `pose`, counter-clockwise from the front left."""
         return self.outlines([pose])[0]
 
-    def outlines(self, poses: Sequence[Pose]) -> np.ndarray:
+    def outlines(self, poses: Sequence[SimPose]) -> np.ndarray:
         """The corners at each of K poses (K, 4, 2)."""
         x, y, angle = np.array([(pose.x, pose.y, math.radians(pose.theta))
                                 for pose in poses]).T[:, :, None]
@@ -75,7 +75,7 @@ class Body:
         return np.stack([x + ahead * np.cos(angle) - left * np.sin(angle),
                          y + ahead * np.sin(angle) + left * np.cos(angle)], axis=-1)
 
-    def distances(self, poses: Sequence[Pose], points: Points) -> np.ndarray:
+    def distances(self, poses: Sequence[SimPose], points: Points) -> np.ndarray:
         """Distances from the body at each of M poses to each of N points (mm), 0 inside: (M, N)."""
         at = np.array([(pose.x, pose.y, math.radians(pose.theta)) for pose in poses])
         x, y = (np.asarray(points, float).T[:, None, :] - at[:, :2].T[:, :, None])

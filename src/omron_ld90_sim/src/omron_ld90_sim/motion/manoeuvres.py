@@ -13,7 +13,7 @@ import numpy as np
 from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Limits, normalise
 from omron_ld90_sim.motion.planner import PlannedWay, Planner
 from omron_ld90_sim.motion.space import Space
-from omron_ld90_sim.motion.track import Manoeuvre, Track, Turn, line, straight_track
+from omron_ld90_sim.motion.track import Manoeuvre, SmoothTrack, Turn, line, straight_track
 
 CORNER_STEP = 15.0                                      # mm between samples
 CORNER_REACHES = (1200.0, 900.0, 650.0, 450.0, 300.0)   # mm from the vertex to the tangent points
@@ -39,12 +39,12 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
         if run > SHORTEST_REACH:
             joined = _tracks(np.vstack([points[0] - run * ahead, points]),
                              [_drop_end(lead_in, run)], way.space, clearance)
-            first = Track(joined[0], limits, final=len(joined) == 1, entry_speed=entry_speed)
+            first = SmoothTrack(joined[0], limits, final=len(joined) == 1, entry_speed=entry_speed)
             if first.entry_fits:
                 return [first, *_stretches(joined[1:], limits, joined[0][-1, 2], way)]
     begin: List[Manoeuvre] = []
     if lead_in is not None:     # the corner cannot be rounded at this speed: stop in front of it
-        begin.append(Track(lead_in, limits, final=False, entry_speed=entry_speed))
+        begin.append(SmoothTrack(lead_in, limits, final=False, entry_speed=entry_speed))
     if way.escape:
         begin.append(straight_track(way.start, way.escape, limits))
     return begin + _stretches(_tracks(points, [], way.space, clearance), limits,
@@ -57,7 +57,7 @@ def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
         result += _turn(direction, samples[0, 2], limits.path_rotation)
-        result.append(Track(samples, limits, final=number == len(tracks) - 1))
+        result.append(SmoothTrack(samples, limits, final=number == len(tracks) - 1))
         direction = samples[-1, 2]
     if way.final_heading is not None:
         result += _turn(direction, math.radians(way.final_heading), limits.goal_rotation)

@@ -7,12 +7,12 @@ from typing import List, Optional, Sequence
 import numpy as np
 
 from omron_ld90_sim.motion.base import Base
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.manoeuvres import manoeuvres
 from omron_ld90_sim.motion.planner import Blocked, NoWay, PlannedWay, planner_for
 from omron_ld90_sim.motion.space import Disc
-from omron_ld90_sim.motion.track import Track
+from omron_ld90_sim.motion.track import SmoothTrack
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 FARTHEST_STOP = 3000.0      # mm that another robot needs to stop, plus its size
@@ -28,14 +28,14 @@ RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle for t
 class Navigation:
     """Plans for one base on one floor, around the obstacles that are not on the map."""
 
-    def __init__(self, base: Base, floor: Floor) -> None:
+    def __init__(self, base: Base, floor: SimFloor) -> None:
         self.base = base
         self.blocks: List[Disc] = []                # obstacles other than robots
         self.neighbours: Sequence[Navigation] = ()  # the other robots
         self.speed_limit: Optional[float] = None    # mm/s
         self.change_floor(floor)
 
-    def change_floor(self, floor: Floor) -> None:
+    def change_floor(self, floor: SimFloor) -> None:
         """Plans on another floor from now on."""
         self.floor, self.planner = floor, planner_for(floor)
 
@@ -48,7 +48,7 @@ class Navigation:
         return [*self.blocks,
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
-    def _stops(self, within: float) -> List[Pose]:
+    def _stops(self, within: float) -> List[SimPose]:
         """Places of the robots within this distance in mm, and where they could come to rest."""
         stops = []
         for other in self._near(within):
@@ -91,7 +91,7 @@ class Navigation:
             lead_in = track.cut(base.place, join)
             base.follow(manoeuvres(way, self.planner, limits, lead_in, base.speed))
 
-    def _plan(self, start: Pose, x: float, y: float, heading: Optional[float]) -> PlannedWay:
+    def _plan(self, start: SimPose, x: float, y: float, heading: Optional[float]) -> PlannedWay:
         obstacles = self.obstacles()
         try:
             return self.planner.plan(start, x, y, heading, obstacles)
@@ -108,7 +108,7 @@ class Navigation:
         return base.still or (track is not None and not track.reverse
                               and track.length - base.place > SHORTEST_LEAD)
 
-    def _join(self, track: Track) -> float:
+    def _join(self, track: SmoothTrack) -> float:
         """Where on the present track a new one can begin: with room to turn, and to brake."""
         first = self.base.place + self.base.stopping_distance() + JOIN_AHEAD
         for s in np.arange(first, track.length, LOOK_STEP):
@@ -140,7 +140,7 @@ class Navigation:
         # the robot may leave an obstacle that is already too near, but not come nearer to it
         return bool(gaps[1:].min() < min(gaps[0], 0.0) - 1.0)
 
-    def _gaps(self, poses: Sequence[Pose], obstacles: Sequence[Disc]) -> np.ndarray:
+    def _gaps(self, poses: Sequence[SimPose], obstacles: Sequence[Disc]) -> np.ndarray:
         """Distances from the body at each pose to the nearest obstacle (mm); negative inside."""
         discs = np.array([(disc.x, disc.y, disc.radius) for disc in obstacles])
         return (self.floor.body.distances(poses, discs[:, :2]) - discs[:, 2]).min(axis=1)

@@ -6,8 +6,8 @@ from typing import Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.planner import NoWay
 from omron_map import MapDocument, MapObject
 
@@ -16,9 +16,9 @@ FRONT_CLEARANCE = 20.0      # mm, least distance in front of a docked robot
 START_DISTANCE = 1000.0     # mm between the start places of two robots
 
 
-def docked_pose(floor: Floor, dock: MapObject) -> Pose:
+def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
     """The pose of a robot that charges at `dock`: as far in as there is room, up to 250 mm."""
-    pose = Pose(dock.x, dock.y, dock.theta)
+    pose = SimPose(dock.x, dock.y, dock.theta)
     steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
     fronts = [pose.ahead(step + floor.body.half_length) for step in steps]
     clear = floor.clearance_at(np.array([[front.x, front.y] for front in fronts]))
@@ -27,16 +27,16 @@ def docked_pose(floor: Floor, dock: MapObject) -> Pose:
     return pose.ahead(float(steps[max(last, 0)]))
 
 
-def start_places(document: MapDocument, floor: Floor,
+def start_places(document: MapDocument, floor: SimFloor,
                  wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
-                 ) -> List[Pose]:
+                 ) -> List[SimPose]:
     """The start poses: as wanted (mm, mm, degrees), and the others one after another.
 
     In the docks, at RobotHome, at goals with heading, at other goals, and then at random free
     places. Each robot keeps clear of the ones before it.
     """
     chance = random.Random(seed)
-    taken = [Pose(*place) for place in wanted if place is not None]
+    taken = [SimPose(*place) for place in wanted if place is not None]
     free = (pose for pose in _candidates(document, floor, chance)
             if all(pose.distance_to(t.x, t.y) > START_DISTANCE for t in taken))
     places = []
@@ -47,7 +47,7 @@ def start_places(document: MapDocument, floor: Floor,
                 raise NoWay('the map has no free place where a robot could stand')
             taken.append(pose)
         else:
-            pose = Pose(*place)
+            pose = SimPose(*place)
             if not floor.holds(pose.x, pose.y):
                 raise NoWay(f'the start at {pose.x / 1000:g}, {pose.y / 1000:g} m is outside the '
                             f'map, which reaches from {_metres(floor.origin)} to '
@@ -60,20 +60,20 @@ def _metres(point: np.ndarray) -> str:
     return f'{point[0] / 1000:g}, {point[1] / 1000:g} m'
 
 
-def _candidates(document: MapDocument, floor: Floor, chance: random.Random) -> Iterator[Pose]:
+def _candidates(document: MapDocument, floor: SimFloor, chance: random.Random) -> Iterator[SimPose]:
     for dock in document.docks:
         yield docked_pose(floor, dock)
     for home in document.homes:
         if home.extent is None:
-            yield Pose(home.x, home.y, home.theta)
+            yield SimPose(home.x, home.y, home.theta)
         else:
-            yield Pose(home.rectangle.centre_x, home.rectangle.centre_y, home.theta)
+            yield SimPose(home.rectangle.centre_x, home.rectangle.centre_y, home.theta)
     for goal in sorted(document.goals, key=lambda goal: not goal.has_heading):
-        yield Pose(goal.x, goal.y, goal.theta if goal.has_heading else 0.0)
+        yield SimPose(goal.x, goal.y, goal.theta if goal.has_heading else 0.0)
     sizes = np.bincount(floor.regions.ravel())
     sizes[0] = 0
     if sizes.any():
         cells = np.argwhere(floor.regions == sizes.argmax())
         for _ in range(10 * len(cells)):
             x, y = floor.planning_points(cells[[chance.randrange(len(cells))]])[0]
-            yield Pose(float(x), float(y), 0.0)
+            yield SimPose(float(x), float(y), 0.0)

@@ -15,8 +15,8 @@ from typing import List, Optional, Sequence, Set, Tuple
 import numpy as np
 from skimage.graph import MCP_Geometric
 
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 from omron_ld90_sim.motion.space import LOOK_STEP, Disc, Space
 
 DRIVE_MARGIN = 15.0     # mm added to the half width
@@ -45,7 +45,7 @@ class Blocked(NoWay):
 class PlannedWay:
     """A path: optionally straight out of a narrow place first, then along `vertices`."""
 
-    start: Pose
+    start: SimPose
     escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
     vertices: np.ndarray        # (N, 2); the first one is the end of the escape
     final_heading: Optional[float]
@@ -58,9 +58,9 @@ class PlannedWay:
 
 
 class Planner:
-    """Plans on one `Floor`."""
+    """Plans on one `SimFloor`."""
 
-    def __init__(self, floor: Floor) -> None:
+    def __init__(self, floor: SimFloor) -> None:
         self.floor = floor
         body = floor.body
         self.drive_clearance = body.half_width + DRIVE_MARGIN
@@ -71,7 +71,7 @@ class Planner:
         cost[clearance < self.drive_clearance] = CLOSED
         self._cost = cost
 
-    def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
+    def plan(self, start: SimPose, goal_x: float, goal_y: float, heading: Optional[float] = None,
              obstacles: Sequence[Disc] = ()) -> PlannedWay:
         """The path from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
         space = Space(self.floor, obstacles)
@@ -92,16 +92,16 @@ class Planner:
             vertices = np.vstack([vertices, goal])
         elif len(vertices) > 1 and heading is None:
             last = vertices[-1] - vertices[-2]
-            arrival = Pose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
+            arrival = SimPose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
             if not space.body_fits(arrival, DRIVE_MARGIN):
                 raise NoWay('the body does not fit at the goal')
         return PlannedWay(start, escape, vertices, heading, space)
 
-    def can_turn(self, pose: Pose, obstacles: Sequence[Disc] = ()) -> bool:
+    def can_turn(self, pose: SimPose, obstacles: Sequence[Disc] = ()) -> bool:
         """Whether there is room to turn on the spot."""
         return Space(self.floor, obstacles).clearance_of(pose.x, pose.y) >= self.turn_clearance
 
-    def straight_is_free(self, start: Pose, distance: float,
+    def straight_is_free(self, start: SimPose, distance: float,
                          obstacles: Sequence[Disc] = ()) -> bool:
         """Whether the body can drive straight on by `distance` mm (back when negative)."""
         space, end = Space(self.floor, obstacles), start.ahead(distance)
@@ -123,7 +123,7 @@ class Planner:
             window[away < self.drive_clearance] = CLOSED
         return cost
 
-    def _escape(self, space: Space, start: Pose) -> float:
+    def _escape(self, space: Space, start: SimPose) -> float:
         """The distance to drive straight before there is room to turn."""
         here = space.clearance_of(start.x, start.y)
         if here >= self.turn_clearance:
@@ -151,7 +151,7 @@ class Planner:
             raise NoWay('no room at the goal')
         if heading is None:
             return goal
-        pose = Pose(goal[0], goal[1], heading)
+        pose = SimPose(goal[0], goal[1], heading)
         if not space.body_fits(pose, DRIVE_MARGIN):
             raise NoWay('the body does not fit at the goal')
         for back in np.arange(20.0, ESCAPE, 20.0):
@@ -284,6 +284,6 @@ def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
 
 
 @lru_cache(maxsize=4)
-def planner_for(floor: Floor) -> Planner:
+def planner_for(floor: SimFloor) -> Planner:
     """The planner of a floor; robots on one floor share it."""
     return Planner(floor)

@@ -6,8 +6,8 @@ from typing import Sequence
 
 import numpy as np
 
-from omron_ld90_sim.motion.floor import Floor
-from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.floor import SimFloor
+from omron_ld90_sim.motion.kinematics import SimPose
 
 LOOK_STEP = 20.0        # mm between the examined points of a straight
 
@@ -24,7 +24,7 @@ class Disc:
 class Space:
     """A floor with temporary obstacles on it."""
 
-    def __init__(self, floor: Floor, obstacles: Sequence[Disc]) -> None:
+    def __init__(self, floor: SimFloor, obstacles: Sequence[Disc]) -> None:
         self.floor = floor
         self.obstacles = list(obstacles)
 
@@ -56,7 +56,7 @@ class Space:
         return bool(self.clearance_along(a[None], b[None], np.linspace(0.0, 1.0, count))[0]
                     >= clearance)
 
-    def body_fits(self, pose: Pose, margin: float) -> bool:
+    def body_fits(self, pose: SimPose, margin: float) -> bool:
         """Whether the whole body, with `margin` mm around it, is free at `pose`."""
         corners = self.floor.body.corners(pose)
         outline = np.concatenate([np.linspace(a, b, 15) for a, b in

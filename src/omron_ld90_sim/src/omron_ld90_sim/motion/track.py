@@ -12,7 +12,7 @@ from typing import List, Optional, Tuple, Union
 
 import numpy as np
 
-from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Limits, Pose, normalise
+from omron_ld90_sim.motion.kinematics import LD90_LIMITS, Limits, SimPose, normalise
 
 STRAIGHT_STEP = 100.0       # mm between samples
 
@@ -30,7 +30,7 @@ class Turn:
     angle: Optional[float] = None
 
 
-class Track:
+class SmoothTrack:
     """A smooth line driven without stopping.
 
     `samples` (N, 4): x, y (mm), driving direction (rad, unwrapped), curvature (1/mm).
@@ -85,14 +85,14 @@ class Track:
         i, _ = self._segment(s)
         return min(self._ease[i], self._ease[i + 1])
 
-    def pose_at(self, s: float) -> Pose:
+    def pose_at(self, s: float) -> SimPose:
         """The robot's pose at arc length `s`."""
         i, u = self._segment(min(max(s, 0.0), self.length))
         a, b = self._rows[i], self._rows[i + 1]
         # heading between two samples: cubic in u would be exact; linear is within 0.01 deg
         direction = math.degrees(a[2] * (1 - u) + b[2] * u)
-        return Pose(a[0] * (1 - u) + b[0] * u, a[1] * (1 - u) + b[1] * u,
-                    normalise(direction + 180.0 if self.reverse else direction))
+        return SimPose(a[0] * (1 - u) + b[0] * u, a[1] * (1 - u) + b[1] * u,
+                       normalise(direction + 180.0 if self.reverse else direction))
 
     def curvature_at(self, s: float) -> float:
         """Signed curvature (1/mm) at arc length `s`."""
@@ -109,10 +109,10 @@ class Track:
         return [p * (1 - u) + q * u for p, q in zip(self._rows[i], self._rows[i + 1])]
 
 
-Manoeuvre = Union[Turn, Track]
+Manoeuvre = Union[Turn, SmoothTrack]
 
 
-def straight(pose: Pose, distance: float) -> np.ndarray:
+def straight(pose: SimPose, distance: float) -> np.ndarray:
     """Samples of a straight of `distance` mm from `pose`; backwards if negative."""
     direction = pose.theta if distance >= 0 else pose.theta + 180.0
     return line(np.array([pose.x, pose.y]), np.array([pose.ahead(distance).x,
@@ -120,12 +120,12 @@ def straight(pose: Pose, distance: float) -> np.ndarray:
                  math.radians(direction))
 
 
-def straight_track(pose: Pose, distance: float, limits: Limits = LD90_LIMITS,
-                   top_speed: Optional[float] = None) -> Track:
+def straight_track(pose: SimPose, distance: float, limits: Limits = LD90_LIMITS,
+                   top_speed: Optional[float] = None) -> SmoothTrack:
     """A straight drive of `distance` mm; backwards if negative."""
     fastest = limits.speed if distance >= 0 else limits.reverse_speed
-    return Track(straight(pose, distance), limits, reverse=distance < 0,
-                 top_speed=min(fastest, top_speed or fastest))
+    return SmoothTrack(straight(pose, distance), limits, reverse=distance < 0,
+                       top_speed=min(fastest, top_speed or fastest))
 
 
 def line(a: np.ndarray, b: np.ndarray, direction: float) -> np.ndarray:

@@ -100,7 +100,7 @@ def test_a_stopped_patrol_is_resumed_at_the_goal_it_was_going_to() -> None:
 
 def test_a_goal_of_a_patrol_that_cannot_be_reached_is_told() -> None:
     rig = Rig()
-    rig.robot.failing_goals.add('east side')
+    rig.robot.quirks.failing_goals.add('east side')
     client = rig.client()
     client.send('patrolOnce Round')
     assert client.until('Error') == ['Patrolling route Round once', 'Error: Failed going to goal']

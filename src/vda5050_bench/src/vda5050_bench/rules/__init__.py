@@ -12,8 +12,9 @@ from vda5050_bench.rules import (  # isort: skip
     driving,
     over_all,
 )
-from vda5050_bench.rules.rule import Level, Rule, Start, rules_of
+from vda5050_bench.rules.rule import BenchRule, RuleLevel, Start, rules_of
 from vda5050_bench.verdicts import Broken, NotTried
 
-__all__ = ['Broken', 'Level', 'NotTried', 'Rule', 'Start', 'acceptance', 'driving', 'fields',
+__all__ = ['BenchRule', 'Broken', 'NotTried', 'RuleLevel', 'Start', 'acceptance', 'driving',
+           'fields',
            'over_all', 'rules_of', 'without_order']

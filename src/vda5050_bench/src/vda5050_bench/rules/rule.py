@@ -13,7 +13,7 @@ ONLY_2 = ('2.',)
 ONLY_3 = ('3.',)
 
 
-class Level(Enum):
+class RuleLevel(Enum):
     """The level of obligation in the standard."""
 
     MUST = 'must'
@@ -30,10 +30,10 @@ class Start(Enum):
 
 
 @dataclass(frozen=True)
-class Rule:
+class BenchRule:
     """A rule: the sentence of the standard that it checks, its section, and its test function."""
 
-    level: Level
+    level: RuleLevel
     section: str
     sentence: str
     start: Start
@@ -42,7 +42,7 @@ class Rule:
 
 
 Attempt = Callable[[Trial], None]
-RULES: List[Rule] = []
+RULES: List[BenchRule] = []
 
 
 def must(section: str, sentence: str, start: Start = Start.AT_END,
@@ -51,29 +51,29 @@ def must(section: str, sentence: str, start: Start = Start.AT_END,
 
     section -- section of 2.1.0, or of 3.0.0 if only 3.0.0 has the rule
     """
-    return _rule(Level.MUST, section, sentence, start, versions)
+    return _rule(RuleLevel.MUST, section, sentence, start, versions)
 
 
 def should(section: str, sentence: str, start: Start = Start.AT_END,
            versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
     """Like `must`, for a recommendation of the standard."""
-    return _rule(Level.SHOULD, section, sentence, start, versions)
+    return _rule(RuleLevel.SHOULD, section, sentence, start, versions)
 
 
 def derived(section: str, sentence: str, start: Start = Start.AT_END,
             versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
     """Like `must`, for a rule that only follows from what the standard describes."""
-    return _rule(Level.DERIVED, section, sentence, start, versions)
+    return _rule(RuleLevel.DERIVED, section, sentence, start, versions)
 
 
-def rules_of(version: str) -> List[Rule]:
+def rules_of(version: str) -> List[BenchRule]:
     """Returns the rules of a version of the standard."""
     return [rule for rule in RULES if version.startswith(rule.versions)]
 
 
-def _rule(level: Level, section: str, sentence: str, start: Start,
+def _rule(level: RuleLevel, section: str, sentence: str, start: Start,
           versions: Tuple[str, ...]) -> Callable[[Attempt], Attempt]:
     def add(attempt: Attempt) -> Attempt:
-        RULES.append(Rule(level, section, sentence, start, versions, attempt))
+        RULES.append(BenchRule(level, section, sentence, start, versions, attempt))
         return attempt
     return add

@@ -12,43 +12,43 @@ from vda5050_protocol.values.enums import (
     ActionStatus,
     BlockingType,
     ConnectionState,
+    EmergencyStop,
     ErrorLevel,
-    EStop,
     OperatingMode,
 )
 from vda5050_protocol.values.orders import (
-    Action,
     ActionParameter,
     Corridor,
     Deviation,
-    Edge,
     Element,
     InstantActions,
-    Node,
     NodePosition,
-    Order,
+    OrderEdge,
+    OrderMessage,
+    OrderNode,
+    VdaAction,
 )
 from vda5050_protocol.values.states import (
     ActionState,
     AgvPosition,
     BatteryState,
-    Connection,
+    ConnectionMessage,
     Error,
     ErrorKind,
+    ErrorReference,
     MapInformation,
-    Reference,
     SafetyState,
-    State,
+    StateMessage,
     Velocity,
     Visualization,
 )
 
 __all__ = [
-    'Action', 'ActionParameter', 'ActionState', 'ActionStatus', 'AgvPosition', 'BatteryState',
-    'BlockingType', 'Connection', 'ConnectionState', 'Corridor', 'Deviation', 'EStop', 'Edge',
-    'Element', 'Error', 'ErrorKind', 'ErrorLevel', 'Header',
-    'InstantActions', 'MapInformation', 'Node', 'NodePosition', 'OperatingMode',
-    'Order', 'Reference', 'SafetyState', 'State', 'Velocity', 'Visualization',
+    'ActionParameter', 'ActionState', 'ActionStatus', 'AgvPosition', 'BatteryState', 'BlockingType',
+    'ConnectionMessage', 'ConnectionState', 'Corridor', 'Deviation', 'Element', 'EmergencyStop',
+    'Error', 'ErrorKind', 'ErrorLevel', 'ErrorReference', 'Header', 'InstantActions',
+    'MapInformation', 'NodePosition', 'OperatingMode', 'OrderEdge', 'OrderMessage', 'OrderNode',
+    'SafetyState', 'StateMessage', 'VdaAction', 'Velocity', 'Visualization',
 ]
 
 

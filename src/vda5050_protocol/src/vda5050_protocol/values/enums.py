@@ -57,7 +57,7 @@ class ConnectionState(Enum):
     CONNECTION_BROKEN = 'CONNECTIONBROKEN'
 
 
-class EStop(Enum):
+class EmergencyStop(Enum):
     """How an emergency stop is acknowledged."""
 
     AUTOACK = 'AUTOACK'

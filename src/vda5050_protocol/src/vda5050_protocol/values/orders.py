@@ -17,7 +17,7 @@ class ActionParameter:
 
 
 @dataclass(frozen=True)
-class Action:
+class VdaAction:
     """An action to execute on a node, on an edge or at once."""
 
     action_type: str
@@ -70,13 +70,13 @@ class NodePosition:
 
 
 @dataclass(frozen=True)
-class Node:
+class OrderNode:
     """A point that the vehicle drives over."""
 
     node_id: str
     sequence_id: int
     released: bool
-    actions: Tuple[Action, ...] = ()
+    actions: Tuple[VdaAction, ...] = ()
     position: Optional[NodePosition] = None
     description: Optional[str] = None
 
@@ -95,7 +95,7 @@ class Corridor:
 
 
 @dataclass(frozen=True)
-class Edge:
+class OrderEdge:
     """A connection from one node to the next: from `sequence_id` - 1 to `sequence_id` + 1.
 
     start_node_id, end_node_id -- the same nodes by their ids; None if the message does not repeat
@@ -107,7 +107,7 @@ class Edge:
     released: bool
     start_node_id: Optional[str] = None
     end_node_id: Optional[str] = None
-    actions: Tuple[Action, ...] = ()
+    actions: Tuple[VdaAction, ...] = ()
     description: Optional[str] = None
     max_speed: Optional[float] = None
     max_height: Optional[float] = None
@@ -122,17 +122,17 @@ class Edge:
     corridor: Optional[Corridor] = None
 
 
-Element = Union[Node, Edge]
+Element = Union[OrderNode, OrderEdge]
 
 
 @dataclass(frozen=True)
-class Order:
+class OrderMessage:
     """A new order or an order update; nodes and edges alternate."""
 
     order_id: str
     order_update_id: int
-    nodes: Tuple[Node, ...]
-    edges: Tuple[Edge, ...] = ()
+    nodes: Tuple[OrderNode, ...]
+    edges: Tuple[OrderEdge, ...] = ()
     zone_set_id: Optional[str] = None
 
 
@@ -140,4 +140,4 @@ class Order:
 class InstantActions:
     """Actions to execute at once."""
 
-    actions: Tuple[Action, ...]
+    actions: Tuple[VdaAction, ...]

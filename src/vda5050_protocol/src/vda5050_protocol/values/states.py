@@ -7,11 +7,11 @@ from typing import Optional, Tuple
 from vda5050_protocol.values.enums import (
     ActionStatus,
     ConnectionState,
+    EmergencyStop,
     ErrorLevel,
-    EStop,
     OperatingMode,
 )
-from vda5050_protocol.values.orders import Edge, Node
+from vda5050_protocol.values.orders import OrderEdge, OrderNode
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class BatteryState:
 
 
 @dataclass(frozen=True)
-class Reference:
+class ErrorReference:
     """The object of an error, e.g. the key nodeId and its value."""
 
     key: str
@@ -74,7 +74,7 @@ class ErrorKind:
     name_3: str
     level_3: ErrorLevel
 
-    def error(self, description: str, *references: Reference) -> Error:
+    def error(self, description: str, *references: ErrorReference) -> Error:
         """Returns an error of this kind."""
         return Error(self, description, references)
 
@@ -85,14 +85,14 @@ class Error:
 
     kind: ErrorKind
     description: str
-    references: Tuple[Reference, ...] = ()
+    references: Tuple[ErrorReference, ...] = ()
 
 
 @dataclass(frozen=True)
 class SafetyState:
     """Emergency stop and protective field."""
 
-    e_stop: EStop
+    e_stop: EmergencyStop
     field_violation: bool
 
 
@@ -107,7 +107,7 @@ class MapInformation:
 
 
 @dataclass(frozen=True)
-class State:
+class StateMessage:
     """The complete state that the master receives.
 
     node_states, edge_states -- the nodes and edges that are still to be driven
@@ -117,8 +117,8 @@ class State:
     order_update_id: int
     last_node_id: str
     last_node_sequence_id: int
-    node_states: Tuple[Node, ...]
-    edge_states: Tuple[Edge, ...]
+    node_states: Tuple[OrderNode, ...]
+    edge_states: Tuple[OrderEdge, ...]
     action_states: Tuple[ActionState, ...]
     driving: bool
     battery: BatteryState
@@ -155,7 +155,7 @@ class Visualization:
 
 
 @dataclass(frozen=True)
-class Connection:
+class ConnectionMessage:
     """Whether the vehicle is connected to the broker."""
 
     state: ConnectionState

@@ -4,8 +4,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.action_queue import Entry
-from vda5050_protocol.values import ActionStatus, Edge, Reference
+from vda5050_protocol.action_queue import QueuedAction
+from vda5050_protocol.values import ActionStatus, ErrorReference, OrderEdge
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import WrongAction
 from vda5050_vehicle.core.context import Context
@@ -37,7 +37,7 @@ class ActionRunner:
             context.update_action(action_id, ActionStatus.RUNNING)
             context.do(fx.StartAction(action_id, spec, spec.arguments_of(entry.action)))
 
-    def leave_edge(self, edge: Edge) -> None:
+    def leave_edge(self, edge: OrderEdge) -> None:
         """Ends the actions of an edge that the robot has left."""
         for entry in self._state.actions.of(edge.sequence_id):
             action_id = entry.action.action_id
@@ -80,15 +80,16 @@ class ActionRunner:
                 and not self._state.cancelling):
             self._tell_of_failure(entry, text)
 
-    def _note(self, entry: Entry, status: ActionStatus, text: str) -> None:
+    def _note(self, entry: QueuedAction, status: ActionStatus, text: str) -> None:
         self._context.note(f'action {entry.action.action_id}, {entry.action.action_type}: '
                            f'{status.value} {text}')
 
-    def _tell_of_failure(self, entry: Entry, text: str) -> None:
+    def _tell_of_failure(self, entry: QueuedAction, text: str) -> None:
         action, state = entry.action, self._state
-        references = (Reference('topic', 'order'), Reference('orderId', state.order.order_id),
-                      Reference('orderUpdateId', str(state.order.order_update_id)),
-                      Reference('actionId', action.action_id))
+        references = (ErrorReference('topic', 'order'),
+                      ErrorReference('orderId', state.order.order_id),
+                      ErrorReference('orderUpdateId', str(state.order.order_update_id)),
+                      ErrorReference('actionId', action.action_id))
         description = f'action {action.action_type}: {text}'
         if action.blocking_type.forbids_driving:
             state.errors = replace(state.errors,

@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 import string
 from dataclasses import dataclass, field, replace
-from typing import Any, Dict, FrozenSet, Mapping, Optional, Tuple
+from typing import Any, Dict, FrozenSet, Mapping, Optional, Set, Tuple
 
 from vda5050_protocol.action_queue import Scope
-from vda5050_protocol.values import Action, BlockingType
+from vda5050_protocol.values import BlockingType, VdaAction
 
 TEXT_LIMIT = 200  # characters of a parameter
 PRINTABLE = r'[^\x00-\x1f\x7f]*'
@@ -74,7 +74,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Call:
+class ActionCall:
     """A goal of a ROS action: the action's name and type, and the fields of the goal."""
 
     server: str
@@ -107,9 +107,9 @@ class ActionSpec:
     executed_as: Optional[BlockingType] = None
     result: str = ''
     commands_motion: bool = False
-    call: Optional[Call] = field(default=None, compare=False)
+    call: Optional[ActionCall] = field(default=None, compare=False)
 
-    def check(self, action: Action, scope: Scope) -> None:
+    def check(self, action: VdaAction, scope: Scope) -> None:
         """Raises WrongAction if the action does not agree with the table."""
         if scope not in self.scopes:
             raise WrongAction('actionType', f'{self.action_type} is not a {scope.value} action')
@@ -126,7 +126,7 @@ class ActionSpec:
             if key not in arguments and not parameter.optional:
                 raise WrongAction(key, f'{self.action_type} needs the parameter {key}')
 
-    def arguments_of(self, action: Action) -> Dict[str, Any]:
+    def arguments_of(self, action: VdaAction) -> Dict[str, Any]:
         """Returns the arguments of the action, with default values."""
         given = action.arguments
         return {p.key: p.value_of(given.get(p.key, p.default)) for p in self.parameters
@@ -139,7 +139,7 @@ class ActionTable:
     def __init__(self, specs: Tuple[ActionSpec, ...]) -> None:
         self.specs: Mapping[str, ActionSpec] = {spec.action_type: spec for spec in specs}
 
-    def check(self, action: Action, scope: Scope) -> ActionSpec:
+    def check(self, action: VdaAction, scope: Scope) -> ActionSpec:
         """Returns the entry of an action; raises WrongAction."""
         spec = self.specs.get(action.action_type)
         if spec is None:
@@ -147,19 +147,19 @@ class ActionTable:
         spec.check(action, scope)
         return spec
 
-    def as_executed(self, action: Action) -> Action:
+    def as_executed(self, action: VdaAction) -> VdaAction:
         """Returns the action with its blocking type on this robot."""
         spec = self.specs.get(action.action_type)
         if spec is None or spec.executed_as is None:
             return action
         return replace(action, blocking_type=spec.executed_as)
 
-    def moves(self, action: Action) -> bool:
+    def moves(self, action: VdaAction) -> bool:
         """Returns whether the action moves the robot."""
         spec = self.specs.get(action.action_type)
         return spec is not None and spec.moves
 
-    def commands_motion(self, action: Action) -> bool:
+    def commands_motion(self, action: VdaAction) -> bool:
         """Returns whether the action may change the epoch of the robot's motion."""
         spec = self.specs.get(action.action_type)
         return spec is not None and (spec.moves or spec.commands_motion)
@@ -170,14 +170,14 @@ def read_table(document: Any) -> Tuple[ActionSpec, ...]:
     actions = document.get('actions') if isinstance(document, dict) else None
     if not isinstance(actions, dict):
         raise WrongTable('it needs the key `actions:` with one entry per action type')
-    return tuple(_spec(str(name), line) for name, line in actions.items())
+    return tuple(_checked(_entry(str(name), line)) for name, line in actions.items())
 
 
 _KEYS = {'description', 'scopes', 'blocking', 'executed_as', 'parameters', 'cancellable',
          'moves', 'commands_motion', 'result', 'server', 'type', 'goal'}
 
 
-def _spec(name: str, line: Any) -> ActionSpec:
+def _entry(name: str, line: Any) -> ActionSpec:
     if not isinstance(line, dict) or not {'server', 'type', 'goal', 'scopes'} <= set(line):
         raise WrongTable(f'action {name} needs server, type, goal and scopes')
     if set(line) - _KEYS:
@@ -186,28 +186,36 @@ def _spec(name: str, line: Any) -> ActionSpec:
     try:
         parameters = tuple(Parameter(key, **values)
                            for key, values in (line.get('parameters') or {}).items())
-        call = Call(str(line['server']), str(line['type']), dict(line['goal']))
-        spec = ActionSpec(
+        return ActionSpec(
             name, str(line.get('description', '')),
             frozenset(Scope(scope) for scope in line['scopes']),
-            tuple(BlockingType(kind) for kind in line.get('blocking', [k.value for k in
-                                                                       BlockingType])),
+            tuple(map(BlockingType, line.get('blocking', BlockingType))),
             parameters, bool(line.get('cancellable', True)), bool(line.get('moves', False)),
             BlockingType(line['executed_as']) if 'executed_as' in line else None,
-            str(line.get('result', '')), bool(line.get('commands_motion', False)), call)
+            str(line.get('result', '')), bool(line.get('commands_motion', False)),
+            ActionCall(str(line['server']), str(line['type']), dict(line['goal'])))
     except (TypeError, ValueError) as error:
         raise WrongTable(f'action {name}: {error}') from None
+
+
+def _checked(spec: ActionSpec) -> ActionSpec:
+    """Returns the entry if its parts agree with each other; raises WrongTable."""
     if spec.executed_as is not None and spec.executed_as not in spec.blocking:
-        raise WrongTable(f'action {name}: executed_as is {spec.executed_as.value}, which is not '
-                         'in its blocking')
-    for parameter in parameters:
+        raise WrongTable(f'action {spec.action_type}: executed_as is {spec.executed_as.value}, '
+                         'which is not in its blocking')
+    for parameter in spec.parameters:
         if parameter.type not in _TYPES:
-            raise WrongTable(f'action {name}: parameter {parameter.key} has type '
+            raise WrongTable(f'action {spec.action_type}: parameter {parameter.key} has type '
                              f'{parameter.type}; the types are {", ".join(_TYPES)}')
-    used = {field for value in call.goal.values() if isinstance(value, str)
-            for _, field, _, _ in string.Formatter().parse(value) if field is not None}
-    unknown = used - {parameter.key for parameter in parameters}
+    unknown = _arguments_in(spec.call) - {parameter.key for parameter in spec.parameters}
     if unknown:
-        raise WrongTable(f'action {name}: its goal uses {", ".join(sorted(unknown))}, which is not '
-                         'a parameter of the action')
+        raise WrongTable(f'action {spec.action_type}: its goal uses {", ".join(sorted(unknown))}, '
+                         'which is not a parameter of the action')
     return spec
+
+
+def _arguments_in(call: Optional[ActionCall]) -> Set[str]:
+    """Returns the arguments that the goal of a call contains."""
+    values = call.goal.values() if call else ()
+    return {field for value in values if isinstance(value, str)
+            for _, field, _, _ in string.Formatter().parse(value) if field is not None}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Deque, List
 
 from vda5050_protocol import values as v
-from vda5050_protocol.action_queue import Entry
+from vda5050_protocol.action_queue import QueuedAction
 from vda5050_protocol.codecs import Codec
 from vda5050_protocol.order_state import OrderState
 from vda5050_protocol.reporting import Reporter
@@ -15,7 +15,7 @@ from vda5050_vehicle.core.action_table import ActionTable
 from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.core.state import VdaVehicleState
 from vda5050_vehicle.drivers.driver import Driver, NotDrivable
-from vda5050_vehicle.drivers.robot_view import RobotView
+from vda5050_vehicle.drivers.robot_view import RobotSnapshot
 
 HISTORY = 500        # number of events in a log report
 
@@ -29,7 +29,7 @@ class Context:
     table: ActionTable
     driver: Driver[Any]
     state: VdaVehicleState
-    robot: RobotView = RobotView()
+    robot: RobotSnapshot = RobotSnapshot()
     reporter: Reporter = field(default_factory=Reporter)
     history: Deque[str] = field(default_factory=lambda: deque(maxlen=HISTORY))
     effects: List[fx.Effect] = field(default_factory=list)
@@ -46,7 +46,7 @@ class Context:
         """Sets a new status of an action."""
         self.state.actions = self.state.actions.updated(action_id, status, text)
 
-    def is_cancellable(self, entry: Entry) -> bool:
+    def is_cancellable(self, entry: QueuedAction) -> bool:
         """Returns whether cancelOrder ends this action."""
         return self.table.specs[entry.action.action_type].cancellable
 
@@ -100,7 +100,7 @@ class Context:
         """Sets the node of a robot that reached it without an order."""
         order = self.state.order
         if order.is_driven and node_id and node_id != order.last_node[0]:
-            node = v.Node(node_id, 0, True)
+            node = v.OrderNode(node_id, 0, True)
             self.state.order = OrderState(order.order_id, order.order_update_id, (node,),
                                           cancelled=order.cancelled)
             self.driver.begin()

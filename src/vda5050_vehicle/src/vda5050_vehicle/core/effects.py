@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional, Tuple, Union
 
-from vda5050_protocol.values import State
+from vda5050_protocol.values import StateMessage
 from vda5050_vehicle.core.action_table import ActionSpec
 from vda5050_vehicle.core.state import VdaVehicleState
 from vda5050_vehicle.drivers.robot_view import RobotPose
@@ -14,7 +14,7 @@ from vda5050_vehicle.drivers.robot_view import RobotPose
 class SendState:
     """Publish a state."""
 
-    state: State
+    state: StateMessage
 
 
 @dataclass(frozen=True)
@@ -66,11 +66,11 @@ class Keep:
 
 
 @dataclass(frozen=True)
-class Command:
+class DriverCommand:
     """A command of the driver; its type depends on the driver."""
 
     command: Any
 
 
 Effect = Union[SendState, SendFactsheet, StartAction, CancelAction, SetPose, WriteLog, Keep,
-               Command]
+               DriverCommand]

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.values import Error, EStop, Reference
-from vda5050_vehicle.drivers.robot_view import RobotView
+from vda5050_protocol.values import EmergencyStop, Error, ErrorReference
+from vda5050_vehicle.drivers.robot_view import RobotSnapshot
 
 # Masters interpret an error without references as a rejection of their last order.
-_OF_NO_ORDER = Reference('topic', 'state')
+_OF_NO_ORDER = ErrorReference('topic', 'state')
 MAX_REJECTIONS = 100  # the newest rejections that are reported, so that a state stays small
 
 
@@ -49,7 +49,7 @@ class Errors:
         """The failure because of which the vehicle does not drive on; None if there is none."""
         return self.drive or self.action
 
-    def all(self, robot: RobotView) -> Tuple[Error, ...]:
+    def all(self, robot: RobotSnapshot) -> Tuple[Error, ...]:
         """Returns all errors to report."""
         failures = tuple(error for error in (self.drive, self.action) if error)
         return (*self.rejections, *self.refused_actions, *failures, *_conditions(robot))
@@ -59,9 +59,9 @@ def _with(errors: Tuple[Error, ...], error: Error) -> Tuple[Error, ...]:
     return (*errors, error)[-MAX_REJECTIONS:]
 
 
-def _conditions(robot: RobotView) -> Tuple[Error, ...]:
+def _conditions(robot: RobotSnapshot) -> Tuple[Error, ...]:
     found = []
-    if robot.e_stop is not EStop.NONE:
+    if robot.e_stop is not EmergencyStop.NONE:
         found.append(e.EMERGENCY_STOP.error('the emergency stop is pressed or not acknowledged',
                                             _OF_NO_ORDER))
     if robot.lost:

@@ -7,7 +7,7 @@ from vda5050_protocol import problems as e
 from vda5050_protocol.codecs import Codec
 from vda5050_protocol.fields import TEXT, UINT, Kind, Malformed, read_json
 from vda5050_protocol.order_rules import check_order
-from vda5050_protocol.values import Error, Reference
+from vda5050_protocol.values import Error, ErrorReference
 from vda5050_vehicle.core.identity import Identity
 
 # The ids by which a master recognises the error. An actionId would make it an error of one action.
@@ -15,7 +15,7 @@ _IDS: Mapping[str, Tuple[Tuple[str, Kind], ...]] = {
     'order': (('orderId', TEXT), ('orderUpdateId', UINT)), 'instantActions': ()}
 
 
-class Refused(Exception):
+class MessageRefused(Exception):
     """A message that cannot be read, or is for another vehicle; `error` is to be reported."""
 
     def __init__(self, error: Error) -> None:
@@ -38,13 +38,13 @@ class Inbox:
             if topic == 'order':
                 check_order(message)
         except Malformed as problem:
-            raise Refused(e.VALIDATION_ERROR.error(
-                str(problem), Reference('topic', topic), *_ids_in(topic, payload),
-                Reference('field', problem.path))) from None
+            raise MessageRefused(e.VALIDATION_ERROR.error(
+                str(problem), ErrorReference('topic', topic), *_ids_in(topic, payload),
+                ErrorReference('field', problem.path))) from None
         return message
 
 
-def _ids_in(topic: str, payload: bytes) -> Iterator[Reference]:
+def _ids_in(topic: str, payload: bytes) -> Iterator[ErrorReference]:
     """Yields the ids of a malformed message that can be read."""
     try:
         message = read_json(payload)
@@ -52,6 +52,6 @@ def _ids_in(topic: str, payload: bytes) -> Iterator[Reference]:
         return
     for key, kind in _IDS[topic]:
         try:
-            yield Reference(key, str(kind.read(message.get(key), key)))
+            yield ErrorReference(key, str(kind.read(message.get(key), key)))
         except Malformed:
             continue

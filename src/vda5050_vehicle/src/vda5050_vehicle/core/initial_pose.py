@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
 WITHIN = (0.5, 0.3)  # m, rad: the largest error of a robot that has matched its surroundings
 SAME = (0.1, 0.1)    # m, rad: within this a pose equals the requested pose
@@ -37,7 +37,7 @@ class PoseWish:
             within = metres, radians
         return PoseWish(action_id, pose, last_node, within, now + PATIENCE)
 
-    def is_taken(self, robot: RobotView) -> bool:
+    def is_taken(self, robot: RobotSnapshot) -> bool:
         """Returns whether the robot has taken the pose."""
         return robot.pose is not None and robot.localized and all(
             apart <= within for apart, within in zip(_apart(robot.pose, self.pose), self.within))

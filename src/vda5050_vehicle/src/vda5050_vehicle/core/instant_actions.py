@@ -9,13 +9,19 @@ from dataclasses import replace
 from typing import Callable, Dict, FrozenSet, List, Tuple
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.action_queue import MAX_INSTANT_ACTIONS, Entry, Scope
-from vda5050_protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
+from vda5050_protocol.action_queue import MAX_INSTANT_ACTIONS, QueuedAction, Scope
+from vda5050_protocol.values import (
+    ActionStatus,
+    EmergencyStop,
+    ErrorReference,
+    InstantActions,
+    VdaAction,
+)
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_runner import ActionRunner
 from vda5050_vehicle.core.action_table import ActionSpec, Parameter, WrongAction
 from vda5050_vehicle.core.context import Context
-from vda5050_vehicle.core.inbox import Inbox, Refused
+from vda5050_vehicle.core.inbox import Inbox, MessageRefused
 from vda5050_vehicle.core.initial_pose import PoseWish
 from vda5050_vehicle.drivers.robot_view import RobotPose
 
@@ -63,7 +69,7 @@ class InstantActionHandler:
         self._state = context.state
         self._inbox = inbox
         self._runner = runner
-        self._handlers: Dict[str, Callable[[Action, float], None]] = {
+        self._handlers: Dict[str, Callable[[VdaAction, float], None]] = {
             'cancelOrder': self._cancel_order, 'startPause': self._start_pause,
             'stopPause': self._stop_pause, 'stateRequest': self._request_state,
             'factsheetRequest': self._request_factsheet, 'initPosition': self._init_position,
@@ -76,18 +82,18 @@ class InstantActionHandler:
         context.reporter.answer()
         try:
             message: InstantActions = self._inbox.read('instantActions', payload)
-        except Refused as refused:
+        except MessageRefused as refused:
             state.errors = state.errors.with_refused_action(refused.error)
             return
         is_copy = payload in state.received
         if not is_copy and any(action.action_type not in HARMLESS_AGAIN
                                for action in message.actions):
             state.received = state.received.with_message(payload)
-        self._take(message, is_copy, now)
+        self._queue(message, is_copy, now)
 
-    def _take(self, message: InstantActions, is_copy: bool, now: float) -> None:
+    def _queue(self, message: InstantActions, is_copy: bool, now: float) -> None:
         state = self._state
-        refused: List[Tuple[Action, WrongAction]] = []
+        refused: List[Tuple[VdaAction, WrongAction]] = []
         taken = False
         for action in message.actions:
             known = state.actions.by_id.get(action.action_id)
@@ -102,7 +108,7 @@ class InstantActionHandler:
                 if known is not None:
                     self._do_beside(action, is_copy, now)
                 state.actions = state.actions.with_entries(
-                    Entry(self._context.table.as_executed(action), Scope.INSTANT))
+                    QueuedAction(self._context.table.as_executed(action), Scope.INSTANT))
                 self._do(action, is_copy, now)
                 taken = True
             except WrongAction as wrong:
@@ -114,7 +120,7 @@ class InstantActionHandler:
         for action, reason in refused:
             self._tell_of_refusal(action, reason)
 
-    def _is_done(self, action: Action, known: Entry, is_copy: bool) -> bool:
+    def _is_done(self, action: VdaAction, known: QueuedAction, is_copy: bool) -> bool:
         """Returns whether an action with a known id is the known action, and not wanted again.
 
         A stop is wanted again if there is a motion to stop.
@@ -129,7 +135,7 @@ class InstantActionHandler:
         return action.parameters == known.action.parameters and (
             is_copy or not _is_replaceable(action, known))
 
-    def _do_beside(self, action: Action, is_copy: bool, now: float) -> None:
+    def _do_beside(self, action: VdaAction, is_copy: bool, now: float) -> None:
         """Executes a stop beside the action that has its id; raises WrongAction in all cases.
 
         The id reports the end of the other action.
@@ -141,7 +147,7 @@ class InstantActionHandler:
         raise WrongAction('actionId', 'another action has this id; this action is executed, but '
                           'its state is not reported')
 
-    def _do(self, action: Action, is_copy: bool, now: float) -> None:
+    def _do(self, action: VdaAction, is_copy: bool, now: float) -> None:
         """Executes an action or queues it; raises WrongAction."""
         handler = self._handlers.get(action.action_type)
         if handler and action.action_type in STOPPING:  # an unknown parameter does not matter
@@ -161,7 +167,7 @@ class InstantActionHandler:
         else:
             self._state.actions = self._state.actions.with_triggered(action.action_id)
 
-    def _with_blocking_type(self, action: Action) -> Action:
+    def _with_blocking_type(self, action: VdaAction) -> VdaAction:
         """Returns the action with a blocking type that its table entry allows.
 
         In 3.0 the blocking type of an instant action is always NONE. The table has the true one.
@@ -171,49 +177,50 @@ class InstantActionHandler:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
-    def _tell_of_refusal(self, action: Action, wrong: WrongAction) -> None:
+    def _tell_of_refusal(self, action: VdaAction, wrong: WrongAction) -> None:
         self._state.errors = self._state.errors.with_refused_action(e.INSTANT_ACTION_ERROR.error(
-            f'action {action.action_type}: {wrong}', Reference('topic', 'instantActions'),
-            Reference('actionId', action.action_id), Reference('actionParameter', wrong.key)))
+            f'action {action.action_type}: {wrong}', ErrorReference('topic', 'instantActions'),
+            ErrorReference('actionId', action.action_id),
+            ErrorReference('actionParameter', wrong.key)))
 
     def _end(self, action_id: str, status: ActionStatus, text: str = '') -> None:
         self._context.update_action(action_id, status, text)
 
-    def _run(self, action: Action) -> None:
+    def _run(self, action: VdaAction) -> None:
         self._context.update_action(action.action_id, ActionStatus.RUNNING)
 
-    def _finish(self, action: Action, text: str = '') -> None:
+    def _finish(self, action: VdaAction, text: str = '') -> None:
         self._end(action.action_id, ActionStatus.FINISHED, text)
 
     # --- actions that end at once -----------------------------------------------------------------
 
-    def _request_state(self, action: Action, now: float) -> None:
+    def _request_state(self, action: VdaAction, now: float) -> None:
         self._context.reporter.ask()
         self._finish(action)
 
-    def _request_factsheet(self, action: Action, now: float) -> None:
+    def _request_factsheet(self, action: VdaAction, now: float) -> None:
         self._context.do(fx.SendFactsheet())
         self._finish(action)
 
-    def _log_report(self, action: Action, now: float) -> None:
+    def _log_report(self, action: VdaAction, now: float) -> None:
         self._run(action)
         self._context.do(fx.WriteLog(action.action_id, str(action.arguments.get('reason', '')),
                                      tuple(self._context.history)))
 
-    def _clear(self, action: Action, now: float) -> None:
+    def _clear(self, action: VdaAction, now: float) -> None:
         self._state.actions = self._state.actions.without_ended_instant_actions()
         self._finish(action)
 
-    def _retry(self, action: Action, now: float) -> None:
+    def _retry(self, action: VdaAction, now: float) -> None:
         self._context.update_action(self._retriable(action), ActionStatus.INITIALIZING)
         self._finish(action)
 
-    def _skip_retry(self, action: Action, now: float) -> None:
+    def _skip_retry(self, action: VdaAction, now: float) -> None:
         self._runner.end(self._retriable(action), ActionStatus.FAILED,
                          'the master has decided not to retry the action')
         self._finish(action)
 
-    def _retriable(self, action: Action) -> str:
+    def _retriable(self, action: VdaAction) -> str:
         """Returns the id of the action that `action` refers to; raises WrongAction."""
         action_id = str(action.arguments['actionId'])
         entry = self._state.actions.by_id.get(action_id)
@@ -221,9 +228,9 @@ class InstantActionHandler:
             raise WrongAction('actionId', f'action {action_id!r} is not RETRIABLE')
         return action_id
 
-    def _stop_pause(self, action: Action, now: float) -> None:
+    def _stop_pause(self, action: VdaAction, now: float) -> None:
         robot = self._context.robot
-        if robot.e_stop is not EStop.NONE:
+        if robot.e_stop is not EmergencyStop.NONE:
             raise WrongAction('eStop', 'the emergency stop is not released')
         if robot.pose is None:
             raise WrongAction('errors', robot.lost or 'the robot has not reported yet')
@@ -234,20 +241,20 @@ class InstantActionHandler:
 
     # --- actions that take time -------------------------------------------------------------------
 
-    def _start_pause(self, action: Action, now: float) -> None:
+    def _start_pause(self, action: VdaAction, now: float) -> None:
         self._state.paused = True
         self._state.pauses += (action.action_id,)
         self._run(action)
         self._context.stop(now)
 
-    def _cancel_order(self, action: Action, now: float) -> None:
+    def _cancel_order(self, action: VdaAction, now: float) -> None:
         state = self._state
         wanted = action.arguments.get('orderId', state.order.order_id)
         if not state.busy or state.order.cancelled or wanted != state.order.order_id:
             self._end(action.action_id, ActionStatus.FAILED, 'there is no order to cancel')
             state.errors = state.errors.with_rejection(e.NO_ORDER_TO_CANCEL.error(
-                'there is no order to cancel', Reference('topic', 'instantActions'),
-                Reference('actionId', action.action_id)))
+                'there is no order to cancel', ErrorReference('topic', 'instantActions'),
+                ErrorReference('actionId', action.action_id)))
             return
         self._run(action)
         first = not state.cancels
@@ -266,7 +273,7 @@ class InstantActionHandler:
             elif self._context.is_cancellable(entry):
                 self._context.do(fx.CancelAction(action_id))
 
-    def _init_position(self, action: Action, now: float) -> None:
+    def _init_position(self, action: VdaAction, now: float) -> None:
         context, arguments = self._context, action.arguments
         map_id = context.identity.map_id
         if map_id and arguments['mapId'] != map_id:
@@ -282,7 +289,7 @@ class InstantActionHandler:
         self._run(action)
         context.do(fx.SetPose(pose))
 
-    def go_on(self, now: float) -> None:
+    def end_completed(self, now: float) -> None:
         """Ends cancellations, pauses and initPosition if their conditions are met."""
         context, state = self._context, self._state
         if (state.cancels and context.is_known_to_stand and state.actions.order_has_ended):
@@ -325,7 +332,7 @@ class InstantActionHandler:
         self._state.wish = None
 
 
-def _is_replaceable(action: Action, known: Entry) -> bool:
+def _is_replaceable(action: VdaAction, known: QueuedAction) -> bool:
     """Returns whether the action takes the place of an ended one that has its id."""
     return (action.action_type in DONE_AGAIN and not known.belongs_to_order
             and known.status.has_ended)

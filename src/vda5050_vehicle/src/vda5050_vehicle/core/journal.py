@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import fields, is_dataclass
-from typing import Any, Dict, Iterable, Mapping, Optional, Type
+from typing import Any, Dict, Iterable, Mapping, Optional, Tuple, Type
 
 from json_records import from_json, to_json
 from vda5050_vehicle.core.state import VdaVehicleState
@@ -64,19 +64,26 @@ def _change(before: Any, now: Any) -> Dict[str, Any]:
                       for field in fields(now)
                       if _differ(getattr(before, field.name), getattr(now, field.name))}}
     if isinstance(now, dict) and isinstance(before, dict):
-        gone = [key for key in before if key not in now]
-        new = {key: item for key, item in now.items() if before.get(key) is not item}
         kept = [key for key in before if key in now]
         if list(now)[:len(kept)] == kept:  # the new entries are behind the kept ones
-            return {'+': {key: to_json(item) for key, item in new.items()}, '-': gone}
+            return _table_change(before, now)
     if isinstance(now, tuple) and isinstance(before, tuple):
-        begin = len(before) - len(now)
-        if begin > 0 and before[begin:] == now:
-            return {'<': begin, 'keep': len(now), '+': []}
-        keep = next((i for i, (old, new) in enumerate(zip(before, now)) if old != new),
-                    min(len(before), len(now)))
-        return {'<': 0, 'keep': keep, '+': [to_json(item) for item in now[keep:]]}
+        return _sequence_change(before, now)
     return {'=': to_json(now)}
+
+
+def _table_change(before: Mapping[str, Any], now: Mapping[str, Any]) -> Dict[str, Any]:
+    return {'+': {key: to_json(item) for key, item in now.items() if before.get(key) is not item},
+            '-': [key for key in before if key not in now]}
+
+
+def _sequence_change(before: Tuple[Any, ...], now: Tuple[Any, ...]) -> Dict[str, Any]:
+    begin = len(before) - len(now)
+    if begin > 0 and before[begin:] == now:
+        return {'<': begin, 'keep': len(now), '+': []}
+    keep = next((i for i, (old, new) in enumerate(zip(before, now)) if old != new),
+                min(len(before), len(now)))
+    return {'<': 0, 'keep': keep, '+': [to_json(item) for item in now[keep:]]}
 
 
 def _differ(before: Any, now: Any) -> bool:

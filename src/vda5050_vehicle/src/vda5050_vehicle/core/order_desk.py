@@ -5,15 +5,15 @@ from dataclasses import replace
 from typing import Optional, Set
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.acceptance import Acceptance, Held, Rejection, judge
-from vda5050_protocol.action_queue import Entry, Scope
+from vda5050_protocol.acceptance import Held, OrderAcceptance, Rejection, judge
+from vda5050_protocol.action_queue import QueuedAction, Scope
 from vda5050_protocol.order_rules import actions_of
 from vda5050_protocol.order_state import OrderState
 from vda5050_protocol.received import digest
-from vda5050_protocol.values import Order, Reference
+from vda5050_protocol.values import ErrorReference, OrderMessage
 from vda5050_vehicle.core.action_table import WrongAction
 from vda5050_vehicle.core.context import Context
-from vda5050_vehicle.core.inbox import Inbox, Refused
+from vda5050_vehicle.core.inbox import Inbox, MessageRefused
 from vda5050_vehicle.drivers.driver import NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities, check_fields, check_start_heading
 
@@ -32,8 +32,8 @@ class OrderDesk:
         context, state = self._context, self._state
         context.reporter.answer()
         try:
-            order: Order = self._inbox.read('order', payload)
-        except Refused as refused:
+            order: OrderMessage = self._inbox.read('order', payload)
+        except MessageRefused as refused:
             context.note(f'order refused: {refused}')
             state.errors = state.errors.with_rejection(refused.error)
             return
@@ -43,7 +43,7 @@ class OrderDesk:
         if rejection:
             state.errors = state.errors.with_rejection(rejection.error)
 
-    def _consider(self, order: Order, payload: bytes) -> Optional[Rejection]:
+    def _consider(self, order: OrderMessage, payload: bytes) -> Optional[Rejection]:
         """Accepts the order and returns None, or returns the reason of the rejection."""
         context, state = self._context, self._state
         try:
@@ -51,7 +51,7 @@ class OrderDesk:
             verdict = judge(self._held(), order, self._is_near(order), context.codec.is_3)
             if isinstance(verdict, Rejection):
                 return verdict
-            if verdict is Acceptance.DUPLICATE:
+            if verdict is OrderAcceptance.DUPLICATE:
                 return self._compare(order)
             if payload in state.received:
                 raise NotDrivable(e.ORDER_ERROR, 'this message is a copy, and its order is not '
@@ -59,23 +59,24 @@ class OrderDesk:
             self._check_length(order, verdict)
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
-            begins_at = context.robot.pose if verdict is Acceptance.NEW else None
+            begins_at = context.robot.pose if verdict is OrderAcceptance.NEW else None
             if begins_at is not None:
                 check_start_heading(order.nodes[0], begins_at, self._abilities)
             legs = context.driver.plan(order.nodes, order.edges, begins_at)
         except NotDrivable as problem:
             return Rejection(problem.kind.error(
                 str(problem), *e.order_references(order),
-                Reference('field', context.codec.path('order', problem.field) or problem.field)))
+                ErrorReference('field',
+                               context.codec.path('order', problem.field) or problem.field)))
         except WrongAction as wrong:
             return Rejection(e.ORDER_ACTION.error(
-                str(wrong), *e.order_references(order), Reference('field', wrong.key)))
+                str(wrong), *e.order_references(order), ErrorReference('field', wrong.key)))
         state.errors = replace(
             state.errors, rejections=(),
             refused_actions=state.errors.refused_actions if context.codec.is_3 else ())
         state.received = state.received.with_message(payload)
         state.taken = _digest_of(order)
-        if verdict is Acceptance.NEW:
+        if verdict is OrderAcceptance.NEW:
             self._begin(order)
         else:
             self._extend(order)
@@ -83,25 +84,25 @@ class OrderDesk:
         state.legs = state.legs[:kept] + legs
         return None
 
-    def _check_first(self, order: Order) -> None:
+    def _check_first(self, order: OrderMessage) -> None:
         """Raises NotDrivable if a new order does not begin with sequenceId 0: 3.0.0, 6.1.1."""
         first = order.nodes[0].sequence_id
         if self._context.codec.is_3 and first and order.order_id != self._state.order.order_id:
             raise NotDrivable(e.ORDER_ERROR, 'the first node of a new order has sequenceId 0, not '
                               f'{first}', 'nodes[0].sequenceId')
 
-    def _check_length(self, order: Order, verdict: Acceptance) -> None:
+    def _check_length(self, order: OrderMessage, verdict: OrderAcceptance) -> None:
         """Raises NotDrivable if the base becomes longer than the robot's longest drive."""
         longest, before = self._context.driver.longest, self._state.order
-        driven = 0 if verdict is Acceptance.NEW else before.passed + before.base_end
+        driven = 0 if verdict is OrderAcceptance.NEW else before.passed + before.base_end
         length = driven + sum(edge.released for edge in order.edges)
         if longest is not None and length > longest:
             raise NotDrivable(
-                e.ORDER_ERROR if verdict is Acceptance.NEW else e.WRONG_UPDATE,
+                e.ORDER_ERROR if verdict is OrderAcceptance.NEW else e.WRONG_UPDATE,
                 f'the base would have {length} edges from its start on, but the vehicle drives at '
                 f'most {longest} in one order; complete the order, then send another one', 'edges')
 
-    def _compare(self, order: Order) -> Optional[Rejection]:
+    def _compare(self, order: OrderMessage) -> Optional[Rejection]:
         """Returns the rejection of a repeated orderUpdateId; None if the order is ignored.
 
         In 3.0 the order must be the same as before; in 2.x it is always ignored.
@@ -123,7 +124,7 @@ class OrderDesk:
                     instant[0].action_id if instant and not context.codec.is_3 else '',
                     moving[0].action_id if moving else '')
 
-    def _is_near(self, order: Order) -> bool:
+    def _is_near(self, order: OrderMessage) -> bool:
         """Answers question 4, for new orders to an idle vehicle only; raises NotDrivable."""
         pose = self._context.robot.pose
         if order.order_id == self._state.order.order_id or self._state.busy:
@@ -132,29 +133,30 @@ class OrderDesk:
             raise NotDrivable(e.NO_ROUTE, 'the position of the vehicle is unknown', 'nodes')
         return self._context.driver.is_at(order.nodes[0], pose)
 
-    def _check_actions(self, order: Order, verdict: Acceptance) -> None:
+    def _check_actions(self, order: OrderMessage, verdict: OrderAcceptance) -> None:
         """Raises WrongAction if an action cannot be executed, or another action has its id."""
         state = self._state
         horizon = state.order.horizon_sequence_ids
         known: Set[str] = {
             entry.action.action_id for entry in state.actions
             if entry.sequence_id not in horizon
-            and (verdict is not Acceptance.NEW or not entry.belongs_to_order
+            and (verdict is not OrderAcceptance.NEW or not entry.belongs_to_order
                  and not entry.status.has_ended)}
         first = order.nodes[0]
-        if verdict is not Acceptance.NEW:  # the node at which they join keeps its first definition
+        if verdict is not OrderAcceptance.NEW:
+            # the node at which they join keeps its first definition
             known -= {action.action_id for action in first.actions}
         for action in actions_of(order):
             if action.action_id in known:
                 raise WrongAction('actionId', f'action {action.action_id!r} is known already')
         for elements, scope in ((order.nodes, Scope.NODE), (order.edges, Scope.EDGE)):
             for element in elements:
-                if element is first and verdict is not Acceptance.NEW:
+                if element is first and verdict is not OrderAcceptance.NEW:
                     continue
                 for action in element.actions:
                     self._context.table.check(action, scope)
 
-    def _begin(self, order: Order) -> None:
+    def _begin(self, order: OrderMessage) -> None:
         state = self._state
         state.actions = state.actions.without_order(keep_instant=self._context.codec.is_3)
         state.order = OrderState.begin(order)
@@ -164,17 +166,17 @@ class OrderDesk:
         self._add_actions(order, 0)
         state.actions = state.actions.with_element_triggered(order.nodes[0].sequence_id)
 
-    def _extend(self, order: Order) -> None:
+    def _extend(self, order: OrderMessage) -> None:
         state = self._state
         state.actions = state.actions.without(state.order.horizon_sequence_ids)
         state.legs = state.legs[:state.order.base_end]
         state.order = state.order.extended(order)
         self._add_actions(order, 1)
 
-    def _add_actions(self, order: Order, first_node: int) -> None:
+    def _add_actions(self, order: OrderMessage, first_node: int) -> None:
         """Adds the actions in the sequence of driving: node, edge, node ..."""
         entries = [
-            Entry(self._context.table.as_executed(action), scope, element.sequence_id)
+            QueuedAction(self._context.table.as_executed(action), scope, element.sequence_id)
             for elements, scope in ((order.nodes[first_node:], Scope.NODE),
                                     (order.edges, Scope.EDGE))
             for element in elements for action in element.actions]
@@ -182,5 +184,5 @@ class OrderDesk:
         self._state.actions = self._state.actions.with_entries(*entries)
 
 
-def _digest_of(order: Order) -> str:
+def _digest_of(order: OrderMessage) -> str:
     return digest(repr(order).encode())

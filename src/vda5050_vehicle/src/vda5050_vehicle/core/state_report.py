@@ -10,14 +10,14 @@ from vda5050_vehicle.core.context import Context
 BASE_REQUEST = 10.0  # m; the vehicle requests a new base at this distance from the base's end
 
 
-def state_of(context: Context) -> v.State:
+def state_of(context: Context) -> v.StateMessage:
     """Returns the present state."""
     state, robot = context.state, context.robot
     order = state.order
     last_node, last_sequence = order.last_node
     if not last_node and robot.pose is not None:
         last_node = context.driver.node_at(robot.pose)
-    return v.State(
+    return v.StateMessage(
         order.order_id, order.order_update_id, last_node, last_sequence, order.nodes[1:],
         order.edges, state.actions.states,
         driving=robot.moves if robot.velocity is not None else not state.drive.at_rest,
@@ -42,7 +42,7 @@ def _errors(context: Context) -> Tuple[v.Error, ...]:
     errors = context.state.errors.all(context.robot)
     if context.codec.is_3 and context.state.actions.is_full:
         errors += (e.INSTANT_ACTIONS_FULL.error(
-            'the oldest instant actions are dropped', v.Reference('topic', 'instantActions')),)
+            'the oldest instant actions are dropped', v.ErrorReference('topic', 'instantActions')),)
     return errors
 
 

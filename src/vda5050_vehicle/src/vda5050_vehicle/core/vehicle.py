@@ -32,7 +32,7 @@ from vda5050_vehicle.core.state import VdaVehicleState
 from vda5050_vehicle.core.state_report import position_of, state_of
 from vda5050_vehicle.drivers.driver import Driver, DriverMemory
 from vda5050_vehicle.drivers.order_fields import Abilities
-from vda5050_vehicle.drivers.robot_view import RobotView
+from vda5050_vehicle.drivers.robot_view import RobotSnapshot
 
 MakeDriver = Callable[[DriverMemory], Driver[Any]]
 
@@ -73,11 +73,11 @@ class VdaVehicle:
                 effects += self._report(now)
         return effects if is_reported else effects + self._report(now)
 
-    def see(self, robot: RobotView, now: float) -> Tuple[fx.Effect, ...]:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> Tuple[fx.Effect, ...]:
         """Processes a new view of the robot; a robot may also be silent for too long."""
         self.context.robot = robot
-        self.driver.see(robot, now)
-        return self._go_on(now)
+        self.driver.robot_seen(robot, now)
+        return self._take_steps(now)
 
     def action_ended(self, action_id: str, succeeded: bool, text: str, now: float,
                      ) -> Tuple[fx.Effect, ...]:
@@ -88,18 +88,18 @@ class VdaVehicle:
             self._runner.end(action_id, v.ActionStatus.FINISHED, text)
         else:
             self._runner.fail(action_id, text)
-        return self._go_on(now)
+        return self._take_steps(now)
 
     def connected(self, now: float) -> Tuple[fx.Effect, ...]:
         """Sends factsheet and state after a connection to the broker, but no missed messages."""
         self.context.reporter.ask()
         self.context.do(fx.SendFactsheet())
-        return self._go_on(now)
+        return self._take_steps(now)
 
     def tick(self, now: float) -> Tuple[fx.Effect, ...]:
         """Continues after some time, or after an event of the driver; several times a second."""
         self.driver.tick(now)
-        return self._go_on(now)
+        return self._take_steps(now)
 
     def restore(self, state: VdaVehicleState, is_newest: bool, now: float) -> None:
         """Continues the order after a restart; actions that were started count as failed.
@@ -118,7 +118,7 @@ class VdaVehicle:
 
     # --- the steps after each event ---------------------------------------------------------------
 
-    def _go_on(self, now: float) -> Tuple[fx.Effect, ...]:
+    def _take_steps(self, now: float) -> Tuple[fx.Effect, ...]:
         self._settle(now)
         return self._report(now)
 
@@ -126,7 +126,7 @@ class VdaVehicle:
         self._pass_nodes()
         self._look_at_failure()
         self._look_at_epoch()
-        self._instant.go_on(now)
+        self._instant.end_completed(now)
         self._enter_edge()
         self._pass_nodes_at_a_stand()
         self._runner.start()
@@ -136,7 +136,7 @@ class VdaVehicle:
         context = self.context
         commands = self.driver.take_commands()
         self._keep()
-        context.effects += [fx.Command(command) for command in commands]
+        context.effects += [fx.DriverCommand(command) for command in commands]
         if not context.robot.is_awaited:  # after the first state the master may send orders
             state = state_of(context)
             if context.reporter.is_due(state, now):
@@ -208,8 +208,8 @@ class VdaVehicle:
     def _fail_to_drive(self, reason: str) -> None:
         order = self.state.order
         self.state.errors = replace(self.state.errors, drive=e.DRIVE_ERROR.error(
-            reason, v.Reference('orderId', order.order_id),
-            v.Reference('nodeId', order.last_node[0])))
+            reason, v.ErrorReference('orderId', order.order_id),
+            v.ErrorReference('nodeId', order.last_node[0])))
         self.context.note(f'driving failed: {reason}')
 
     def _enter_edge(self) -> None:

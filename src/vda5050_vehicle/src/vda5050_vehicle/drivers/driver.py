@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, Tuple, TypeVar
 
-from vda5050_protocol.values import Edge, ErrorKind, Node
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_protocol.values import ErrorKind, OrderEdge, OrderNode
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
 SETTLING = 1.0  # s; a report of the robot's motion may be this much older than the last command
 
@@ -122,15 +122,15 @@ class Driver(ABC, Generic[D]):
         return commands
 
     @abstractmethod
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
-             ) -> Tuple[Leg, ...]:
+    def plan(self, nodes: Sequence[OrderNode], edges: Sequence[OrderEdge],
+             pose: Optional[RobotPose]) -> Tuple[Leg, ...]:
         """Returns one leg per edge; raises NotDrivable.
 
         pose -- the robot's pose at the start of the legs; None: the legs continue earlier ones
         """
 
     @abstractmethod
-    def is_at(self, node: Node, pose: RobotPose) -> bool:
+    def is_at(self, node: OrderNode, pose: RobotPose) -> bool:
         """Returns whether the robot at `pose` may begin an order at this node.
 
         Raises NotDrivable.
@@ -165,7 +165,7 @@ class Driver(ABC, Generic[D]):
         self._set(failure='')
 
     @abstractmethod
-    def see(self, robot: RobotView, now: float) -> None:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """Evaluates the present view of the robot."""
 
     @abstractmethod

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Callable, Dict, FrozenSet, Optional, Sequence, Tuple
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.values import Edge, Node, NodePosition, Order
+from vda5050_protocol.values import NodePosition, OrderEdge, OrderMessage, OrderNode
 from vda5050_vehicle.drivers.driver import NotDrivable
 from vda5050_vehicle.drivers.robot_view import RobotPose
 
@@ -36,11 +36,11 @@ class Abilities:
     ignored: FrozenSet[str] = frozenset()
 
 
-def _drives_forwards(edge: Edge) -> bool:
+def _drives_forwards(edge: OrderEdge) -> bool:
     return edge.orientation == 0.0 and edge.orientation_type in (None, 'TANGENTIAL')
 
 
-_Rule = Callable[[Edge, Abilities], bool]
+_Rule = Callable[[OrderEdge, Abilities], bool]
 
 # Does the vehicle satisfy the field anyway?
 EDGE_RULES: Dict[str, _Rule] = {
@@ -59,7 +59,7 @@ EDGE_RULES: Dict[str, _Rule] = {
 FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId', 'allowedDeviationXY'}
 
 
-def check_fields(order: Order, can: Abilities) -> None:
+def check_fields(order: OrderMessage, can: Abilities) -> None:
     """Raises NotDrivable at the first field that the robot does not honour, except headings."""
     if order.zone_set_id is not None and 'zoneSetId' not in can.ignored:
         raise _unsupported('zoneSetId', 'the vehicle does not support zones')
@@ -76,8 +76,8 @@ def check_fields(order: Order, can: Abilities) -> None:
                               f'nodes[{index}].nodePosition.mapId')
 
 
-def check_headings(nodes: Sequence[Node], can: Abilities,
-                   can_turn: Callable[[int, Node], bool], first: int = 1) -> None:
+def check_headings(nodes: Sequence[OrderNode], can: Abilities,
+                   can_turn: Callable[[int, OrderNode], bool], first: int = 1) -> None:
     """Raises NotDrivable at the first heading for which `can_turn` is false, from `first` on."""
     if 'theta' in can.ignored:
         return
@@ -87,7 +87,7 @@ def check_headings(nodes: Sequence[Node], can: Abilities,
                                f'node {node.node_id!r}: the vehicle cannot take a heading there')
 
 
-def check_start_heading(node: Node, pose: RobotPose, can: Abilities) -> None:
+def check_start_heading(node: OrderNode, pose: RobotPose, can: Abilities) -> None:
     """Raises NotDrivable if an order begins with a heading that the robot does not have."""
     wanted = heading_of(node, can)
     if wanted is not None and not has_heading(node, wanted, pose.theta):
@@ -96,7 +96,7 @@ def check_start_heading(node: Node, pose: RobotPose, can: Abilities) -> None:
                            f'and has heading {pose.theta:.2f}')
 
 
-def check_deviations(nodes: Sequence[Node], place: Callable[[Node], Tuple[float, float]],
+def check_deviations(nodes: Sequence[OrderNode], place: Callable[[OrderNode], Tuple[float, float]],
                      can: Abilities) -> None:
     """Raises NotDrivable at the first node with a deviation that the robot cannot keep.
 
@@ -116,14 +116,14 @@ def check_deviations(nodes: Sequence[Node], place: Callable[[Node], Tuple[float,
                                f'{needed:.2f} m')
 
 
-def has_heading(node: Node, wanted: float, heading: float) -> bool:
+def has_heading(node: OrderNode, wanted: float, heading: float) -> bool:
     """Returns whether `heading` equals the wanted heading, within the deviation of the node."""
     deviation = node.position.allowed_deviation_theta if node.position else None
     return abs(math.remainder(heading - wanted, 2.0 * math.pi)) <= max(
         deviation or 0.0, HEADING_TOLERANCE)
 
 
-def heading_of(node: Node, can: Abilities) -> Optional[float]:
+def heading_of(node: OrderNode, can: Abilities) -> Optional[float]:
     """Returns the heading that a node requires; None if any heading is allowed."""
     position = node.position
     if position is None or position.theta is None or 'theta' in can.ignored:
@@ -132,7 +132,7 @@ def heading_of(node: Node, can: Abilities) -> Optional[float]:
     return None if free else position.theta
 
 
-def is_within(node: Node, place: Tuple[float, float], pose: RobotPose, near: float) -> bool:
+def is_within(node: OrderNode, place: Tuple[float, float], pose: RobotPose, near: float) -> bool:
     """Returns whether the robot is near the position of a node, or within its deviation."""
     dx, dy = pose.x - place[0], pose.y - place[1]
     deviation = node.position.allowed_deviation_xy if node.position else None

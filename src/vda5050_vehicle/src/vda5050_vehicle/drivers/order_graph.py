@@ -7,7 +7,7 @@ from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph, Vertex
 from vda5050_protocol import problems as e
-from vda5050_protocol.values import Edge, Node
+from vda5050_protocol.values import OrderEdge, OrderNode
 from vda5050_vehicle.drivers.driver import Leg, NotDrivable
 from vda5050_vehicle.drivers.robot_view import RobotPose
 
@@ -37,7 +37,7 @@ class OrderGraph:
             **{label: found[0] for label, found in by_label.items() if label and len(found) == 1},
             **{str(vertex.id): vertex for vertex in graph.vertices.values()}}
 
-    def vertex(self, node: Node) -> Optional[Vertex]:
+    def vertex(self, node: OrderNode) -> Optional[Vertex]:
         """Returns the vertex of a node; None if the node only has a position away from vertices.
 
         Raises NotDrivable if id and position contradict each other, or if both are missing.
@@ -57,7 +57,7 @@ class OrderGraph:
                               'the vertex of that name', 'nodePosition')
         return vertex
 
-    def place(self, node: Node) -> Tuple[float, float]:
+    def place(self, node: OrderNode) -> Tuple[float, float]:
         """Returns the position (x, y) of a node, in m; raises NotDrivable."""
         vertex, position = self.vertex(node), node.position
         if vertex is not None:
@@ -82,7 +82,7 @@ class OrderGraph:
         """Returns whether a vertex has this id or label."""
         return name in self._by_name
 
-    def legs(self, nodes: Sequence[Node], edges: Sequence[Edge]) -> Tuple[Leg, ...]:
+    def legs(self, nodes: Sequence[OrderNode], edges: Sequence[OrderEdge]) -> Tuple[Leg, ...]:
         """Returns the legs for the edges of an order; raises NotDrivable."""
         legs = []
         for index, edge in enumerate(edges):
@@ -133,12 +133,12 @@ class OrderGraph:
     def _distance(self, signed: int, pose: RobotPose) -> float:
         return self.graph.curve(signed).project(pose.x, pose.y).distance
 
-    def _edge_between(self, start: Vertex, end: Vertex, edge: Edge) -> int:
+    def _edge_between(self, start: Vertex, end: Vertex, edge: OrderEdge) -> int:
         joining = [signed for signed in self.graph.edges_from(start.id)
                    if self.graph.end_vertex(signed).id == end.id and self._is_allowed(signed)]
         return self._choose(joining, edge, f'vertices {start.id} and {end.id}')
 
-    def _edge_from_place(self, node: Node, edge: Edge, end: Vertex, index: int) -> int:
+    def _edge_from_place(self, node: OrderNode, edge: OrderEdge, end: Vertex, index: int) -> int:
         """Returns the edge that starts at a position; only for the first node of an order.
 
         After a cancellation the robot may stand on an edge, so the next order may start there.
@@ -158,7 +158,7 @@ class OrderGraph:
         edge = self.graph.edge(signed)
         return (edge.velocity_forward if signed > 0 else edge.velocity_backwards) > 0.0
 
-    def _choose(self, joining: Sequence[int], edge: Edge, between: str) -> int:
+    def _choose(self, joining: Sequence[int], edge: OrderEdge, between: str) -> int:
         """Returns the edge with the given id, otherwise the shortest one."""
         if not joining:
             raise NotDrivable(e.NO_ROUTE, f'edge {edge.edge_id!r}: the graph has no edge '

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple, Union
 
 from vda5050_protocol import problems as e
-from vda5050_protocol.values import Edge, Node
+from vda5050_protocol.values import OrderEdge, OrderNode
 from vda5050_vehicle.drivers.driver import (
     SETTLING,
     DriveProgress,
@@ -22,7 +22,7 @@ from vda5050_vehicle.drivers.driver import (
 )
 from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
 SAME_PLACE = 0.01  # m; within this distance a robot need not move from one node to the next
 PASSING = 0.5  # m; a node without a deviation counts as passed within this distance
@@ -81,21 +81,21 @@ class PoseDriver(Driver[PoseDrive]):
 
     # --- planning ---------------------------------------------------------------------------------
 
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
-             ) -> Tuple[Leg, ...]:
+    def plan(self, nodes: Sequence[OrderNode], edges: Sequence[OrderEdge],
+             pose: Optional[RobotPose]) -> Tuple[Leg, ...]:
         """See Driver."""
         check_headings(nodes, self._abilities, lambda index, node: True)
         places = [self._place(node) for node in nodes]
         return tuple(self._leg(start, end, node)
                      for start, end, node in zip(places, places[1:], nodes[1:]))
 
-    def _leg(self, start: Tuple[float, float], end: Tuple[float, float], node: Node) -> Leg:
+    def _leg(self, start: Tuple[float, float], end: Tuple[float, float], node: OrderNode) -> Leg:
         heading, length = heading_of(node, self._abilities), math.dist(start, end)
         if length <= SAME_PLACE and heading is None:
             return Leg(0, 0.0, *end)
         return Leg(0, max(length, 1e-3), *end, heading, _passing(node))
 
-    def is_at(self, node: Node, pose: RobotPose) -> bool:
+    def is_at(self, node: OrderNode, pose: RobotPose) -> bool:
         """See Driver."""
         return is_within(node, self._place(node), pose, self._matching.near)
 
@@ -107,7 +107,7 @@ class PoseDriver(Driver[PoseDrive]):
         """See Driver; True because without a graph the master may use any name."""
         return True
 
-    def _place(self, node: Node) -> Tuple[float, float]:
+    def _place(self, node: OrderNode) -> Tuple[float, float]:
         if node.position is None:
             raise NotDrivable(e.NO_ROUTE, f'node {node.node_id!r} has no position, and the '
                               'vehicle has no graph in which to find it', 'nodePosition')
@@ -129,7 +129,7 @@ class PoseDriver(Driver[PoseDrive]):
         if drive.goal == 0:
             self._go_to(drive.passed)
         else:
-            self._look()
+            self._update_progress()
 
     def _go_to(self, number: int) -> None:
         leg, goal = self._memory.leg(number), self.drive_state.numbers + 1
@@ -152,14 +152,14 @@ class PoseDriver(Driver[PoseDrive]):
         if self.drive_state.goal > 0:
             self.stop(now)
 
-    def see(self, robot: RobotView, now: float) -> None:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """See Driver."""
         self._pose = robot.pose
         if robot.epoch not in (0, self.drive_state.epoch):
             self._set(epoch=robot.epoch)
-        self._look()
+        self._update_progress()
 
-    def _look(self) -> None:
+    def _update_progress(self) -> None:
         """Updates the progress; passes a node and sends the next goal."""
         pose, drive = self._pose, self.drive_state
         leg = self._memory.leg(drive.passed)
@@ -201,7 +201,7 @@ class PoseDriver(Driver[PoseDrive]):
         self._set(goal=0)
 
 
-def _passing(node: Node) -> float:
+def _passing(node: OrderNode) -> float:
     """Returns the distance (m) within which a node counts as passed.
 
     A deviation of 0 means that the node sets none.

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional
 
-from vda5050_protocol.values import BatteryState, EStop, Velocity
+from vda5050_protocol.values import BatteryState, EmergencyStop, Velocity
 
 STANDING_SPEED = 0.02     # m/s
 STANDING_ROTATION = 0.03  # rad/s
@@ -22,7 +22,7 @@ class RobotPose:
 
 
 @dataclass(frozen=True)
-class RobotView:
+class RobotSnapshot:
     """A view of the robot in which no value is older than its limit; unknown values are None.
 
     seen_at  -- s; time of the robot's report on its motion
@@ -43,7 +43,7 @@ class RobotView:
     localization_score: Optional[float] = None
     localized: bool = True
     battery: BatteryState = BatteryState(0.0, False)
-    e_stop: EStop = EStop.NONE
+    e_stop: EmergencyStop = EmergencyStop.NONE
     field_violation: bool = False
     lost: str = ''
 

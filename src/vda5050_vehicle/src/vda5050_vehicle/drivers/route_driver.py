@@ -34,7 +34,7 @@ from route_protocol.master import (
 from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import EdgeState, EpochCause, RouteReport, SymbolicPose
 from trajectory_graph import Graph
-from vda5050_protocol.values import Edge, Node
+from vda5050_protocol.values import OrderEdge, OrderNode
 from vda5050_vehicle.drivers.driver import DriveProgress, Driver, DriverMemory, Leg, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
@@ -45,7 +45,7 @@ from vda5050_vehicle.drivers.order_fields import (
     is_within,
 )
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
-from vda5050_vehicle.drivers.robot_view import RobotPose, RobotView
+from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""
@@ -106,8 +106,8 @@ class RouteDriver(Driver[RouteDrive]):
         """Uses another graph for planning from now on."""
         self._graph = OrderGraph(graph, self._matching)
 
-    def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[RobotPose],
-             ) -> Tuple[Leg, ...]:
+    def plan(self, nodes: Sequence[OrderNode], edges: Sequence[OrderEdge],
+             pose: Optional[RobotPose]) -> Tuple[Leg, ...]:
         """See Driver."""
         check_headings(nodes, self._abilities, self._turns_there)
         legs = self._graph.legs(nodes, edges)
@@ -123,7 +123,7 @@ class RouteDriver(Driver[RouteDrive]):
         """
         return self._graph.approach(first, pose, self._abilities.passing, self._abilities.corridor)
 
-    def _turns_there(self, _: int, node: Node) -> bool:
+    def _turns_there(self, _: int, node: OrderNode) -> bool:
         """Returns whether the robot has the required heading at a node.
 
         Only an end vertex has a heading: the robot turns to it there. At other vertices it may not
@@ -137,7 +137,7 @@ class RouteDriver(Driver[RouteDrive]):
         wanted = heading_of(node, self._abilities)
         return wanted is None or has_heading(node, wanted, taken)
 
-    def is_at(self, node: Node, pose: RobotPose) -> bool:
+    def is_at(self, node: OrderNode, pose: RobotPose) -> bool:
         """See Driver."""
         return is_within(node, self._graph.place(node), pose, self._matching.near)
 
@@ -212,7 +212,7 @@ class RouteDriver(Driver[RouteDrive]):
 
     # --- reports ----------------------------------------------------------------------------------
 
-    def see(self, robot: RobotView, now: float) -> None:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """See Driver; the reports tell whether the robot stands."""
         self._pose = robot.pose
 
@@ -232,15 +232,13 @@ class RouteDriver(Driver[RouteDrive]):
         self._set_along(said.pose)
         if self.drive_state.at_rest and not before.at_rest:
             self._set(rest_since=now)
-        self._look_at_orders(before, said, news, now)
+        self._judge_orders(before, said, news, now)
 
-    def _look_at_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float,
-                        ) -> None:
+    def _judge_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float) -> None:
         """Evaluates what the report changes about the orders."""
-        known = before.protocol
         is_ours = news.cause is EpochCause.OTHER_MASTER and said.master == ME
         by_others = news.cause in _BY_OTHERS and not is_ours
-        if by_others or not known.epoch:
+        if by_others or not before.protocol.epoch:
             self._set(epoch=said.epoch)
         if news.is_older:
             self.stop(now)
@@ -249,8 +247,13 @@ class RouteDriver(Driver[RouteDrive]):
                            'that is not in it')
         elif news.failed or news.refused:
             self._fail((news.failed or news.refused).text or 'the robot gave no reason')
-        elif news.cause is not None and (known.ahead and not known.is_stopping
-                                         or by_others and not before.at_rest):
+        elif news.cause is not None:
+            self._judge_epoch(before, said, by_others)
+
+    def _judge_epoch(self, before: RouteDrive, said: RouteReport, by_others: bool) -> None:
+        """Evaluates a new epoch: it ends a route, and a stop if others began it."""
+        known = before.protocol
+        if known.ahead and not known.is_stopping or by_others and not before.at_rest:
             why = said.reason.text if EdgeState.FAILED in said.states else ''
             self._fail(why or ('another program or person has driven or stopped the robot'
                                if by_others else 'the robot does not know its route any more'))

@@ -9,10 +9,10 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from node_lifecycle import publish_diagnostics
 from vda5050_mqtt.link import MqttLink
 from vda5050_vehicle.core.vehicle import VdaVehicle
-from vda5050_vehicle.nodes.settings import Settings
+from vda5050_vehicle.nodes.settings import VehicleSettings
 
 
-def show_state(settings: Settings, vehicle: VdaVehicle, link: MqttLink,
+def show_state(settings: VehicleSettings, vehicle: VdaVehicle, link: MqttLink,
                problem: Callable[[], str]) -> None:
     """Publishes the state of the broker connection and of the order.
 

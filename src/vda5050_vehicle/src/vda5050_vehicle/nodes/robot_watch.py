@@ -24,8 +24,8 @@ from node_lifecycle import ConfigurationError
 from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.measurements import measured
 from node_lifecycle.periodic import Periodic
-from vda5050_protocol.values import BatteryState, EStop, Velocity
-from vda5050_vehicle.drivers.robot_view import REST, RobotPose, RobotView, has_moved, silence
+from vda5050_protocol.values import BatteryState, EmergencyStop, Velocity
+from vda5050_vehicle.drivers.robot_view import REST, RobotPose, RobotSnapshot, has_moved, silence
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
 TF_PERIOD = 0.2  # s between two queries of TF
@@ -113,7 +113,7 @@ class RobotWatch:
                                  signal.name, signal.read(message)),
                              queue_size=10, tcp_nodelay=True)
 
-    def view(self) -> RobotView:
+    def view(self) -> RobotSnapshot:
         """Returns the present values, without those that are too old."""
         with self._lock:
             heard, still = dict(self._heard), self._still
@@ -136,13 +136,13 @@ class RobotWatch:
             seen_at = heard['velocity'].at
         elif standing is None and pose is not None and still is not None:
             seen_at, rests = pose.at, fresh('pose') is not None and pose.at - still.at >= REST
-        return RobotView(
+        return RobotSnapshot(
             pose=fresh('pose'), velocity=velocity, seen_at=seen_at, rests=rests,
             standing=standing, epoch=last('epoch') or 0,
             localization_score=score if score is not None and 0.0 <= score <= 1.0 else None,
             localized=not fresh('lost', False),
             battery=battery.value if battery else BatteryState(0.0, False),
-            e_stop=EStop.MANUAL if last('emergency_stop') else EStop.NONE,
+            e_stop=EmergencyStop.MANUAL if last('emergency_stop') else EmergencyStop.NONE,
             field_violation=bool(fresh('field_violation', False)),
             lost=silence(pose.at if pose else None, self._since, now, self._timeout))
 
@@ -193,7 +193,7 @@ class RobotWatch:
         self._listener = tf2_ros.TransformListener(buffer)
         last = [rospy.Time()]
 
-        def look() -> None:
+        def read_transform() -> None:
             try:
                 transform = buffer.lookup_transform(self._frame, base, rospy.Time())
             except (tf2_ros.LookupException, tf2_ros.ConnectivityException,
@@ -205,4 +205,4 @@ class RobotWatch:
                 self._hear_pose(RobotPose(place.x, place.y,
                                           yaw_from_quaternion(transform.transform.rotation)))
 
-        Periodic('TF', TF_PERIOD, look)
+        Periodic('TF', TF_PERIOD, read_transform)

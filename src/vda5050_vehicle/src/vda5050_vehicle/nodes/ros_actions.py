@@ -7,7 +7,7 @@ import actionlib
 import roslib.message
 
 from node_lifecycle import ConfigurationError
-from vda5050_vehicle.core.action_table import ActionSpec, ActionTable, Call
+from vda5050_vehicle.core.action_table import ActionCall, ActionSpec, ActionTable
 from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd
 
 
@@ -26,7 +26,7 @@ def check_types(table: ActionTable) -> None:
                                          f'but a goal of {spec.call.type} has no such field.')
 
 
-def _goal_type(call: Call) -> Any:
+def _goal_type(call: ActionCall) -> Any:
     return roslib.message.get_message_class(f'{call.type}Goal')
 
 
@@ -44,7 +44,7 @@ class RosActions:
             if spec.call is not None:
                 self._client(spec.call)
 
-    def _client(self, call: Call) -> actionlib.ActionClient:
+    def _client(self, call: ActionCall) -> actionlib.ActionClient:
         key = (call.server, call.type)
         if key not in self._clients:
             self._clients[key] = actionlib.ActionClient(

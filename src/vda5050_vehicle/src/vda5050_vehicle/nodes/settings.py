@@ -32,7 +32,7 @@ from vda5050_vehicle.nodes.robot_watch import Signal, read_signals
 from vda5050_vehicle.nodes.ros_actions import check_types
 
 
-class Settings:
+class VehicleSettings:
     """The checked parameters of the node; raises ConfigurationError."""
 
     def __init__(self) -> None:

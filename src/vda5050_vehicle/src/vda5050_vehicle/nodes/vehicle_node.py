@@ -56,7 +56,7 @@ from node_lifecycle.worker import start_worker
 from vda5050_mqtt.link import MqttLink
 from vda5050_protocol.fields import write_json
 from vda5050_protocol.headers import Headers
-from vda5050_protocol.values import Connection, ConnectionState, Visualization
+from vda5050_protocol.values import ConnectionMessage, ConnectionState, Visualization
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
@@ -70,7 +70,7 @@ from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
 from vda5050_vehicle.nodes.ros_actions import RosActions
 from vda5050_vehicle.nodes.route_link import RouteLink
-from vda5050_vehicle.nodes.settings import Settings
+from vda5050_vehicle.nodes.settings import VehicleSettings
 
 TICK = 0.1    # s between two periodic steps
 AT_ONCE = 50  # messages of the master that are processed together
@@ -81,7 +81,7 @@ Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 class VehicleNode:
     """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: VehicleSettings) -> None:
         self._settings = settings
         identity = settings.identity
         self._headers = Headers(settings.codec.version, identity.manufacturer,
@@ -152,7 +152,7 @@ class VehicleNode:
         """A report of the robot came; several reports at once cause one evaluation."""
         if not self._look_is_due:
             self._look_is_due = True
-            self._put(self._look)
+            self._put(self._show_robot)
 
     def _on_message(self, topic: str, payload: bytes, kept: bool) -> None:
         if kept:
@@ -171,7 +171,7 @@ class VehicleNode:
             rospy.logwarn('Not connected to the broker at %s: %s', self._settings.broker, problem)
 
     def _connection(self, state: str) -> bytes:
-        return self._payload('connection', Connection(ConnectionState(state)))
+        return self._payload('connection', ConnectionMessage(ConnectionState(state)))
 
     # --- in the thread that owns the vehicle ------------------------------------------------------
 
@@ -186,16 +186,16 @@ class VehicleNode:
             messages.append(self._messages.popleft())
         return self._vehicle.receive(messages, now) if messages else ()
 
-    def _look(self, now: float) -> Tuple[fx.Effect, ...]:
+    def _show_robot(self, now: float) -> Tuple[fx.Effect, ...]:
         self._look_is_due = False
-        return self._vehicle.see(self._watch.view(), now)
+        return self._vehicle.robot_seen(self._watch.view(), now)
 
     def _tick(self, now: float) -> Tuple[fx.Effect, ...]:
         self._actions.check()
         if isinstance(self._link, MoveBaseLink):
             self._link.check()
         self._visualize(now)
-        return (*self._look(now), *self._vehicle.tick(now))
+        return (*self._show_robot(now), *self._vehicle.tick(now))
 
     def _visualize(self, now: float) -> None:
         period = self._settings.visualization_period
@@ -208,7 +208,7 @@ class VehicleNode:
     def _perform(self, effect: fx.Effect) -> None:
         if isinstance(effect, fx.SendState):
             self._send('state', effect.state)
-        elif isinstance(effect, fx.Command):
+        elif isinstance(effect, fx.DriverCommand):
             self._link.carry_out(effect.command)
         elif isinstance(effect, fx.Keep):
             self._keep(effect)
@@ -256,4 +256,4 @@ class VehicleNode:
 
 def main() -> None:
     """Runs the node."""
-    run('vda5050_vehicle', lambda: VehicleNode(Settings()))
+    run('vda5050_vehicle', lambda: VehicleNode(VehicleSettings()))

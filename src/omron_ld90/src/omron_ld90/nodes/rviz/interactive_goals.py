@@ -32,7 +32,7 @@ STOP_SIZE, STOP_Z = 1.1, 0.6  # m: wide, because the robot moves
 STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.14)
 
 
-class Action(enum.Enum):
+class HandleAction(enum.Enum):
     """An action that a handle can request; the value is the text in the menu."""
 
     GO = 'Go here'
@@ -42,12 +42,13 @@ class Action(enum.Enum):
     LOCALIZE = 'The robot is here (localize)'
 
 
-LEFT_CLICK = {TargetKind.GOAL: Action.GO, TargetKind.DOCK: Action.DOCK}
+LEFT_CLICK = {TargetKind.GOAL: HandleAction.GO, TargetKind.DOCK: HandleAction.DOCK}
 MENUS = {
-    TargetKind.GOAL: (Action.GO, Action.LOCALIZE, Action.STOP),
-    TargetKind.DOCK: (Action.DOCK, Action.UNDOCK, Action.LOCALIZE, Action.STOP),
+    TargetKind.GOAL: (HandleAction.GO, HandleAction.LOCALIZE, HandleAction.STOP),
+    TargetKind.DOCK: (HandleAction.DOCK, HandleAction.UNDOCK, HandleAction.LOCALIZE,
+                      HandleAction.STOP),
 }
-ROBOT_MENU = (Action.STOP, Action.DOCK, Action.UNDOCK)
+ROBOT_MENU = (HandleAction.STOP, HandleAction.DOCK, HandleAction.UNDOCK)
 
 
 class InteractiveGoals:
@@ -59,7 +60,7 @@ class InteractiveGoals:
     """
 
     def __init__(self, map_frame: str, base_frame: str, size: float,
-                 act: Callable[[Action, Optional[Target]], None]) -> None:
+                 act: Callable[[HandleAction, Optional[Target]], None]) -> None:
         self._map_frame, self._base_frame, self._size = map_frame, base_frame, size
         self._robot = base_frame.split('/')[0]
         self._act = act
@@ -89,13 +90,13 @@ class InteractiveGoals:
             marker.header.frame_id = self._base_frame  # stamp 0: follows the robot
             marker.pose.orientation.w = 1.0
             sign = _flat(Marker.CYLINDER, STOP_SIZE, STOP_Z, STOP_COLOUR)
-            self._insert(marker, [sign], Action.STOP, ROBOT_MENU, None)
+            self._insert(marker, [sign], HandleAction.STOP, ROBOT_MENU, None)
         else:
             self._remove(ROBOT_HANDLE)
         self._server.applyChanges()
 
-    def _insert(self, marker: InteractiveMarker, shapes: list, left_click: Action, menu: tuple,
-                target: Optional[Target]) -> None:
+    def _insert(self, marker: InteractiveMarker, shapes: list, left_click: HandleAction,
+                menu: tuple, target: Optional[Target]) -> None:
         control = InteractiveMarkerControl(
             name='button', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
             markers=shapes, description=f'{self._robot}: {left_click.value} {target or ""}')

@@ -19,6 +19,7 @@ from omron_ld90 import robot_model
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90.nodes.support.robot_health import LOW_CHARGE
 from omron_ld90_msgs.msg import LinkState, RobotStatus
+from omron_map_converter import footprint
 from rviz_drawing import drawing
 from rviz_drawing.fast_messages import FastMarkerArray
 
@@ -29,7 +30,7 @@ GHOST = drawing.colour(0.6, 0.6, 0.65, 0.6)
 WELL = drawing.colour(0.92, 0.94, 0.97)
 CARE = drawing.colour(1.0, 0.80, 0.25)
 WRONG = drawing.colour(1.0, 0.38, 0.30)
-GHOST_SIZE = (robot_model.LENGTH, robot_model.WIDTH, robot_model.HEIGHT)
+GHOST_SIZE = (footprint.LENGTH, footprint.WIDTH, robot_model.HEIGHT)
 ARROW_Z = robot_model.HEIGHT + 0.07  # m, on top of the body
 TEXT_Z = 1.5    # m
 AT_THE_DOCK = (RobotStatus.DOCKING, RobotStatus.DOCKED, RobotStatus.UNDOCKING,

@@ -13,7 +13,7 @@ import rospy
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.operator.notices import Notice, Severity
+from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 from rviz_drawing import drawing
 
 TEXT_HEIGHT = 0.38  # m
@@ -24,9 +24,9 @@ Z = 2.0  # m, above all else
 SHOWN_FOR = rospy.Duration(8.0)
 PANEL = drawing.colour(0.08, 0.09, 0.11, 0.85)
 COLOURS = {
-    Severity.INFO: drawing.colour(1.0, 0.95, 0.6),
-    Severity.GOOD: drawing.colour(0.4, 1.0, 0.45),
-    Severity.BAD: drawing.colour(1.0, 0.5, 0.35),
+    NoticeSeverity.INFO: drawing.colour(1.0, 0.95, 0.6),
+    NoticeSeverity.GOOD: drawing.colour(0.4, 1.0, 0.45),
+    NoticeSeverity.BAD: drawing.colour(1.0, 0.5, 0.35),
 }
 
 
@@ -45,13 +45,13 @@ class UserFeedback:
         """Keeps the text between these x coordinates (m) if it fits."""
         self._west, self._east = west, east
 
-    def say(self, severity: Severity, text: str,
+    def say(self, severity: NoticeSeverity, text: str,
             place: Optional[Tuple[float, float]] = None) -> None:
         """Shows `text`, and logs it."""
-        (rospy.logwarn if severity is Severity.BAD else rospy.loginfo)('%s', text)
-        self.show(Notice(severity, text), place)
+        (rospy.logwarn if severity is NoticeSeverity.BAD else rospy.loginfo)('%s', text)
+        self.show(OperatorNotice(severity, text), place)
 
-    def show(self, notice: Notice, place: Optional[Tuple[float, float]] = None) -> None:
+    def show(self, notice: OperatorNotice, place: Optional[Tuple[float, float]] = None) -> None:
         """Shows the notice at `place` (m, in the map), or at the robot's last position."""
         self._text.publish(notice.text)
         markers = self._draw(notice, place)
@@ -59,7 +59,7 @@ class UserFeedback:
             marker.lifetime = SHOWN_FOR
         self._markers.publish(MarkerArray(markers=markers))
 
-    def _draw(self, notice: Notice, place: Optional[Tuple[float, float]]) -> List[Marker]:
+    def _draw(self, notice: OperatorNotice, place: Optional[Tuple[float, float]]) -> List[Marker]:
         lines = textwrap.wrap(notice.text, COLUMNS) or ['']
         width = (max(map(len, lines)) + 2) * CHARACTER_PITCH * TEXT_HEIGHT
         height = (len(lines) * LINE_PITCH + 0.5) * TEXT_HEIGHT

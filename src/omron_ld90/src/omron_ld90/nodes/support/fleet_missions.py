@@ -8,15 +8,15 @@ import rospy
 from fleet_requests import MissionNews, NotSent, Sender, mission_request, stored_status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from omron_ld90.operator.goal_clicks import Target
-from omron_ld90.operator.notices import Notice, Severity
+from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 
 _ENDINGS = {
-    MissionStatus.SUCCEEDED: (Severity.GOOD, 'has succeeded'),
-    MissionStatus.FAILED: (Severity.BAD, 'has failed'),
-    MissionStatus.REFUSED: (Severity.BAD, 'was refused'),
-    MissionStatus.CANCELLED: (Severity.INFO, 'was cancelled')}
+    MissionStatus.SUCCEEDED: (NoticeSeverity.GOOD, 'has succeeded'),
+    MissionStatus.FAILED: (NoticeSeverity.BAD, 'has failed'),
+    MissionStatus.REFUSED: (NoticeSeverity.BAD, 'was refused'),
+    MissionStatus.CANCELLED: (NoticeSeverity.INFO, 'was cancelled')}
 
-Tell = Callable[[Notice, Optional[Target]], None]
+Tell = Callable[[OperatorNotice, Optional[Target]], None]
 
 
 class FleetMissions:
@@ -34,7 +34,7 @@ class FleetMissions:
         self._requests = Sender(MissionRequest)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
 
-    def send(self, target: Target) -> Notice:
+    def send(self, target: Target) -> OperatorNotice:
         """Sends the robot to the vertex that `target` names; returns a message about it."""
         request = mission_request([int(target.name)], robot=self._robot)
         self._news.heard(request.request_id)
@@ -44,9 +44,10 @@ class FleetMissions:
         except NotSent as reason:
             del self._sent[request.request_id]
             self._news.ended(request.request_id)
-            return Notice(Severity.BAD, f'Not sent. {reason}')
-        return Notice(Severity.INFO, f'{self._robot} to vertex {target.name}, as mission '
-                                     f'{request.request_id} ...')
+            return OperatorNotice(NoticeSeverity.BAD, f'Not sent. {reason}')
+        return OperatorNotice(NoticeSeverity.INFO,
+                              f'{self._robot} to vertex {target.name}, as mission '
+                              f'{request.request_id} ...')
 
     def ask(self) -> None:
         """Queries missions without news: their end may have been missed. This call may block."""
@@ -59,8 +60,9 @@ class FleetMissions:
             if answer.found:
                 self._on_status(answer.status)
             else:
-                self._end(id, Notice(Severity.BAD, f'Mission {id} has not reached the fleet '
-                                                   'manager: click again'))
+                self._end(id, OperatorNotice(NoticeSeverity.BAD,
+                                             f'Mission {id} has not reached the fleet '
+                                             'manager: click again'))
 
     def _on_status(self, message: MissionStatus) -> None:
         id, ending = message.request_id, _ENDINGS.get(message.state)
@@ -71,9 +73,9 @@ class FleetMissions:
             return
         severity, words = ending
         reason = f': {message.reason}' if message.reason else ''
-        self._end(id, Notice(severity, f'Mission {id} {words}{reason}'))
+        self._end(id, OperatorNotice(severity, f'Mission {id} {words}{reason}'))
 
-    def _end(self, id: int, notice: Notice) -> None:
+    def _end(self, id: int, notice: OperatorNotice) -> None:
         target = self._sent.pop(id, None)
         self._news.ended(id)
         if target is not None:

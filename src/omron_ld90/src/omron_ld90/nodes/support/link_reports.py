@@ -62,13 +62,13 @@ def session_log() -> Optional[SessionLog]:
 
 def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
     """For `node_lifecycle.run`: publishes once on `link_state` why `link` cannot be set up."""
-    def tell(reason: str) -> rospy.Publisher:
+    def publish(reason: str) -> rospy.Publisher:
         publisher = _publisher()
         message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)
         message.header.stamp = rospy.Time.now()
         publisher.publish(message)
         return publisher
-    return tell
+    return publish
 
 
 def _publisher() -> rospy.Publisher:

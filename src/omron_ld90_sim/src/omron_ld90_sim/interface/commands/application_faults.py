@@ -3,13 +3,13 @@ from __future__ import annotations
 
 from omron_ld90_sim.behaviour import instant_tasks
 from omron_ld90_sim.devices.equipment import ApplicationFault
-from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.interface.commands.table import CommandCall, CommandFailed, command
 
 
 @command('applicationFaultSet', 'Sets an application fault',
          '<name> "<short_description>" "<long_description>" <bool_driving> <bool_critical>', 5,
          'afs')
-def application_fault_set(call: Call) -> None:
+def application_fault_set(call: CommandCall) -> None:
     """Raises a fault."""
     name, short, long, driving, critical = call.arguments[:5]
     if not {driving, critical} <= {'0', '1'}:
@@ -20,7 +20,7 @@ def application_fault_set(call: Call) -> None:
 
 
 @command('applicationFaultClear', 'Clears an application fault', '<name>', 1, 'afc')
-def application_fault_clear(call: Call) -> None:
+def application_fault_clear(call: CommandCall) -> None:
     """Clears a fault."""
     name = call.arguments[0]
     if not instant_tasks.clear_fault(call.robot, name):
@@ -30,7 +30,7 @@ def application_fault_clear(call: Call) -> None:
 
 @command('applicationFaultQuery', 'Gets the list of any application faults currently triggered',
          shortcut='afq')
-def application_fault_query(call: Call) -> None:
+def application_fault_query(call: CommandCall) -> None:
     """Lists the application faults."""
     for fault in call.robot.equipment.faults.values():
         call.reply(f'ApplicationFaultQuery: {fault}')
@@ -38,7 +38,7 @@ def application_fault_query(call: Call) -> None:
 
 
 @command('faultsGet', 'Gets the list of any faults currently triggered', shortcut='fg')
-def faults_get(call: Call) -> None:
+def faults_get(call: CommandCall) -> None:
     """Lists all faults; the simulated robot only has those of applications."""
     for fault in call.robot.equipment.faults.values():
         call.reply(f'FaultList: {fault}')

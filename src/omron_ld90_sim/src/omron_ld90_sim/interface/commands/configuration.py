@@ -4,12 +4,12 @@ from __future__ import annotations
 from functools import wraps
 from typing import Callable, List
 
-from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.robot import SimRobot
 from omron_ld90_sim.interface.commands.table import (
-    Call,
+    CommandCall,
     CommandFailed,
     Handler,
-    SetUpError,
+    NotReady,
     command,
 )
 from omron_ld90_sim.interface.configuration import (
@@ -20,8 +20,8 @@ from omron_ld90_sim.interface.configuration import (
     TEXT,
     WHOLE,
     Change,
-    Parameter,
-    Section,
+    ConfigParameter,
+    ConfigSection,
 )
 from omron_ld90_sim.interface.configuration_table import FILES, SERVER
 
@@ -35,7 +35,7 @@ TYPES = {'integer': WHOLE, 'int': WHOLE, 'double': REAL, 'string': TEXT, 'boolea
 def _gated(handler: Handler) -> Handler:
     """Refuses the command unless `ArclConfig` is on."""
     @wraps(handler)
-    def run(call: Call) -> None:
+    def run(call: CommandCall) -> None:
         if not call.server.configuration.flag(SERVER, 'ArclConfig'):
             raise CommandFailed('ArclConfig is off')
         handler(call)
@@ -43,7 +43,7 @@ def _gated(handler: Handler) -> Handler:
     return run
 
 
-def _section(call: Call) -> Section:
+def _section(call: CommandCall) -> ConfigSection:
     """The section that the command names; case matters, and quotes are not removed."""
     name = call.rest.strip()
     section = call.server.configuration.sections.get(name)
@@ -52,14 +52,14 @@ def _section(call: Call) -> Section:
     return section
 
 
-def _own_section(call: Call, name: str) -> Section:
+def _own_section(call: CommandCall, name: str) -> ConfigSection:
     """The section called `name`, added if there is none."""
-    return call.server.configuration.sections.setdefault(name, Section('', flags=ADDED))
+    return call.server.configuration.sections.setdefault(name, ConfigSection('', flags=ADDED))
 
 
 @command('getConfigSectionList', 'Gets the list of sections in the config')
 @_gated
-def section_list(call: Call) -> None:
+def section_list(call: CommandCall) -> None:
     """Lists the sections."""
     for name in call.server.configuration.sections:
         call.reply(f'GetConfigSectionList: {name}')
@@ -68,7 +68,7 @@ def section_list(call: Call) -> None:
 
 @command('getConfigSectionValues', 'Gets the values in a section of the config', '<section>', 1)
 @_gated
-def section_values(call: Call) -> None:
+def section_values(call: CommandCall) -> None:
     """Lists the values of one section; an empty one keeps the blank at which clients split."""
     for parameter in _section(call).parameters:
         call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}')
@@ -77,7 +77,7 @@ def section_values(call: Call) -> None:
 
 @command('getConfigSectionInfo', 'Gets the info about a section of the config', '<section>', 1)
 @_gated
-def section_info(call: Call) -> None:
+def section_info(call: CommandCall) -> None:
     """Describes one section and its parameters."""
     section = _section(call)
     call.reply(f'GetConfigSectionInfo: "{section.comment}" "{section.flags}"')
@@ -88,7 +88,7 @@ def section_info(call: Call) -> None:
 
 @command('configStart', 'Starts importing config values. Use with configAdd and configParse.')
 @_gated
-def config_start(call: Call) -> None:
+def config_start(call: CommandCall) -> None:
     """Begins an import."""
     call.server.configuration.start_import()
     call.reply('New config starting')
@@ -97,22 +97,22 @@ def config_start(call: Call) -> None:
 @command('configAdd', 'Adds a config file line to the config values being imported.',
          '<configuration> <value>', 1)
 @_gated
-def config_add(call: Call) -> None:
+def config_add(call: CommandCall) -> None:
     """Adds `Section <name>` or `<parameter> <value>`."""
     key, _, value = call.rest.strip().partition(' ')
     if not call.server.configuration.add_to_import(key, value.strip()):
-        raise SetUpError(NOT_STARTED.format('add to'))
+        raise NotReady(NOT_STARTED.format('add to'))
     call.reply(f"Added '{call.rest.strip()}' to the config")
 
 
 @command('configParse',
          'Parses the imported config values and terminates the configStart command.')
 @_gated
-def config_parse(call: Call) -> None:
+def config_parse(call: CommandCall) -> None:
     """Makes all changes or none, as soon as the robot is idle."""
     result = call.server.configuration.finish_import()
     if result is None:
-        raise SetUpError(NOT_STARTED.format('parse'))
+        raise NotReady(NOT_STARTED.format('parse'))
     changes, errors = result
     call.reply('Will parse config')
     if errors:
@@ -121,7 +121,7 @@ def config_parse(call: Call) -> None:
         _when_idle(call.robot, lambda: _change(call, changes))
 
 
-def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
+def _when_idle(robot: SimRobot, action: Callable[[], None]) -> None:
     """Runs the action when the robot is idle and stands (ARCL manual I617-E-02 p. 46)."""
     if robot.activity is None and robot.base.still:
         action()
@@ -129,7 +129,7 @@ def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
         robot.clock.after(LOOK_EVERY, lambda: _when_idle(robot, action))
 
 
-def _change(call: Call, changes: List[Change]) -> None:
+def _change(call: CommandCall, changes: List[Change]) -> None:
     try:
         for _, _, value in (change for change in changes if change[:2] == MAP):
             call.server.switch_map(value)       # it may fail, so it comes before all other changes
@@ -147,7 +147,7 @@ def _change(call: Call, changes: List[Change]) -> None:
          '<section> <name> <description> <priority_level> <type> <default_value> <min> <max> '
          '<DisplayHint>', 9)
 @_gated
-def new_config_parameter(call: Call) -> None:
+def new_config_parameter(call: CommandCall) -> None:
     """Adds a parameter; after a restart the robot keeps its value, but not its definition."""
     section, name, description, priority, kind, default, low, high, hint = call.arguments[:9]
     if kind.lower() not in TYPES:
@@ -155,8 +155,8 @@ def new_config_parameter(call: Call) -> None:
     try:
         minimum, maximum = (None if bound.lower() == 'none' else float(bound)
                             for bound in (low, high))
-        parameter = Parameter(name, TYPES[kind.lower()], default, description, minimum, maximum,
-                              priority, '' if hint.lower() == 'none' else hint)
+        parameter = ConfigParameter(name, TYPES[kind.lower()], default, description, minimum,
+                                    maximum, priority, '' if hint.lower() == 'none' else hint)
         parameter.check(default)
     except ValueError as error:
         raise CommandFailed(str(error)) from error
@@ -168,7 +168,7 @@ def new_config_parameter(call: Call) -> None:
 
 @command('newConfigSectionComment', 'Adds a comment to a config section', '<section> <comment>', 2)
 @_gated
-def new_section_comment(call: Call) -> None:
+def new_section_comment(call: CommandCall) -> None:
     """Gives a section its comment."""
     section, text = call.arguments[0], ' '.join(call.arguments[1:])
     _own_section(call, section).comment = text

@@ -9,17 +9,17 @@ from typing import Tuple
 
 from omron_ld90_sim.devices.equipment import find_name
 from omron_ld90_sim.devices.external_io import MAXIMUM_BITS, Bank, IoSet, parse_value
-from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.interface.commands.table import CommandCall, CommandFailed, command
 
 RESTART = 5.0       # s for which the robot's software is gone after a set was removed
 
 
-def _find(call: Call) -> IoSet:
+def _find(call: CommandCall) -> IoSet:
     sets = call.robot.equipment.io_sets
     return sets[call.named(sets, 'external I/O set')]
 
 
-def _count(call: Call, index: int) -> int:
+def _count(call: CommandCall, index: int) -> int:
     count = call.number(index)
     if not 0 <= count <= MAXIMUM_BITS or count != int(count):
         raise CommandFailed(f"Bad number '{call.arguments[index]}'")
@@ -27,7 +27,7 @@ def _count(call: Call, index: int) -> int:
 
 
 @command('extIOAdd', 'Adds an external IO set', '<name> <numInputs> <numOutputs>', 3, 'eda')
-def add(call: Call) -> None:
+def add(call: CommandCall) -> None:
     """Creates a set with all bits off."""
     name, sets = call.arguments[0], call.robot.equipment.io_sets
     if find_name(sets, name) is not None:
@@ -38,7 +38,7 @@ def add(call: Call) -> None:
 
 
 @command('extIORemove', 'Removes an external IO set', '<name>', 1, 'edr')
-def remove(call: Call) -> None:
+def remove(call: CommandCall) -> None:
     """Removes a set; the robot's software then restarts, and every connection ends."""
     name = _find(call).name
     del call.robot.equipment.io_sets[name]
@@ -46,20 +46,20 @@ def remove(call: Call) -> None:
     call.server.restart(RESTART)
 
 
-def _dump(call: Call, word: str) -> None:
+def _dump(call: CommandCall, word: str) -> None:
     for io_set in call.robot.equipment.io_sets.values():
         call.reply(f'{word}: {io_set}')
     call.reply(f'End{word}')
 
 
 @command('extIODump', 'Dumps the external IO sets', shortcut='edd')
-def dump(call: Call) -> None:
+def dump(call: CommandCall) -> None:
     """Lists every set with its values."""
     _dump(call, 'ExtIODump')
 
 
 @command('extIODumpLocal', "Dumps this robot's external IO sets", shortcut='eddl')
-def dump_local(call: Call) -> None:
+def dump_local(call: CommandCall) -> None:
     """Lists every set with its values; a robot without a fleet knows no others."""
     _dump(call, 'ExtIODumpLocal')
 
@@ -68,11 +68,11 @@ def _enter_updates(kind: str, key: str) -> None:
     """Adds the three update commands of the inputs or the outputs to the table."""
     lower = kind.lower()
 
-    def found(call: Call) -> Tuple[str, Bank]:
+    def found(call: CommandCall) -> Tuple[str, Bank]:
         io_set = _find(call)
         return io_set.name, io_set.inputs if kind == 'Input' else io_set.outputs
 
-    def value_of(call: Call, index: int) -> int:
+    def value_of(call: CommandCall, index: int) -> int:
         try:
             return parse_value(call.arguments[index])
         except ValueError as error:
@@ -80,7 +80,7 @@ def _enter_updates(kind: str, key: str) -> None:
 
     @command(f'extIO{kind}Update', f'Updates the {lower}s of an external IO set',
              '<name> <valueInHexOrDec>', 2, f'ed{key}u')
-    def update(call: Call) -> None:
+    def update(call: CommandCall) -> None:
         name, bank = found(call)
         bank.update(value_of(call, 1))
         call.server.broadcast(f'extIO{kind}Update: {lower} {name} updated with '
@@ -88,7 +88,7 @@ def _enter_updates(kind: str, key: str) -> None:
 
     @command(f'extIO{kind}UpdateBit', f'Updates one {lower} of an external IO set',
              '<name> <bitPosition> <0 or 1>', 3, f'ed{key}b')
-    def update_bit(call: Call) -> None:
+    def update_bit(call: CommandCall) -> None:
         (name, bank), position, bit = found(call), call.arguments[1], call.arguments[2]
         if bit not in ('0', '1'):
             raise CommandFailed(f"Bad bit '{bit}'")
@@ -101,7 +101,7 @@ def _enter_updates(kind: str, key: str) -> None:
 
     @command(f'extIO{kind}UpdateByte', f'Updates eight {lower}s of an external IO set',
              '<name> <bytePosition> <valueInHex>', 3, f'ed{key}8')
-    def update_byte(call: Call) -> None:
+    def update_byte(call: CommandCall) -> None:
         (name, bank), position, value = found(call), call.arguments[1], value_of(call, 2)
         if value > 0xff:
             raise CommandFailed(f"Bad number '{call.arguments[2]}'")

@@ -1,7 +1,7 @@
 """Digital inputs and outputs, analog inputs, sound, log and popup."""
 from __future__ import annotations
 
-from omron_ld90_sim.interface.commands.table import Call, SetUpError, command
+from omron_ld90_sim.interface.commands.table import CommandCall, NotReady, command
 
 _ON_OFF = {True: 'on', False: 'off'}
 ANALOG_HELP = (     # ARCL manual I617-E-02 p. 54
@@ -16,7 +16,7 @@ NO_SOUND = 'There was nothing given to replay.'
 
 
 @command('inputList', 'Lists the named inputs')
-def input_list(call: Call) -> None:
+def input_list(call: CommandCall) -> None:
     """Lists the digital inputs."""
     for name in call.robot.equipment.inputs:
         call.reply(f'InputList: {name}')
@@ -24,14 +24,14 @@ def input_list(call: Call) -> None:
 
 
 @command('inputQuery', 'Queries the state of a named input', '<name>', 1)
-def input_query(call: Call) -> None:
+def input_query(call: CommandCall) -> None:
     """Answers one digital input."""
     name = call.named(call.robot.equipment.inputs, 'input')
     call.reply(f'Input: {name} {_ON_OFF[call.robot.equipment.inputs[name]]}')
 
 
 @command('outputList', 'Lists the named outputs')
-def output_list(call: Call) -> None:
+def output_list(call: CommandCall) -> None:
     """Lists the digital outputs."""
     for name in call.robot.equipment.outputs:
         call.reply(f'OutputList: {name}')
@@ -39,28 +39,28 @@ def output_list(call: Call) -> None:
 
 
 @command('outputQuery', 'Queries the state of a named output', '<name>', 1)
-def output_query(call: Call) -> None:
+def output_query(call: CommandCall) -> None:
     """Answers one digital output."""
     name = call.named(call.robot.equipment.outputs, 'output')
     call.reply(f'Output: {name} {_ON_OFF[call.robot.equipment.outputs[name]]}')
 
 
 @command('outputOn', 'Turns on a named output', '<name>', 1)
-def output_on(call: Call) -> None:
+def output_on(call: CommandCall) -> None:
     """Switches one digital output on."""
     call.robot.equipment.outputs[call.named(call.robot.equipment.outputs, 'output')] = True
     output_query(call)
 
 
 @command('outputOff', 'Turns off a named output', '<name>', 1)
-def output_off(call: Call) -> None:
+def output_off(call: CommandCall) -> None:
     """Switches one digital output off."""
     call.robot.equipment.outputs[call.named(call.robot.equipment.outputs, 'output')] = False
     output_query(call)
 
 
 @command('analogInputList', 'Lists the named analog inputs')
-def analog_input_list(call: Call) -> None:
+def analog_input_list(call: CommandCall) -> None:
     """Lists the analog inputs with their ranges."""
     for line in ANALOG_HELP:
         call.reply(f'AnalogInputListHelper: {line}')
@@ -71,35 +71,35 @@ def analog_input_list(call: Call) -> None:
 
 
 @command('analogInputQueryRaw', 'Queries the state of an analog input by raw', '<name>', 1)
-def analog_input_query_raw(call: Call) -> None:
+def analog_input_query_raw(call: CommandCall) -> None:
     """Answers one analog input in counts."""
     name = call.named(call.robot.equipment.analog_inputs, 'analog input')
     call.reply(f'AnalogInputRaw: {name} {call.robot.equipment.analog_inputs[name].raw}')
 
 
 @command('analogInputQueryVoltage', 'Queries the state of an analog input by voltage', '<name>', 1)
-def analog_input_query_voltage(call: Call) -> None:
+def analog_input_query_voltage(call: CommandCall) -> None:
     """Answers one analog input in volts."""
     name = call.named(call.robot.equipment.analog_inputs, 'analog input')
     call.reply(f'AnalogInputVoltage: {name} {call.robot.equipment.analog_inputs[name].voltage:g}')
 
 
 @command('say', 'Says the given text', '<text_string>', 1)
-def say(call: Call) -> None:
+def say(call: CommandCall) -> None:
     """Speaks; the answer repeats the text as typed."""
     call.reply(f'Saying {call.rest.strip()}')
 
 
 @command('play', 'Plays the given sound file', '<path_file>', 1)
-def play(call: Call) -> None:
+def play(call: CommandCall) -> None:
     """Plays a sound file; this robot has every file with a known suffix."""
     if not call.text.lower().endswith(SOUNDS):
-        raise SetUpError(NO_SOUND)
+        raise NotReady(NO_SOUND)
     call.reply(f'Playing {call.text}')
 
 
 @command('log', 'Logs the given message', '<message> [level]', 1)
-def log(call: Call) -> None:
+def log(call: CommandCall) -> None:
     """Writes a message to the robot's own log."""
     words = call.rest.strip().split()
     level = 'Normal'
@@ -111,7 +111,7 @@ def log(call: Call) -> None:
 
 @command('popupSimple', 'Creates a simple popup',
          '<"title"> <"message"> <"buttonLabel"> <timeout>', 4)
-def popup_simple(call: Call) -> None:
+def popup_simple(call: CommandCall) -> None:
     """Shows a message in MobilePlanner, if there is one."""
     call.number(3)
     call.reply('Creating simple popup')

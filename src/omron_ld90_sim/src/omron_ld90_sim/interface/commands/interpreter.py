@@ -4,7 +4,7 @@ from __future__ import annotations
 import re
 from typing import Dict
 
-from omron_ld90_sim.interface.commands.table import TABLE, Call, CommandFailed, SetUpError
+from omron_ld90_sim.interface.commands.table import TABLE, CommandCall, CommandFailed, NotReady
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import SimSession
 
@@ -21,7 +21,7 @@ def execute(server: ArclServer, session: SimSession, line: str) -> None:
         session.send(f'Unknown command {name}' if server.dialect.names_unknown
                      else 'Unknown command')
         return
-    call = Call(server, session, line, rest)
+    call = CommandCall(server, session, line, rest)
     if len(call.arguments) < row.required:
         session.send(f'usage: {row.usage}')
         return
@@ -30,7 +30,7 @@ def execute(server: ArclServer, session: SimSession, line: str) -> None:
     except CommandFailed as failure:
         session.send(f'CommandError: {line}')
         session.send(f'CommandErrorDescription: {failure}')
-    except SetUpError as failure:
+    except NotReady as failure:
         session.send(f'SetUpError: {failure}')
 
 
@@ -42,7 +42,7 @@ def _variables(server: ArclServer) -> Dict[str, str]:
     """
     robot, now = server.robot, server.wall_time()
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
-    values = {'g': robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
+    values = {'g': robot.tasks.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
               'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
               'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}', 'Y': f'{y}'}
     return {**{name.lower(): value for name, value in values.items()}, **values}

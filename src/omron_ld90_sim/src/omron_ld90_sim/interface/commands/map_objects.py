@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 from omron_ld90_sim.interface import map_types
-from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.interface.commands.table import CommandCall, CommandFailed, command
 from omron_map import MapObject
 
 
-def _asked(call: Call) -> map_types.ObjectType:
+def _asked(call: CommandCall) -> map_types.ObjectType:
     """The type that the command names; case matters, and quotes are not removed."""
     name = call.rest.split()[0]
     for known in map_types.object_types(call.robot.document):
@@ -16,7 +16,7 @@ def _asked(call: Call) -> map_types.ObjectType:
 
 
 @command('mapObjectTypeList', 'Gets a list of map object types')
-def map_object_type_list(call: Call) -> None:
+def map_object_type_list(call: CommandCall) -> None:
     """Lists the types of objects."""
     for known in map_types.object_types(call.robot.document):
         call.reply(f'MapObjectTypeList: {known.name} {known.meta}')
@@ -24,7 +24,7 @@ def map_object_type_list(call: Call) -> None:
 
 
 @command('mapObjectTypeInfo', 'Gets the information about a map object type', '<type>', 1)
-def map_object_type_info(call: Call) -> None:
+def map_object_type_info(call: CommandCall) -> None:
     """Describes one type and the parameters of its objects."""
     known = _asked(call)
     call.reply(f'MapObjectTypeList: {known.name} {known.meta} "{known.label}" '
@@ -36,7 +36,7 @@ def map_object_type_info(call: Call) -> None:
 
 
 @command('mapObjectList', 'Gets a list of map objects of a given type', '<type>', 1)
-def map_object_list(call: Call) -> None:
+def map_object_list(call: CommandCall) -> None:
     """Lists the objects of one type."""
     kind = _asked(call).name
     for obj in call.robot.document.objects:
@@ -46,7 +46,7 @@ def map_object_list(call: Call) -> None:
 
 
 @command('mapObjectInfo', 'Gets the information about a map object', '<name>', 1)
-def map_object_info(call: Call) -> None:
+def map_object_info(call: CommandCall) -> None:
     """Answers type, description, parameters and pose of one object."""
     obj = call.robot.document.find(call.text)
     if obj is None:

@@ -3,10 +3,10 @@ from __future__ import annotations
 
 from typing import List
 
-from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.interface.commands.table import CommandCall, CommandFailed, command
 
 
-def _slot(call: Call) -> int:
+def _slot(call: CommandCall) -> int:
     text = call.arguments[0]
     if not text.isdigit() or not 1 <= int(text) <= len(call.robot.equipment.slots):
         raise CommandFailed(f"No payload slot '{text}'")
@@ -15,7 +15,7 @@ def _slot(call: Call) -> int:
 
 @command('payloadQueryLocal', "Queries this robot's payload", '[slotNumber or "default"] '
          '[echoString]', shortcut='pql')
-def query_local(call: Call) -> None:
+def query_local(call: CommandCall) -> None:
     """Lists the content of every slot, or of one."""
     slots = call.robot.equipment.slots
     wanted: List[int] = list(slots)
@@ -31,7 +31,7 @@ def query_local(call: Call) -> None:
 
 @command('payloadSet', "Sets the payload of one of this robot's slots",
          '<slot_number> <slot_string>', 2, 'ps')
-def set_slot(call: Call) -> None:
+def set_slot(call: CommandCall) -> None:
     """Declares the content of a slot."""
     slot, text, robot = _slot(call), ' '.join(call.arguments[1:]), call.server.robot_name
     call.reply(f'payloadset attempting to set payload {slot} "{text}"')
@@ -42,7 +42,7 @@ def set_slot(call: Call) -> None:
 
 
 @command('payloadRemove', "Empties one of this robot's slots", '<slot_number>', 1, 'pr')
-def remove(call: Call) -> None:
+def remove(call: CommandCall) -> None:
     """Declares a slot empty."""
     slot, robot = _slot(call), call.server.robot_name
     call.reply(f'payloadremove attempting to remove slot {slot}')
@@ -52,7 +52,7 @@ def remove(call: Call) -> None:
 
 
 @command('payloadSlotCountLocal', "Queries this robot's number of slots", shortcut='pscl')
-def slot_count_local(call: Call) -> None:
+def slot_count_local(call: CommandCall) -> None:
     """Answers the number of slots."""
     call.reply(f'PayloadSlotCount: "{call.server.robot_name}" {len(call.robot.equipment.slots)}')
     call.reply('EndPayloadSlotCount')

@@ -5,15 +5,15 @@ from dataclasses import replace
 from typing import Tuple
 
 from omron_ld90_sim.behaviour import activities
-from omron_ld90_sim.behaviour.robot import Robot
-from omron_ld90_sim.behaviour.states import DockingState, Motors, Script
+from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.behaviour.states import DockingPhase, MotorState, Script
 from omron_ld90_sim.interface.commands.driving import check_drivable, find_goal
-from omron_ld90_sim.interface.commands.table import Call, command
+from omron_ld90_sim.interface.commands.table import CommandCall, command
 
 
 @command('queueShowRobotLocal', "Shows this robot's queuing status", '[echo_string]',
          shortcut='qsrl')
-def queue_show_robot_local(call: Call) -> None:
+def queue_show_robot_local(call: CommandCall) -> None:
     """Answers the robot's status in the terms of queuing."""
     status, detail = _status(call.robot)
     call.reply(f'QueueRobot: "{call.server.robot_name}" {status} {detail} {_echo(call, 0)}')
@@ -22,13 +22,13 @@ def queue_show_robot_local(call: Call) -> None:
 
 @command('queueQueryLocal', 'Queries the jobs of this robot', '<type> <string> [echo_string]', 2,
          'qql')
-def queue_query_local(call: Call) -> None:
+def queue_query_local(call: CommandCall) -> None:
     """Lists the robot's matching jobs; without a fleet manager there are none."""
     call.reply('EndQueueQuery')
 
 
 @command('queueDropoff', 'Queues a drop-off', '<goalName> [priority] [jobId]', 1, 'qd')
-def queue_dropoff(call: Call) -> None:
+def queue_dropoff(call: CommandCall) -> None:
     """Drives to a goal as a job of the robot's own queue (ARCL manual I617-E-01 p. 198)."""
     goal = find_goal(call, call.arguments[0])
     priority, server = int(call.number(1, 20.0)), call.server
@@ -57,20 +57,20 @@ def queue_dropoff(call: Call) -> None:
     call.robot.start(replace(drive, script=script()))
 
 
-def _echo(call: Call, index: int) -> str:
+def _echo(call: CommandCall, index: int) -> str:
     return call.arguments[index] if len(call.arguments) > index else '""'
 
 
-def _status(robot: Robot) -> Tuple[str, str]:
-    if robot.motors in (Motors.ESTOP, Motors.RELIEVED):
+def _status(robot: SimRobot) -> Tuple[str, str]:
+    if robot.permission.motors in (MotorState.ESTOP, MotorState.RELIEVED):
         return 'UnAvailable', 'EStopPressed'
-    if robot.motors is Motors.DISABLED:
+    if robot.permission.motors is MotorState.DISABLED:
         return 'UnAvailable', 'MotorsDisabled'
-    if robot.lost:
+    if robot.localization.lost:
         return 'UnAvailable', 'Lost'
-    if robot.blocked_by:
-        kind, name = robot.blocked_by[0]
+    if robot.permission.blocked_by:
+        kind, name = robot.permission.blocked_by[0]
         return 'UnAvailable', name if kind == 'link' else 'FaultDriving'
     if robot.activity is not None:
         return 'InProgress', 'Driving'
-    return 'Available', 'Docked' if robot.docking.state is DockingState.DOCKED else 'Available'
+    return 'Available', 'Docked' if robot.docking.state is DockingPhase.DOCKED else 'Available'

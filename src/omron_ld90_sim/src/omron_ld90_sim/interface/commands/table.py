@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, Dict, Iterable, List, Optional
 
-from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.robot import SimRobot
 from omron_ld90_sim.behaviour.task import split_words
 from omron_ld90_sim.devices.equipment import find_name
 from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
@@ -16,12 +16,12 @@ class CommandFailed(Exception):
     """The argument of a command is bad: answered with CommandError and CommandErrorDescription."""
 
 
-class SetUpError(Exception):
+class NotReady(Exception):
     """A command came in the wrong order, or a file or a feature that it needs is missing."""
 
 
 @dataclass(frozen=True)
-class Call:
+class CommandCall:
     """One command line that is being answered."""
 
     server: ArclServer
@@ -30,7 +30,7 @@ class Call:
     rest: str           # the text after the command's name, as typed
 
     @property
-    def robot(self) -> Robot:
+    def robot(self) -> SimRobot:
         """The robot of this server."""
         return self.server.robot
 
@@ -76,11 +76,11 @@ class Call:
         return value
 
 
-Handler = Callable[[Call], None]
+Handler = Callable[[CommandCall], None]
 
 
 @dataclass(frozen=True)
-class Command:
+class CommandRow:
     """One row of the table."""
 
     name: str
@@ -96,14 +96,14 @@ class Command:
         return layout.value.format(self.name, self.description + shortcut)
 
 
-TABLE: Dict[str, Command] = {}
+TABLE: Dict[str, CommandRow] = {}
 
 
 def command(name: str, description: str, usage: str = '', required: int = 0,
             shortcut: str = '') -> Callable[[Handler], Handler]:
     """Adds a handler to the table under its name and shortcut, both case-insensitive."""
     def enter(handler: Handler) -> Handler:
-        row = Command(name, description, f'{name} {usage}'.strip(), required, shortcut, handler)
+        row = CommandRow(name, description, f'{name} {usage}'.strip(), required, shortcut, handler)
         for key in filter(None, (name.lower(), shortcut.lower())):
             assert key not in TABLE, f'two commands named {key}'
             TABLE[key] = row

@@ -9,11 +9,11 @@ from fence_builders import NO_WALLS, fenced, grid, quarter_turn, real_site_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.converter.converter import Options, convert
-from omron_ld90.converter.corridors import CorridorRules
-from omron_ld90.converter.fence_check import check_fences
-from omron_ld90.converter.fences import Fences
 from omron_map import MapDocument
+from omron_map_converter.converter import ConversionOptions, convert
+from omron_map_converter.corridors import CorridorRules
+from omron_map_converter.fence_check import check_fences
+from omron_map_converter.fences import Fences
 from trajectory_graph import CurveType, Edge, Graph, Vertex, load_graph
 
 AISLE = graph_of([(1, 0.0, 0.0), (2, 6.0, 0.0)], [(1, 2)])
@@ -146,7 +146,7 @@ def test_a_fence_is_not_overlooked_where_geos_leaves_a_part_out_of_a_buffer():
 def test_the_laboratory_has_few_fences_and_they_are_good():
     graph = load_graph(str(LAB / 'lab_graph.yaml'))
     conversion = convert(graph, MapDocument.load(str(LAB / 'lab_base.map')),
-                         Options(dock_vertex=16))
+                         ConversionOptions(dock_vertex=16))
     assert conversion.notes == ()
     assert len(conversion.fences) <= 2.5 * len(graph.edges)
 
@@ -156,7 +156,7 @@ def test_the_laboratory_has_few_fences_and_they_are_good():
 def test_on_a_real_map_most_walls_are_fence_enough():
     graph = real_site_graph()
     document = MapDocument.load(str(REAL_MAPS / 'omron-ld-site-a.map'))
-    conversion = convert(graph, document, Options())
+    conversion = convert(graph, document, ConversionOptions())
     assert len(conversion.fences) <= 2.0 * len(graph.edges)
     assert conversion.notes == (
         "GoalWithHeading 'Goal1' is outside the corridors: the robot cannot drive to it any more.",)

@@ -13,7 +13,7 @@ from shapely.geometry import LinearRing, Polygon, box
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from omron_ld90.converter.corridors import MITRE
+from omron_map_converter.corridors import MITRE
 
 OUTLINE_DISTANCE = 15.0  # from the floor to the offset outline
 STEP = 40.0  # between the points that represent the offset outline

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from shapely.geometry.base import BaseGeometry
 
-from omron_ld90.converter.fence_shapes import (
+from omron_map_converter.fence_shapes import (
     LONGEST,
     REACH,
     SHORTEST,
@@ -26,7 +26,7 @@ from omron_ld90.converter.fence_shapes import (
     first_beyond,
     free_span,
 )
-from omron_ld90.converter.outer_regions import (
+from omron_map_converter.outer_regions import (
     CLEARANCE,
     LONGEST_EDGE,
     OUTLINE_DISTANCE,

@@ -1,7 +1,7 @@
 import pytest
 from converter_builders import graph_of
 
-from omron_ld90.converter.goals import dock_pose, goal, places_of
+from omron_map_converter.goals import dock_pose, goal, places_of
 from trajectory_graph import UnknownVertex
 
 # 1 --> 2 --> 3, and 4 --> 2: 1 and 4 are origins, 3 is a destination

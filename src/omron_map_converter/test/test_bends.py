@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from omron_ld90.converter.bends import bends_of
-from omron_ld90.converter.corridors import CorridorRules, corridors_of
+from omron_map_converter.bends import bends_of
+from omron_map_converter.corridors import CorridorRules, corridors_of
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STRETCH = 0.43

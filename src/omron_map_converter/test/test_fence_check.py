@@ -8,10 +8,10 @@ from fence_builders import NO_WALLS, fenced, grid
 from scipy import ndimage
 from shapely.geometry import Point
 
-from omron_ld90.converter.fence_check import check_fences, lost_area, shape_of
-from omron_ld90.converter.fences import is_fence
-from omron_ld90.converter.obstacles import obstacle_points
 from omron_map import MapDocument, MapObject, RotatedRectangle
+from omron_map_converter.fence_check import check_fences, lost_area, shape_of
+from omron_map_converter.fences import is_fence
+from omron_map_converter.obstacles import obstacle_points
 from trajectory_graph import load_graph
 
 AISLE = graph_of([(1, 0.0, 0.0), (2, 6.0, 0.0)], [(1, 2)])

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from typing import List, NamedTuple, Optional, Tuple
 
-from omron_ld90.goal_names import goal_name
 from omron_map import MapObject
+from omron_map_converter.goal_names import goal_name
 from trajectory_graph import Graph, Vertex
 
 

@@ -8,17 +8,17 @@ import argparse
 import sys
 from typing import Callable, List, Optional
 
-from omron_ld90.converter.converter import (
+from omron_map import MapDocument, MapError
+from omron_map_converter.converter import (
     Conversion,
     ConversionError,
+    ConversionOptions,
     ExistingGoals,
-    Options,
     convert_file,
 )
-from omron_ld90.converter.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
-from omron_ld90.converter.fences import Fences
-from omron_ld90.converter.picture import draw
-from omron_map import MapDocument, MapError
+from omron_map_converter.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
+from omron_map_converter.fences import Fences
+from omron_map_converter.picture import draw
 from trajectory_graph import TrajectoryGraphError, load_graph
 
 WIDEST = 10000.0  # mm
@@ -30,7 +30,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     """Run the command and return its exit status."""
     chosen = _parser().parse_args(arguments)
     try:
-        options = Options(
+        options = ConversionOptions(
             dock_vertex=chosen.dock_vertex, dock_heading=chosen.dock_heading,
             existing_goals=ExistingGoals(chosen.existing_goals), fences=Fences(chosen.fences),
             corridors=corridor_rules(chosen.corridor_width, chosen.edge_width,
@@ -43,7 +43,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     return 0
 
 
-def run(graph_file: str, base_map: str, output: str, options: Options,
+def run(graph_file: str, base_map: str, output: str, options: ConversionOptions,
         say: Callable[[str], object], warn: Callable[[str], object],
         picture: Optional[str] = None) -> Conversion:
     """Converts files and reports the result; raises one of ERRORS.

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 from converter_builders import LAB
 
-from omron_ld90.converter.corridors import CorridorRules, corridors_of
-from omron_ld90.converter.outer_regions import STEP, outer_regions
+from omron_map_converter.corridors import CorridorRules, corridors_of
+from omron_map_converter.outer_regions import STEP, outer_regions
 from trajectory_graph import load_graph, split_edges
 
 

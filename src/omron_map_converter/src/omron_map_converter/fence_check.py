@@ -16,9 +16,9 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 from shapely.prepared import prep
 
-from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH, ROUNDING, Corridors
-from omron_ld90.converter.goals import millimetres
 from omron_map import MapObject
+from omron_map_converter.corridors import ROBOT_HALF_WIDTH, ROUNDING, Corridors
+from omron_map_converter.goals import millimetres
 from trajectory_graph import Graph
 
 ALLOWANCE = 50.0

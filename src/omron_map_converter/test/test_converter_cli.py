@@ -8,11 +8,11 @@ import pytest
 from converter_builders import LAB, map_with
 from PIL import Image
 
-from omron_ld90.converter import picture as colours
-from omron_ld90.converter.converter_cli import main
-from omron_ld90.converter.fences import is_fence
 from omron_map import MapDocument
 from omron_map.picture import BLACK, GREEN
+from omron_map_converter import picture as colours
+from omron_map_converter.cli import main
+from omron_map_converter.fences import is_fence
 
 
 def arguments(output, *more, graph=LAB / 'lab_graph.yaml', base_map=LAB / 'lab_base.map'):

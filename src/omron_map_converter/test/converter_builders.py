@@ -12,7 +12,7 @@ import pytest
 from omron_map import MapDocument
 from trajectory_graph import Edge, Graph, Vertex
 
-REPOSITORY = Path(__file__).resolve().parents[4]
+REPOSITORY = Path(__file__).resolve().parents[3]
 LAB = REPOSITORY / 'maps'
 # if LD90_REAL_MAPS names no folder
 REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')

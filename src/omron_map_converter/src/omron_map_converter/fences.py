@@ -9,11 +9,11 @@ from shapely.geometry import Point
 from shapely.geometry.base import BaseGeometry
 from shapely.prepared import prep
 
-from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH, Corridors
-from omron_ld90.converter.fence_check import check_fences, shape_of
-from omron_ld90.converter.fence_cover import fence_areas, fence_lines
-from omron_ld90.converter.obstacles import obstructions
 from omron_map import MapObject
+from omron_map_converter.corridors import ROBOT_HALF_WIDTH, Corridors
+from omron_map_converter.fence_check import check_fences, shape_of
+from omron_map_converter.fence_cover import fence_areas, fence_lines
+from omron_map_converter.obstacles import obstructions
 from trajectory_graph import Graph
 
 FENCE = 'omron_ros_map fence'

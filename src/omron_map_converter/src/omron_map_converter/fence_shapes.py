@@ -9,9 +9,9 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH
-from omron_ld90.converter.outer_regions import STEP
 from omron_map import RotatedRectangle
+from omron_map_converter.corridors import ROBOT_HALF_WIDTH
+from omron_map_converter.outer_regions import STEP
 
 REACH = ROBOT_HALF_WIDTH - STEP / 2 - 10.0
 """A point of the offset outline is covered by anything within this distance: the robot cannot pass

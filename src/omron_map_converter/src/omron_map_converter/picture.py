@@ -3,12 +3,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from omron_ld90.converter.converter import Conversion
-from omron_ld90.converter.fence_check import shape_of
-from omron_ld90.converter.fences import is_fence
 from omron_map import MapDocument
 from omron_map.canvas import PAPER
 from omron_map.picture import MapPicture
+from omron_map_converter.converter import Conversion
+from omron_map_converter.fence_check import shape_of
+from omron_map_converter.fences import is_fence
 from trajectory_graph import Graph
 
 LONG_SIDE = 2000  # pixels

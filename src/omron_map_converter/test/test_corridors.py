@@ -5,8 +5,8 @@ from converter_builders import graph_of
 from fence_builders import quarter_turn
 from shapely.geometry import Point
 
-from omron_ld90.converter.corridors import CorridorRules, corridors_of
-from omron_ld90.converter.goals import MapPose
+from omron_map_converter.corridors import CorridorRules, corridors_of
+from omron_map_converter.goals import MapPose
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 RULES = CorridorRules()

@@ -18,13 +18,13 @@ from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from omron_ld90 import robot_model
-from omron_ld90.converter.bends import bends_of, corners_of
-from omron_ld90.converter.goals import MapPose, millimetres
+from omron_map_converter.bends import bends_of, corners_of
+from omron_map_converter.footprint import HALF_DIAGONAL, HALF_WIDTH
+from omron_map_converter.goals import MapPose, millimetres
 from trajectory_graph import Graph
 
-ROBOT_HALF_WIDTH = 1000.0 * robot_model.HALF_WIDTH
-ROBOT_HALF_DIAGONAL = 1000.0 * robot_model.HALF_DIAGONAL
+ROBOT_HALF_WIDTH = 1000.0 * HALF_WIDTH
+ROBOT_HALF_DIAGONAL = 1000.0 * HALF_DIAGONAL
 ARC = 8  # segments of a quarter circle: a circle of 0.5 m is exact to 2.4 mm
 ROUNDING = 2.5  # mm added to outlines, so that polygons are no smaller than their circles
 CURVE_TOLERANCE = 0.5  # mm between a curve and the polyline that represents it
@@ -85,7 +85,7 @@ def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:
 
 
 def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
-    places = bends_of(graph, robot_model.HALF_DIAGONAL)
+    places = bends_of(graph, HALF_DIAGONAL)
     narrow = {id for id in graph.edges if rules.width_of(id) < 2.0 * ROBOT_HALF_DIAGONAL}
     bent = corners_of(graph, NEARLY_STRAIGHT)
     places += [vertex.position for vertex in graph.vertices.values()

@@ -6,9 +6,9 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from omron_ld90.converter.corridors import CorridorRules, Corridors, corridors_of
-from omron_ld90.converter.fences import Fences, fence_objects
 from omron_map import MapObject
+from omron_map_converter.corridors import CorridorRules, Corridors, corridors_of
+from omron_map_converter.fences import Fences, fence_objects
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 NO_WALLS = np.empty((0, 2))

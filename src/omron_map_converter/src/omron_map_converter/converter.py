@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Dict, List, Optional, Set, Tuple
 
-from omron_ld90.converter.corridors import CorridorRules, Corridors, corridors_of
-from omron_ld90.converter.fences import (
+from omron_map import MapDocument, MapObject
+from omron_map_converter.corridors import CorridorRules, Corridors, corridors_of
+from omron_map_converter.fences import (
     Fences,
     fence_objects,
     is_fence,
@@ -22,9 +23,8 @@ from omron_ld90.converter.fences import (
     notes_on_places,
     notes_on_walls,
 )
-from omron_ld90.converter.goals import dock_pose, places_of
-from omron_ld90.converter.obstacles import obstacle_points
-from omron_map import MapDocument, MapObject
+from omron_map_converter.goals import dock_pose, places_of
+from omron_map_converter.obstacles import obstacle_points
 from trajectory_graph import Graph, UnknownVertex
 
 
@@ -44,7 +44,7 @@ class ExistingGoals(Enum):
 
 
 @dataclass(frozen=True)
-class Options:
+class ConversionOptions:
     """The options of a conversion."""
 
     dock_vertex: Optional[int] = None
@@ -71,7 +71,7 @@ class Conversion:
     """The floor that the fences leave free."""
 
 
-def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion:
+def convert(graph: Graph, document: MapDocument, options: ConversionOptions) -> Conversion:
     """Put the graph into the document; raises ConversionError or MapError."""
     wanted = _wanted_places(graph, options)
     corridors = _corridors(graph, options)
@@ -98,7 +98,8 @@ def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion
                       corridors)
 
 
-def convert_file(graph: Graph, base_map: str, output: str, options: Options) -> Conversion:
+def convert_file(graph: Graph, base_map: str, output: str,
+                 options: ConversionOptions) -> Conversion:
     """Make the map `output` from the file `base_map`, which may be the same.
 
     The output is written even if nothing changes, so that it is newer than its sources.
@@ -133,7 +134,7 @@ def check_output(base: MapDocument, conversion: Conversion, output: str) -> None
                               'graph have changed; please report this.')
 
 
-def _wanted_places(graph: Graph, options: Options) -> List[MapObject]:
+def _wanted_places(graph: Graph, options: ConversionOptions) -> List[MapObject]:
     heading = options.dock_heading
     if heading is not None and not math.isfinite(heading):
         raise ConversionError(f'dock_heading is {heading}, but must be a number of degrees.')
@@ -146,7 +147,7 @@ def _wanted_places(graph: Graph, options: Options) -> List[MapObject]:
         raise ConversionError(f'{error}.') from error
 
 
-def _corridors(graph: Graph, options: Options) -> Corridors:
+def _corridors(graph: Graph, options: ConversionOptions) -> Corridors:
     for id in options.corridors.edge_widths:
         if id not in graph.edges:
             raise ConversionError(f'The graph has no edge {id}, to which edge_width gives a '
