@@ -221,7 +221,8 @@ class RouteWorld:
         self._clock = world.drawn[0] + 1
         driver._is_heard = world.heard
         driver._given_at = driver._sent_at = 0.0
-        driver.see(RobotSnapshot(pose=RobotPose(LENGTH * world.robot.place / 2.0, 0.0, 0.0)), 0.0)
+        pose = RobotPose(LENGTH * world.robot.place / 2.0, 0.0, 0.0)
+        driver.robot_seen(RobotSnapshot(pose=pose), 0.0)
         return driver
 
     def _settled(self, world: World) -> World:

@@ -319,7 +319,7 @@ def test_an_event_in_an_order_of_a_thousand_nodes_costs_under_two_milliseconds()
         begun = time.process_time()
         lab.driver.on_report(report, lab.now)
         lab.vehicle.tick(lab.now)
-        lab.vehicle.see(lab.view, lab.now)
+        lab.vehicle.robot_seen(lab.view, lab.now)
         costs.append(time.process_time() - begun)
         if lab.robot.percentage > 80.0:
             lab.robot.done, lab.robot.percentage = lab.robot.done + 1, 0.0

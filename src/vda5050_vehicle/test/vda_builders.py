@@ -238,7 +238,7 @@ class Lab:
     def see(self, **changes: Any) -> None:
         """The vehicle receives the robot's state, with changes."""
         self.view = replace(self.view, seen_at=self.now, **changes)
-        self.do(self.vehicle.see(self.view, self.now))
+        self.do(self.vehicle.robot_seen(self.view, self.now))
 
     def order(self, order: Dict[str, Any]) -> bytes:
         """An order arrives; returns its message."""

@@ -1,4 +1,17 @@
-"""The commands of one connection in order: those that wait, those sent, those that ended."""
+"""The commands of one connection in order: those that wait, those sent, those that ended.
+
+    event                                     waiting              sent
+    a stop is given                           drives: ended        -
+    the connection takes data                 sent, unless it must -
+                                              wait or came late
+    a newer drive is acknowledged             -                    older drives and stops: ended
+    a stop has succeeded                      -                    older drives and stops: ended
+    its lines, its doubt or its time end it   -                    ended
+    it is cancelled; the link breaks          ended                ended
+
+Invariants: nothing is sent twice. A command ends once. The order of sending is that of the records
+of drives.
+"""
 from __future__ import annotations
 
 from typing import Callable, List, Optional

@@ -7,6 +7,19 @@ contradicts the drive for some seconds ends it. One contradiction is not enough:
 command the status may be out of date, or be `Stopping`, `Stopped` for an instant (observed). No
 line says which of the two it is; only that it lasts shows it. A status that answers an older
 question than the command says nothing about the command.
+
+    event                                              not doubted    doubted
+    an activity contradicts it                         doubted        counted
+    the same, arrived instead of broken off, or the    -              doubted since now
+    other way round
+    an activity confirms it; it is acknowledged; a     -              not doubted
+    stop: the robot still drives as before it
+    `Stopped` after `Interrupted` of something unknown -              ended
+    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
+    more with one
+
+Invariants: nothing ends a command before it was contradicted for SETTLE s, except that `Stopped`. A
+drive that is not acknowledged is judged only by the rules that say so.
 """
 from __future__ import annotations
 

@@ -1,4 +1,15 @@
-"""The state of a connection, and the waiting time before the next attempt to connect."""
+"""The state of a connection, and the waiting time before the next attempt to connect.
+
+    phase           event                                               next phase
+    DISCONNECTED    the waiting time is over                            CONNECTING
+    CONNECTING      the socket is open                                  LOGGING_IN
+    LOGGING_IN      the session is ready                                CONNECTED
+                    the robot refuses the password                      WRONG_PASSWORD
+    WRONG_PASSWORD  the longer waiting time is over                     CONNECTING
+    all             no connection, its end, or no line for too long     DISCONNECTED
+
+A listener is only DISCONNECTED or CONNECTED. Lines and commands are exchanged only while CONNECTED.
+"""
 from __future__ import annotations
 
 import random

@@ -12,6 +12,18 @@ message. Other robots differ, so these rules apply:
 - Each line that asks for a password is a prompt.
 - A line after the password that neither asks again nor complains is a welcome.
 - If an expected line does not come, the login goes on without it.
+
+    state               event                                             next state
+    AWAITING_PROMPT     a line that asks; PROMPT_TIMEOUT                  LOGGING_IN, password sent
+    LOGGING_IN          a line that complains, or that asks once more     CLOSED
+                        another line, but not the echo of the password    DRAINING_HELP_LIST
+    DRAINING_HELP_LIST  its end line; HELP_TIMEOUT; LONGEST_HELP          READY, `LoggedIn`
+                        it does not end                                   CLOSED
+    all                 end of the connection; a line that is too long;   CLOSED, `Closed`
+                        a web browser
+
+Invariants: `Closed` is the last event. The password is sent once, and is in no event, reason or
+trace. After `LoggedIn`, each line is one `Received`.
 """
 from __future__ import annotations
 
@@ -109,6 +121,8 @@ class Session:
     """The client's end of one connection; `password` None: a connection without a login.
 
     `lines_read` counts the received lines: only a complete line is a sign of life.
+
+    Its attributes are what the login of one connection needs to remember.
     """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,

@@ -70,13 +70,13 @@ class Drive:
         told = ''
         for place in places:
             told += self.run.locate(self.see(*place), self.now)
-            told += self.run.go_on(self.now, NEVER)
+            told += self.run.drive_on(self.now, NEVER)
         return told
 
     def arrive(self) -> None:
         self.tracker.word.give(1, 0)
         self.tracker.ended(CommandEnded(1, Outcome.SUCCEEDED), self.now)
-        self.run.go_on(self.now, NEVER)
+        self.run.drive_on(self.now, NEVER)
 
 
 def test_it_sends_the_robot_to_the_end_of_its_first_edge():
@@ -116,10 +116,11 @@ def test_twice_off_the_corridor_ends_it_and_once_does_not():
 def test_without_progress_it_ends_after_the_stall_timeout():
     drive = Drive(1, 5)
     drive.go((1.0, 0.0))
-    drive.run.go_on(drive.now + 29.0, NEVER)
-    drive.run.go_on(drive.now + 31.0, docking_changed=drive.now + 2.0)  # docking is also progress
+    drive.run.drive_on(drive.now + 29.0, NEVER)
+    # docking is also progress
+    drive.run.drive_on(drive.now + 31.0, docking_changed=drive.now + 2.0)
     with pytest.raises(RouteFailed, match='no progress for 30 s'):
-        drive.run.go_on(drive.now + 33.0, NEVER)
+        drive.run.drive_on(drive.now + 33.0, NEVER)
 
 
 def test_an_arrival_elsewhere_is_not_believed_after_two_locations():
@@ -238,7 +239,7 @@ def test_a_robot_that_only_trembles_makes_no_progress():
     drive.now += 29.0
     drive.go((1.04, 0.0))
     with pytest.raises(RouteFailed, match='no progress for 30 s'):
-        drive.run.go_on(begun + 30.5, NEVER)
+        drive.run.drive_on(begun + 30.5, NEVER)
 
 
 @pytest.mark.parametrize('docking, told', [

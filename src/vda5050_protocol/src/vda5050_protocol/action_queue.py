@@ -3,6 +3,16 @@
 The queue knows which actions wait, which may start, and which require the vehicle to stand still.
 An action is triggered when the vehicle reaches its node or edge. Figure 17 of the standard says
 which actions may run at the same time, and which require the vehicle to stand still.
+
+    status                   event                                       next status
+    WAITING                  it is triggered, and figure 17 permits it   RUNNING
+    RUNNING                  it fails, and may be tried again (3.0)      RETRIABLE
+    RETRIABLE                the master says `retry`                     INITIALIZING
+    INITIALIZING             figure 17 permits it                        RUNNING
+    all that have not ended  it succeeds, fails, is cancelled or missed  FINISHED, FAILED
+
+Invariants: an action that has ended does not change. Triggered actions start in the order in which
+they were triggered. An action of an order is removed only with the order or its horizon.
 """
 from __future__ import annotations
 
@@ -75,6 +85,8 @@ class ActionQueue:
 
     by_id     -- the actions by id, in the sequence of their reception
     triggered -- ids of the triggered actions that have not ended, in the sequence of execution
+
+    It is one value: each method returns a changed queue, or an answer about it.
     """
 
     by_id: Mapping[str, QueuedAction] = field(default_factory=dict)

@@ -1,4 +1,18 @@
-"""The goal that we last sent the robot to, and how the drive to it ends."""
+"""The goal that we last sent the robot to, and how the drive to it ends.
+
+    event                                   under way      interrupted     overruled
+    SUCCEEDED, COMPLETED                    reached        reached         reached
+    INTERRUPTED, CANCELLED                  interrupted    -               interrupted
+    OVERRULED                               overruled      interrupted     interrupted
+    EMERGENCY_STOPPED, FAILED               failed         failed          failed
+    STATUSES_TO_JUDGE statuses              -              failed          -
+    the epoch is still ours                 -              -               under way, given again
+    the robot obeys the drive after all     -              under way       under way
+
+Invariants: only the last command counts; a new one forgets how the one before ended. A drive is
+given again only if the controller did not send it, or the robot does not carry it out; see
+`last_word`.
+"""
 from __future__ import annotations
 
 import math
@@ -43,6 +57,8 @@ class GoalTracker:
     An interruption does not tell its reason. The robot's next statuses do: they show an emergency
     stop, or else another giver drives or stopped the robot. A drive that the controller refused
     because of its epoch was not interrupted: the next epoch tells why (`goes_on`, `interrupted`).
+
+    It has one method for each event of a command, and one for each of ours.
     """
 
     def __init__(self) -> None:

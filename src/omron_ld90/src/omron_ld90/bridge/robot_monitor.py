@@ -13,7 +13,10 @@ from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
 
 class RobotMonitor:
-    """Takes every event except orders; `check` raises when the running route must end."""
+    """Takes every event except orders; `check` raises when the running route must end.
+
+    It is all that is known of one robot: one attribute for each fact, one method for each question.
+    """
 
     def __init__(self, settings: RouteSettings, links: Iterable[p.RobotLink] = (),
                  number: int = 0) -> None:
@@ -58,7 +61,7 @@ class RobotMonitor:
         self._taken_over = None
         self.tracker.forget()
 
-    def go_on(self) -> None:
+    def route_extended(self) -> None:
         """A complete route gets longer. A giver that drove the robot meanwhile does not count as a
         take-over.
         """

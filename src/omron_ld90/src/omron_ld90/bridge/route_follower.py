@@ -12,6 +12,19 @@ The epoch of the reports is the vehicle's own. Commands carry the controller's e
 - a route ended because another giver drives the robot, or because the link was lost,
 - a stop without a number came, or an order of another master was taken,
 - the bridge started without its memory.
+
+    event                            no route runs                 a route runs
+    a stop                           the robot is stopped          the same; the route is STOPPED
+    an order                         begins, waits or is refused   changes it, waits or is refused
+    another giver or person drives   a new epoch begins            FAILED, the robot is left alone
+    a failure (`RouteFailed`)        -                             FAILED, the robot is stopped
+    the last edge is complete        -                             COMPLETE
+    a restart                        the place is restored         it goes on as soon as the robot
+                                                                   is known, or is FAILED
+
+Invariants: a robot that drives for us without a route is stopped. An order is taken only while it
+is known where the robot is, that it can be reached, and that it is not coming to rest. Commands
+come before the reports about them.
 """
 from __future__ import annotations
 
@@ -34,7 +47,7 @@ from omron_ld90.bridge.route_orders import (
     first_change,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_restart import go_on
+from omron_ld90.bridge.route_restart import continued_route
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.intake import DueOrder, Intake, NotYet, messages_of
@@ -65,7 +78,10 @@ _STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
 
 
 class RouteFollower:
-    """Drives one robot along the routes of a fleet manager."""
+    """Drives one robot along the routes of a fleet manager.
+
+    It has many attributes because it puts the parts of the bridge together.
+    """
 
     def __init__(self, settings: RouteSettings, graph: Optional[Graph] = None,
                  links: Iterable[p.RobotLink] = (), draw: Callable[[], int] = draw_epoch,
@@ -102,7 +118,7 @@ class RouteFollower:
 
     def tick(self, now: float) -> List[p.Action]:
         """Passes the time; to be called about ten times a second."""
-        return self._answer(partial(self._go_on, now), now)
+        return self._answer(partial(self._drive_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
         """Replaces the graph; if it changes edges of the running route, waits for the end of it."""
@@ -240,7 +256,7 @@ class RouteFollower:
             if was_running:
                 self._motion.route_ended(Phase.STOPPED)
         if judgement.answer in (Answer.STOP, Answer.ROUTE):
-            self._go_on(now)
+            self._drive_on(now)
 
     def _why_order_waits(self, now: float) -> Reason:
         motion = self.motion
@@ -270,7 +286,7 @@ class RouteFollower:
         self._restored = None
         if due.goes_on and route is not None and route.progress.graph is graph:
             if not was_running:
-                self.robot.go_on()
+                self.robot.route_extended()
             route.replace(now)
         else:
             self.robot.begin()
@@ -321,14 +337,14 @@ class RouteFollower:
             self._note('The robot obeys a drive of a route that has ended, and is stopped.')
         if moved and driven:
             self._note(driven.locate(self._here, now))
-        self._go_on(now)
+        self._drive_on(now)
 
     def _drives_without_route(self) -> bool:
         """Whether the robot has just begun to obey a drive of ours, but no route needs it."""
         return (self.robot.drives_for_us and not self.running and self._restored is None
                 and not self.robot.must_stop and not self.robot.stop_problem)
 
-    def _go_on(self, now: float) -> None:
+    def _drive_on(self, now: float) -> None:
         """Judges the known state, and drives on."""
         self._end_epoch(now)
         self._consider_restored(now)
@@ -336,7 +352,7 @@ class RouteFollower:
         driven = self._driven
         if driven:
             self.robot.check(now)
-            self._note(driven.go_on(now, self.robot.docking_changed))
+            self._note(driven.drive_on(now, self.robot.docking_changed))
             if not self.running:
                 self._motion.route_ended(Phase.COMPLETE)
 
@@ -360,7 +376,8 @@ class RouteFollower:
         if seen and not unknown:
             if self.running:
                 self.robot.check(now)
-            self.route = go_on(record, self._here, lambda current: self._run(current, now), now)
+            self.route = continued_route(record, self._here,
+                                         lambda current: self._run(current, now), now)
             if self.running:
                 self._note(f'Route {self.vehicle.state.route_id} goes on after a restart of the '
                            'bridge.')
@@ -381,7 +398,7 @@ class RouteFollower:
         self.graph = graph
         if route and not changed:
             route.use_graph(graph)
-        self._go_on(now)
+        self._drive_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
         """Ends the route, and stops the robot unless it already obeys another giver."""

@@ -12,8 +12,8 @@ from route_protocol.order_rules import RouteRefused
 from route_protocol.values import Reason, ReasonCode
 
 
-def go_on(record: BridgeMemory, here: GraphLocation, run: Callable[[int], RouteRun],
-          now: float) -> Optional[RouteRun]:
+def continued_route(record: BridgeMemory, here: GraphLocation,
+                    run: Callable[[int], RouteRun], now: float) -> Optional[RouteRun]:
     """Returns the route of `record`, continued; None if it had ended on another graph.
 
     `run` makes the route, with the index of the current edge. If the route had ended, only the

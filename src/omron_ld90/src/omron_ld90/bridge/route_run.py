@@ -1,4 +1,19 @@
-"""Drives one route: decides where to send the robot next, and what ends the route."""
+"""Drives one route: decides where to send the robot next, and what ends the route.
+
+The phase of the route is that of the vehicle's end of the route protocol. Here it ends so:
+
+    event                                                   what follows
+    the location shows the end of the current edge          the edge is complete
+    the robot says that it is there, and is near            the edge is complete
+    the last edge is complete                               the route is COMPLETE
+    it passes a vertex without coming near it               it is sent back, once
+    the same again, or it rests far away from its goal      failed: NOT_ARRIVED
+    two locations in a row outside the corridors            failed: OFF_GRAPH
+    no progress for `stall_timeout`                         failed: NO_PROGRESS
+
+Invariants: the robot is sent to no edge behind the current one. No command is repeated while the
+robot is on its way. Nothing is sent while it is unknown whether the robot obeys.
+"""
 from __future__ import annotations
 
 import math
@@ -23,8 +38,10 @@ RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may date f
 class RouteRun:
     """The driving of the route that `vehicle` follows, or followed last.
 
-    `locate` and `go_on` raise RouteFailed if the route cannot go on. Indices are those in
+    `locate` and `drive_on` raise RouteFailed if the route cannot go on. Indices are those in
     `progress.edges`, which are the edges of the order.
+
+    It is the state of one route: where it was sent, what it may pass, how far it came.
     """
 
     def __init__(self, vehicle: Vehicle, settings: RouteSettings, tracker: GoalTracker,
@@ -150,7 +167,7 @@ class RouteRun:
             return self._send_back(now)
         return ''
 
-    def go_on(self, now: float, docking_changed: float) -> str:
+    def drive_on(self, now: float, docking_changed: float) -> str:
         """Accepts a reported arrival once the robot is seen there, and drives on.
 
         Also checks the progress in time. Returns a message for a person, or an empty text.

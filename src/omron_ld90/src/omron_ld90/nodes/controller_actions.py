@@ -88,7 +88,7 @@ class CommandActions:
             self._start(handle, command, timeout)
         except (ArclError, GoalRefused) as error:
             handle.set_rejected(self._refusal(error), str(error))
-            self._tell(handle.get_goal_id().id, str(error))
+            self._goal_ended(handle.get_goal_id().id, str(error))
 
     def _start(self, handle: actionlib.ServerGoalHandle, text: str, timeout: float) -> None:
         """Gives the command and accepts the goal; on ArclError the goal stays pending.
@@ -129,7 +129,7 @@ class CommandActions:
             before, goal.handle, goal.id = goal.handle, handle, goal_id
         handle.set_accepted()
         before.set_canceled(None, 'the same goal was given again')
-        self._tell(earlier, None)
+        self._goal_ended(earlier, None)
         return True
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
@@ -153,7 +153,7 @@ class CommandActions:
             handle.set_canceled(message, text)
         else:
             handle.set_aborted(message, text)
-        self._tell(goal_id, failure(command, result))
+        self._goal_ended(goal_id, failure(command, result))
 
     def _handles(self) -> List[actionlib.ServerGoalHandle]:
         """The handles of the goals whose commands are under way."""
@@ -192,7 +192,7 @@ class CommandActions:
         """The result of a goal that is refused."""
         raise NotImplementedError
 
-    def _tell(self, goal_id: str, reason: Optional[str]) -> None:
+    def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:
         """Takes the end of a goal; `reason`: why it failed, if it did. By default ignored."""
 
 

@@ -97,9 +97,9 @@ class MoveBaseServer(CommandActions):
     def _refusal(self, reason: Exception) -> MoveBaseResult:
         return MoveBaseResult()
 
-    def _tell(self, goal_id: str, reason: Optional[str]) -> None:
+    def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:
         """Reports a failure of a goal that came by topic: its giver gets no result."""
         with self._lock:
             giver = self._forwarded.pop(goal_id, None)
         if giver and reason:
-            self._refusals.tell('gotoPoint', giver.name, reason)
+            self._refusals.refused('gotoPoint', giver.name, reason)

@@ -38,7 +38,7 @@ class Refusals:
         self._publisher = rospy.Publisher('command_refused', CommandRefused, queue_size=20,
                                           tcp_nodelay=True)
 
-    def tell(self, text: str, caller: str, reason: str) -> None:
+    def refused(self, text: str, caller: str, reason: str) -> None:
         """Reports that a command or pose by topic failed; `reason` is a sentence."""
         warn('refused', f'{reason} Requested by {caller}.')
         refusal = CommandRefused(command=printable(text), caller=caller, reason=reason)

@@ -54,7 +54,7 @@ class TopicCommands:
             if is_click and not reason:
                 reason = self._refuse_click()
             if reason:
-                self._refusals.tell(text, giver.name, reason)
+                self._refusals.refused(text, giver.name, reason)
             else:
                 callback(message, giver)
         return receive
@@ -67,7 +67,7 @@ class TopicCommands:
         try:
             robot_pose(message, self._map_frame)
         except GoalRefused as error:
-            self._refusals.tell('gotoPoint', giver.name, f'The goal was not sent: {error}.')
+            self._refusals.refused('gotoPoint', giver.name, f'The goal was not sent: {error}.')
         else:
             self._move_base.forward(message, giver)
 
@@ -76,7 +76,7 @@ class TopicCommands:
         try:
             x, y, heading = robot_pose(pose, self._map_frame)
         except GoalRefused as error:
-            self._refusals.tell('localizeToPoint', giver.name,
+            self._refusals.refused('localizeToPoint', giver.name,
                                 f'The pose was not sent: {error}.')
         else:
             self._send(f'localizeToPoint {x} {y} {heading}', giver)
@@ -88,9 +88,9 @@ class TopicCommands:
         def on_end(result: Result) -> None:
             reason = failure(text, result)
             if reason:
-                self._refusals.tell(text, giver.name, reason)
+                self._refusals.refused(text, giver.name, reason)
 
         try:
             self._execute(text, giver, on_end=on_end)
         except ArclError as error:
-            self._refusals.tell(text, giver.name, str(error))
+            self._refusals.refused(text, giver.name, str(error))

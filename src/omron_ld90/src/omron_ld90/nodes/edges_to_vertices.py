@@ -86,6 +86,8 @@ class EdgesToVertices:
 
     One thread owns the follower and calls rospy and actionlib. Callbacks only queue events for it.
     So no lock is held during any of this work.
+
+    It has many attributes because it puts the parts of the node together.
     """
 
     def __init__(self) -> None:
@@ -131,7 +133,7 @@ class EdgesToVertices:
 
     # --- callbacks -------------------------------------------------------------------------------
 
-    def _tell(self, event: p.Event) -> None:
+    def _on_event(self, event: p.Event) -> None:
         """Queues an event from a topic; waits while the queue is full, so the topic drops some."""
         self._loop.put_if_room(
             lambda: self._act(self._follower.handle(event, self._clock.read())), QUEUE_SIZE,
@@ -143,19 +145,19 @@ class EdgesToVertices:
         self._loop.put(lambda: self._act(self._follower.handle(event, self._clock.read())))
 
     def _on_route(self, message: msg.TargetRoute) -> None:
-        self._tell(replace(order_of(message, rospy.Time.now().to_nsec()),
+        self._on_event(replace(order_of(message, rospy.Time.now().to_nsec()),
                            comes_again=self._old.comes_again(message, 'target_route')))
 
     def _on_status(self, message: RobotStatus) -> None:
-        self._tell(robot_seen(message))
+        self._on_event(robot_seen(message))
 
     def _on_link(self, message: LinkState) -> None:
         event = link_reported(message)
         if event is not None:
-            self._tell(event)
+            self._on_event(event)
 
     def _on_motion(self, message: Motion) -> None:
-        self._tell(motion_told(message, rospy.get_name()))
+        self._on_event(motion_told(message, rospy.get_name()))
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._loop.put(lambda: self._act(self._follower.use_graph(graph, self._clock.read())))

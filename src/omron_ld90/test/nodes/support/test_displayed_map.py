@@ -31,7 +31,7 @@ def message(path: str, sender: str = OURS) -> String:
 
 
 def test_the_displayed_map_is_loaded(displayed, told):
-    displayed.take(message(LAB))
+    displayed.on_message(message(LAB))
     (document, path), = told
     assert path == LAB
     assert len(document.docks) == 1
@@ -42,7 +42,7 @@ def test_nobody_else_is_believed(displayed, told, sender, monkeypatch):
     said = []
     monkeypatch.setattr(rospy, 'logwarn_throttle',
                         lambda period, text, *values: said.append(text % values))
-    displayed.take(message(LAB, sender))
+    displayed.on_message(message(LAB, sender))
     assert told == []
     assert said == [f'A map_file from {sender} is ignored: only {OURS} says which map is '
                     'displayed.']
@@ -51,11 +51,11 @@ def test_nobody_else_is_believed(displayed, told, sender, monkeypatch):
 def test_a_map_that_cannot_be_read_is_no_map_and_that_is_said(displayed, told, monkeypatch):
     said = []
     monkeypatch.setattr(rospy, 'logerr', lambda text, *values: said.append(text % values))
-    displayed.take(message('/dev/zero'))
+    displayed.on_message(message('/dev/zero'))
     assert told == [(None, '/dev/zero')]
     assert said == ['Nothing is drawn: /dev/zero: it is a device; expected a regular file.']
 
 
 def test_an_empty_path_means_that_no_map_is_displayed(displayed, told):
-    displayed.take(message(''))
+    displayed.on_message(message(''))
     assert told == [(None, '')]

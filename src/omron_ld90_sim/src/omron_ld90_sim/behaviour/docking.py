@@ -1,4 +1,17 @@
-"""The docking state and its effect on the battery."""
+"""The docking state and its effect on the battery.
+
+    state       event                              next state
+    UNDOCKED    `dock` begins                      DOCKING
+    DOCKING     the robot is in the station        DOCKED
+                it misses the station              UNDOCKING
+                the activity ends                  UNDOCKED
+    DOCKED      a drive or `undock` begins         UNDOCKING
+                a person pushes the robot          UNDOCKED
+    UNDOCKING   the robot is out of the station    UNDOCKED
+                the activity ends                  UNDOCKED
+
+Invariants: the battery is charged only while DOCKED. Each change is announced once.
+"""
 from __future__ import annotations
 
 from typing import Callable, Optional
@@ -60,8 +73,8 @@ class Docking:
         """Checks the charger's phase repeatedly until the battery is full."""
         charging = self.state is DockingPhase.DOCKED and self.charge is not ChargeState.FLOAT
         if charging and (self._timer is None or not self._timer.waiting):
-            self._timer = self._clock.after(CHARGE_CHECK, self._look)
+            self._timer = self._clock.after(CHARGE_CHECK, self._check_charger)
 
-    def _look(self) -> None:
+    def _check_charger(self) -> None:
         self.update()
         self._watch()

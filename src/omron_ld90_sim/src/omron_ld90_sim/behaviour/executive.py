@@ -2,6 +2,16 @@
 
 An activity's script is a generator (`states.ScriptedActivity`). It yields a number of seconds to
 wait, or `STANDING` to wait until the base stands.
+
+    event                             no activity       an activity runs
+    `run`                             it begins         the base brakes, and the new one begins
+    the wait is over; the base stands -                 the script goes on
+    the script ends                   -                 there is none
+    the script fails                  -                 there is none; the base brakes
+    `drop`                            -                 there is none; the base goes on
+
+Invariants: there is one script at most, and one wait of it. A script does not end itself from the
+inside: `outside` waits for its next pause.
 """
 from __future__ import annotations
 
@@ -15,7 +25,10 @@ from omron_ld90_sim.motion.track import Manoeuvre
 
 
 class Executive:
-    """Runs the activity of one robot on the clock."""
+    """Runs the activity of one robot on the clock.
+
+    Its attributes are the running script and what it waits for.
+    """
 
     def __init__(self, clock: SimClock, navigation: Navigation, stepping: Callable[[], None],
                  failed: Callable[[ActivityFailure], None]) -> None:

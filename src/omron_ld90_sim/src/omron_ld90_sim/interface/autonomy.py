@@ -29,9 +29,9 @@ class Autonomy:
         self._warn_from = 0.0
         self._idle_since = server.clock.now
         self._docked_by_itself = False
-        Ticker(server.clock, PERIOD, self._look)
+        Ticker(server.clock, PERIOD, self._decide)
 
-    def _look(self) -> None:
+    def _decide(self) -> None:
         robot = self._robot
         if not self._server.online:
             return

@@ -82,7 +82,10 @@ class SessionRecording:
 
 
 class ReplaySession:
-    """One connection that is played back from a recording."""
+    """One connection that is played back from a recording.
+
+    Its attributes are the state of one connection, and the place in the log.
+    """
 
     def __init__(self, server: ReplayServer, number: int, script: List[Transfer]) -> None:
         self.server, self.number, self.outgoing = server, number, number == 0
@@ -93,7 +96,7 @@ class ReplaySession:
         self._is_asked = False  # whether no line has followed the last recognised command
         self._input = b''
         self._shift = server.clock.now - (script[0].time if script else 0.0)
-        self._go_on()
+        self._send_due_lines()
 
     @property
     def finished(self) -> bool:
@@ -104,9 +107,9 @@ class ReplaySession:
         """Takes bytes from the client; each of its lines triggers the recorded answers."""
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
         self._asked.extend(filter(None, map(said, lines)))
-        self._go_on()
+        self._send_due_lines()
 
-    def _go_on(self) -> None:
+    def _send_due_lines(self) -> None:
         """Sends the due lines up to the next line for which a command of the client is needed."""
         clock = self.server.clock
         while self._script and not self.closed:
@@ -114,7 +117,7 @@ class ReplaySession:
             due = head.time + self._shift
             if head.direction == 'S':
                 if due > clock.now:
-                    clock.at(due, self._go_on)
+                    clock.at(due, self._send_due_lines)
                     return
                 self.output += unescape(head.text) + b'\r\n'
                 self._script.popleft()
@@ -124,7 +127,7 @@ class ReplaySession:
             elif not self._is_asked:
                 return
             elif due + OVERLAP > clock.now:
-                clock.at(due + OVERLAP, self._go_on)
+                clock.at(due + OVERLAP, self._send_due_lines)
                 return
             else:  # recorded before the answer to the last command, and not given this time
                 self._script.popleft()

@@ -3,6 +3,15 @@
 Framing, login and echo are those of a robot (docs/explanation/sources.md): lines end with CRLF, LF
 or CR; after a wrong password the connection closes silently; a command of more than 5,000
 characters drops the client.
+
+    phase   event                                    next phase
+    LOGIN   the right password                       OPEN; welcome and help list are sent
+            another line                             CLOSED
+    OPEN    a line                                   OPEN; it is carried out
+    all     a line that is too long; the end         CLOSED
+
+Invariants: lines are sent in the order in which they were queued, late or not. Nothing is carried
+out before the password.
 """
 from __future__ import annotations
 
@@ -64,7 +73,10 @@ class SessionHost(Protocol):
 
 
 class SimSession:
-    """One connection of a client, or the robot's own outgoing one."""
+    """One connection of a client, or the robot's own outgoing one.
+
+    Its attributes are the state of one connection.
+    """
 
     def __init__(self, server: SessionHost, number: int, outgoing: bool = False) -> None:
         self.server, self.number, self.outgoing = server, number, outgoing
@@ -138,7 +150,7 @@ class SimSession:
                 self._put(b'\n\r')
                 self._echoed = 0
             if self._accepts(line):
-                self._take(said(line))
+                self._line_received(said(line))
         if self._accepts(self._input) and self._input:
             self.server.clock.after(CYCLE, self._echo_typed)
 
@@ -158,7 +170,7 @@ class SimSession:
             self._put(typed.encode('ascii'))
             self._echoed = len(self._input)
 
-    def _take(self, line: bytes) -> None:
+    def _line_received(self, line: bytes) -> None:
         if not line:
             return
         if self.phase is LoginPhase.LOGIN:

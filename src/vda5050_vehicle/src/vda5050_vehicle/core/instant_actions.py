@@ -89,9 +89,9 @@ class InstantActionHandler:
         if not is_copy and any(action.action_type not in HARMLESS_AGAIN
                                for action in message.actions):
             state.received = state.received.with_message(payload)
-        self._take(message, is_copy, now)
+        self._queue(message, is_copy, now)
 
-    def _take(self, message: InstantActions, is_copy: bool, now: float) -> None:
+    def _queue(self, message: InstantActions, is_copy: bool, now: float) -> None:
         state = self._state
         refused: List[Tuple[VdaAction, WrongAction]] = []
         taken = False
@@ -289,7 +289,7 @@ class InstantActionHandler:
         self._run(action)
         context.do(fx.SetPose(pose))
 
-    def go_on(self, now: float) -> None:
+    def end_completed(self, now: float) -> None:
         """Ends cancellations, pauses and initPosition if their conditions are met."""
         context, state = self._context, self._state
         if (state.cancels and context.is_known_to_stand and state.actions.order_has_ended):

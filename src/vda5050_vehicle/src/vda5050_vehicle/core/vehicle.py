@@ -73,11 +73,11 @@ class VdaVehicle:
                 effects += self._report(now)
         return effects if is_reported else effects + self._report(now)
 
-    def see(self, robot: RobotSnapshot, now: float) -> Tuple[fx.Effect, ...]:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> Tuple[fx.Effect, ...]:
         """Processes a new view of the robot; a robot may also be silent for too long."""
         self.context.robot = robot
-        self.driver.see(robot, now)
-        return self._go_on(now)
+        self.driver.robot_seen(robot, now)
+        return self._take_steps(now)
 
     def action_ended(self, action_id: str, succeeded: bool, text: str, now: float,
                      ) -> Tuple[fx.Effect, ...]:
@@ -88,18 +88,18 @@ class VdaVehicle:
             self._runner.end(action_id, v.ActionStatus.FINISHED, text)
         else:
             self._runner.fail(action_id, text)
-        return self._go_on(now)
+        return self._take_steps(now)
 
     def connected(self, now: float) -> Tuple[fx.Effect, ...]:
         """Sends factsheet and state after a connection to the broker, but no missed messages."""
         self.context.reporter.ask()
         self.context.do(fx.SendFactsheet())
-        return self._go_on(now)
+        return self._take_steps(now)
 
     def tick(self, now: float) -> Tuple[fx.Effect, ...]:
         """Continues after some time, or after an event of the driver; several times a second."""
         self.driver.tick(now)
-        return self._go_on(now)
+        return self._take_steps(now)
 
     def restore(self, state: VdaVehicleState, is_newest: bool, now: float) -> None:
         """Continues the order after a restart; actions that were started count as failed.
@@ -118,7 +118,7 @@ class VdaVehicle:
 
     # --- the steps after each event ---------------------------------------------------------------
 
-    def _go_on(self, now: float) -> Tuple[fx.Effect, ...]:
+    def _take_steps(self, now: float) -> Tuple[fx.Effect, ...]:
         self._settle(now)
         return self._report(now)
 
@@ -126,7 +126,7 @@ class VdaVehicle:
         self._pass_nodes()
         self._look_at_failure()
         self._look_at_epoch()
-        self._instant.go_on(now)
+        self._instant.end_completed(now)
         self._enter_edge()
         self._pass_nodes_at_a_stand()
         self._runner.start()

@@ -129,7 +129,7 @@ class PoseDriver(Driver[PoseDrive]):
         if drive.goal == 0:
             self._go_to(drive.passed)
         else:
-            self._look()
+            self._update_progress()
 
     def _go_to(self, number: int) -> None:
         leg, goal = self._memory.leg(number), self.drive_state.numbers + 1
@@ -152,14 +152,14 @@ class PoseDriver(Driver[PoseDrive]):
         if self.drive_state.goal > 0:
             self.stop(now)
 
-    def see(self, robot: RobotSnapshot, now: float) -> None:
+    def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """See Driver."""
         self._pose = robot.pose
         if robot.epoch not in (0, self.drive_state.epoch):
             self._set(epoch=robot.epoch)
-        self._look()
+        self._update_progress()
 
-    def _look(self) -> None:
+    def _update_progress(self) -> None:
         """Updates the progress; passes a node and sends the next goal."""
         pose, drive = self._pose, self.drive_state
         leg = self._memory.leg(drive.passed)

@@ -193,7 +193,7 @@ class RobotWatch:
         self._listener = tf2_ros.TransformListener(buffer)
         last = [rospy.Time()]
 
-        def look() -> None:
+        def read_transform() -> None:
             try:
                 transform = buffer.lookup_transform(self._frame, base, rospy.Time())
             except (tf2_ros.LookupException, tf2_ros.ConnectivityException,
@@ -205,4 +205,4 @@ class RobotWatch:
                 self._hear_pose(RobotPose(place.x, place.y,
                                           yaw_from_quaternion(transform.transform.rotation)))
 
-        Periodic('TF', TF_PERIOD, look)
+        Periodic('TF', TF_PERIOD, read_transform)

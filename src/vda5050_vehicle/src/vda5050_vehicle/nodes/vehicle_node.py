@@ -79,7 +79,10 @@ Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 
 
 class VehicleNode:
-    """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it."""
+    """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, settings: VehicleSettings) -> None:
         self._settings = settings
@@ -152,7 +155,7 @@ class VehicleNode:
         """A report of the robot came; several reports at once cause one evaluation."""
         if not self._look_is_due:
             self._look_is_due = True
-            self._put(self._look)
+            self._put(self._show_robot)
 
     def _on_message(self, topic: str, payload: bytes, kept: bool) -> None:
         if kept:
@@ -186,16 +189,16 @@ class VehicleNode:
             messages.append(self._messages.popleft())
         return self._vehicle.receive(messages, now) if messages else ()
 
-    def _look(self, now: float) -> Tuple[fx.Effect, ...]:
+    def _show_robot(self, now: float) -> Tuple[fx.Effect, ...]:
         self._look_is_due = False
-        return self._vehicle.see(self._watch.view(), now)
+        return self._vehicle.robot_seen(self._watch.view(), now)
 
     def _tick(self, now: float) -> Tuple[fx.Effect, ...]:
         self._actions.check()
         if isinstance(self._link, MoveBaseLink):
             self._link.check()
         self._visualize(now)
-        return (*self._look(now), *self._vehicle.tick(now))
+        return (*self._show_robot(now), *self._vehicle.tick(now))
 
     def _visualize(self, now: float) -> None:
         period = self._settings.visualization_period

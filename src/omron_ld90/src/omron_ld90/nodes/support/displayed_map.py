@@ -33,9 +33,9 @@ class DisplayedMap:
 
     def subscribe(self) -> rospy.Subscriber:
         """Follows `map_file` from now on."""
-        return rospy.Subscriber('map_file', String, self.take, queue_size=1, tcp_nodelay=True)
+        return rospy.Subscriber('map_file', String, self.on_message, queue_size=1, tcp_nodelay=True)
 
-    def take(self, message: String) -> None:
+    def on_message(self, message: String) -> None:
         """Loads the map that a message of `map_file` names."""
         sender = caller_of(message)
         if sender != self._shown_by:

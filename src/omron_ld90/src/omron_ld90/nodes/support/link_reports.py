@@ -62,13 +62,13 @@ def session_log() -> Optional[SessionLog]:
 
 def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
     """For `node_lifecycle.run`: publishes once on `link_state` why `link` cannot be set up."""
-    def tell(reason: str) -> rospy.Publisher:
+    def publish(reason: str) -> rospy.Publisher:
         publisher = _publisher()
         message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)
         message.header.stamp = rospy.Time.now()
         publisher.publish(message)
         return publisher
-    return tell
+    return publish
 
 
 def _publisher() -> rospy.Publisher:
@@ -76,7 +76,10 @@ def _publisher() -> rospy.Publisher:
 
 
 class LinkReporter:
-    """Reports one link: pass `report` as on_link, and call `line` for every received line."""
+    """Reports one link: pass `report` as on_link, and call `line` for every received line.
+
+    Its attributes are what one message and one diagnosis need.
+    """
 
     def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
         self._name = name
