@@ -53,6 +53,8 @@ class Client(Transport):
     a sign of life after which the link counts as dead. `names`: the bytes of each name that the
     robot has listed and that is not ASCII. records: the records of the robot's
     drives. on_motion(Motion): the motion has changed; called by any thread.
+
+    It has many attributes because one thread keeps one connection: its parts, callbacks and times.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,

@@ -59,6 +59,8 @@ class CommandSpec:
     shortcut -- a shorter name that the robot also accepts
     needs_standing -- it is not sent while the robot drives
     adds_job -- each time it is given, the robot gets one more job
+
+    Its attributes are the columns of the table.
     """
 
     syntax: str

@@ -85,6 +85,8 @@ class LivePeer:
 
     timeout: seconds without a complete line, or without accepting sent data, after which the robot
     counts as gone. Single bytes without a line end are no sign of life.
+
+    Its attributes are times: together they tell life from silence.
     """
 
     def __init__(self, connection: ArclConnection, session: Session, timeout: float) -> None:

@@ -163,6 +163,9 @@ class Drives:
 
     stored -- the memory of the process before this one
     store -- saves the memory for a restart; called before a command that changes it is sent
+
+    It has many methods because each event of a drive or line is one, and all change the same
+    records.
     """
 
     def __init__(self, stored: Optional[DriveMemory] = None,

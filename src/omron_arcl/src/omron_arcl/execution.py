@@ -72,6 +72,8 @@ class CommandProgress:
     rejected_at -- when CommandError came; its description follows
     points -- coordinates that the robot showed as its goal
     dock_name -- the name under which the robot drives to its dock
+
+    Its attributes are facts of one command, see above.
     """
 
     epoch: int = 0

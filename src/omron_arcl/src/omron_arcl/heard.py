@@ -42,7 +42,10 @@ class StopOf(Enum):
 
 
 class RobotWords:
-    """The robot's words about its motion, since the connection was made."""
+    """The robot's words about its motion, since the connection was made.
+
+    Each attribute is one fact.
+    """
 
     def __init__(self) -> None:
         self.activity: Optional[Activity] = None

@@ -46,6 +46,8 @@ class Listener(Transport):
     replace each other in turn, the reason of the connected link says so.
     If another program uses the port, the listener tries again until the port is free, and says so
     in the reason of the link. Raises OSError if it can never listen at (bind, port).
+
+    It has many attributes because one thread keeps one port: its parts, callbacks and times.
     """
 
     def __init__(self, bind: str, port: int, robot: str, *,

@@ -121,6 +121,8 @@ class Session:
     """The client's end of one connection; `password` None: a connection without a login.
 
     `lines_read` counts the received lines: only a complete line is a sign of life.
+
+    Its attributes are what the login of one connection needs to remember.
     """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,

@@ -29,7 +29,7 @@ class Bench:
         self.busy = False
         self.given: List[Tuple[str, str]] = []
         self.forwarded: List[Tuple[PoseStamped, str]] = []
-        self.refused: List[Tuple[str, str, str]] = []
+        self.refusals: List[Tuple[str, str, str]] = []
         self.on_end: Callable[[Result], None] = lambda _: None
         monkeypatch.setattr(rospy, 'Subscriber', self._subscribe)
         self.obeyed: Optional[str] = None  # the command that the robot obeys
@@ -49,7 +49,7 @@ class Bench:
         return None if is_stop else self.old
 
     def refused(self, text: str, caller: str, reason: str) -> None:
-        self.refused.append((text, caller, reason))
+        self.refusals.append((text, caller, reason))
 
     def forward(self, pose: PoseStamped, giver: Giver) -> None:
         self.forwarded.append((pose, giver.name))
@@ -91,7 +91,7 @@ def test_all_topics_are_heard(bench):
 def test_a_command_is_given_for_its_sender(bench):
     bench.hear('send_command', String('goto 12'), '/bridge')
     assert bench.given == [('goto 12', '/bridge')]
-    assert bench.refused == []
+    assert bench.refusals == []
 
 
 def test_a_goal_pose_becomes_a_goal_of_the_action(bench):
@@ -112,7 +112,7 @@ def test_a_pose_in_another_frame_or_that_is_none_is_told_and_not_given(bench):
     bench.hear('move_base_simple/goal', goal(frame='odom'))
     bench.hear('initialpose', estimate(x=math.nan))
     assert bench.given == bench.forwarded == []
-    assert bench.refused == [
+    assert bench.refusals == [
         ('gotoPoint', '/person',
          'The goal was not sent: the pose is in the frame "odom", not in "map".'),
         ('localizeToPoint', '/person',
@@ -124,7 +124,7 @@ def test_while_a_fleet_drives_the_robot_clicks_do_not_and_commands_do(bench):
     bench.hear('move_base_simple/goal', goal())
     bench.hear('initialpose', estimate())
     assert bench.given == bench.forwarded == []
-    assert bench.refused == [('move_base_simple/goal', '/person', FLEET),
+    assert bench.refusals == [('move_base_simple/goal', '/person', FLEET),
                              ('initialpose', '/person', FLEET)]
     bench.hear('send_command', String('goto 12'))
     assert bench.given == [('goto 12', '/person')]
@@ -136,9 +136,9 @@ def test_what_is_too_old_is_told_and_not_given_and_a_stop_never_is(bench):
     bench.hear('move_base_simple/goal', goal())
     bench.hear('initialpose', estimate())
     assert bench.given == bench.forwarded == []
-    assert [text for text, _, _ in bench.refused] == ['goto 12', 'move_base_simple/goal',
+    assert [text for text, _, _ in bench.refusals] == ['goto 12', 'move_base_simple/goal',
                                                       'initialpose']
-    assert {reason for _, _, reason in bench.refused} == {WAITED}
+    assert {reason for _, _, reason in bench.refusals} == {WAITED}
     bench.hear('send_command', String('stop'))
     assert bench.given == [('stop', '/person')]
 
@@ -146,7 +146,7 @@ def test_what_is_too_old_is_told_and_not_given_and_a_stop_never_is(bench):
 def test_a_command_that_cannot_be_given_is_told(bench):
     bench.busy = True
     bench.hear('send_command', String('goto 12'))
-    assert bench.refused == [('goto 12', '/person', 'Not sent, 200 commands are waiting already.')]
+    assert bench.refusals == [('goto 12', '/person', 'Not sent, 200 commands are waiting already.')]
 
 
 @pytest.mark.parametrize(('outcome', 'is_told'), [
@@ -155,7 +155,7 @@ def test_a_command_that_cannot_be_given_is_told(bench):
 def test_a_command_that_comes_to_nothing_is_told(bench, outcome, is_told):
     bench.hear('send_command', String('goto 12'), '/bridge')
     bench.on_end(Result(outcome, 'no path', ()))
-    told = [(text, caller) for text, caller, _ in bench.refused]
+    told = [(text, caller) for text, caller, _ in bench.refusals]
     assert told == ([('goto 12', '/bridge')] if is_told else [])
 
 
@@ -165,4 +165,4 @@ def test_a_command_that_the_robot_obeys_already_is_not_given_again(bench):
     bench.hear('send_command', String('goto 12'))
     bench.hear('send_command', String('goto 13'))
     assert [text for text, _ in bench.given] == ['goto 12', 'goto 13']
-    assert not bench.refused
+    assert not bench.refusals

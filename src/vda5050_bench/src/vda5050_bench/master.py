@@ -29,6 +29,8 @@ class BenchMaster:
     arrivals  -- the times of their reception by topic, s
     qualities -- the QoS levels by topic
     sent      -- topic and payload of all messages that were sent
+
+    It has one method for each message that it sends or waits for.
     """
 
     def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',

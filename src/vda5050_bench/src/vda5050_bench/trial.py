@@ -43,6 +43,8 @@ class Trial:
     track    -- the whole track that the vehicle may drive
     ahead    -- the track, starting at the end at which the vehicle stands
     patience -- s that the drive from one node to the next may take
+
+    It has one method for each step that rules use.
     """
 
     def __init__(self, master: BenchMaster, track: Track, patience: float,

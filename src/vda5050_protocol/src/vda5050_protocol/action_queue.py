@@ -85,6 +85,8 @@ class ActionQueue:
 
     by_id     -- the actions by id, in the sequence of their reception
     triggered -- ids of the triggered actions that have not ended, in the sequence of execution
+
+    It is one value: each method returns a changed queue, or an answer about it.
     """
 
     by_id: Mapping[str, QueuedAction] = field(default_factory=dict)

@@ -68,6 +68,8 @@ class MotionTold:
     drives -- the robot drives now
     number, fate -- the last command of the bridge that the controller has, and what became of it;
         0, None: nothing was told yet
+
+    Its attributes are fields of the message `Motion`.
     """
 
     epoch: int

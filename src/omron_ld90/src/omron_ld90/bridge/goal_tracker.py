@@ -57,6 +57,8 @@ class GoalTracker:
     An interruption does not tell its reason. The robot's next statuses do: they show an emergency
     stop, or else another giver drives or stopped the robot. A drive that the controller refused
     because of its epoch was not interrupted: the next epoch tells why (`goes_on`, `interrupted`).
+
+    It has one method for each event of a command, and one for each of ours.
     """
 
     def __init__(self) -> None:

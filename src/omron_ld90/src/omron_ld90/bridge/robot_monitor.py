@@ -13,7 +13,10 @@ from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
 
 class RobotMonitor:
-    """Takes every event except orders; `check` raises when the running route must end."""
+    """Takes every event except orders; `check` raises when the running route must end.
+
+    It is all that is known of one robot: one attribute for each fact, one method for each question.
+    """
 
     def __init__(self, settings: RouteSettings, links: Iterable[p.RobotLink] = (),
                  number: int = 0) -> None:

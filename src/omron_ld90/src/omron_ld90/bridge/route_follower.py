@@ -78,7 +78,10 @@ _STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
 
 
 class RouteFollower:
-    """Drives one robot along the routes of a fleet manager."""
+    """Drives one robot along the routes of a fleet manager.
+
+    It has many attributes because it puts the parts of the bridge together.
+    """
 
     def __init__(self, settings: RouteSettings, graph: Optional[Graph] = None,
                  links: Iterable[p.RobotLink] = (), draw: Callable[[], int] = draw_epoch,

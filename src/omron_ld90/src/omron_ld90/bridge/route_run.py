@@ -40,6 +40,8 @@ class RouteRun:
 
     `locate` and `drive_on` raise RouteFailed if the route cannot go on. Indices are those in
     `progress.edges`, which are the edges of the order.
+
+    It is the state of one route: where it was sent, what it may pass, how far it came.
     """
 
     def __init__(self, vehicle: Vehicle, settings: RouteSettings, tracker: GoalTracker,

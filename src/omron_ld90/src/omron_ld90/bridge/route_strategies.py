@@ -94,7 +94,10 @@ STRATEGIES: Mapping[str, Strategy] = {
 
 @dataclass(frozen=True)
 class RouteSettings:
-    """The settings for driving routes, in m and s; the motion values are those of the LD-90."""
+    """The settings for driving routes, in m and s; the motion values are those of the LD-90.
+
+    Each attribute is a parameter.
+    """
 
     dock_vertex: Optional[int] = None
     strategy: Strategy = rolling

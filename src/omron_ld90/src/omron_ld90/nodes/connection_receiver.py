@@ -81,7 +81,10 @@ _MAXIMUM_DEVICES = 16
 
 
 class ConnectionReceiver:
-    """The node; `make_listener` makes its listener with the given callbacks."""
+    """The node; `make_listener` makes its listener with the given callbacks.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, make_listener: Callable[..., Listener], map_frame: str,
                  laser_device: str, laser_height: float, log: Optional[SessionLog]) -> None:

@@ -94,7 +94,10 @@ STOP_WITHIN = 1.5  # s that a stop may take at shutdown
 
 
 class Controller:
-    """The node; `make_client` makes its client with the given callbacks."""
+    """The node; `make_client` makes its client with the given callbacks.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, make_client: Callable[..., Client], guard: Guard, goals: GoalComparison,
                  map_frame: str, log: Optional[SessionLog], stop_on_shutdown: bool) -> None:

@@ -15,7 +15,10 @@ _MAXIMUM_NAMES = 20  # listed in one message
 
 
 class GoalComparison:
-    """Reads the map file in a separate thread, each time the robot has listed its goals."""
+    """Reads the map file in a separate thread, each time the robot has listed its goals.
+
+    Its attributes are the parts of the comparison and its last result.
+    """
 
     def __init__(self, map_file: str, made_from: Tuple[str, ...] = (),
                  wait: Callable[..., None] = wait_for_map) -> None:

@@ -86,6 +86,8 @@ class EdgesToVertices:
 
     One thread owns the follower and calls rospy and actionlib. Callbacks only queue events for it.
     So no lock is held during any of this work.
+
+    It has many attributes because it puts the parts of the node together.
     """
 
     def __init__(self) -> None:

@@ -106,7 +106,10 @@ class Given(NamedTuple):
 
 
 class GoalSender:
-    """The node: see the module's text."""
+    """The node: see the module's text.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self) -> None:
         self._map_frame = parameter('~map_frame', 'map')

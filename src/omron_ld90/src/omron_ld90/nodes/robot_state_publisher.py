@@ -91,7 +91,10 @@ class LocationFilter:
 
 
 class RobotStatePublisher:
-    """The node: see the module's text."""
+    """The node: see the module's text.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self) -> None:
         self._map_frame = parameter('~map_frame', 'map')

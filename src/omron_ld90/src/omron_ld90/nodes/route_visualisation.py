@@ -63,7 +63,10 @@ REFUSALS_TOLD = 60.0  # s between two log lines about them
 
 
 class RouteVisualisation:
-    """The node: see the module's text."""
+    """The node: see the module's text.
+
+    It has many attributes because it draws all that several topics tell of one robot.
+    """
 
     def __init__(self) -> None:
         self._robot = rospy.get_namespace().strip('/') or 'robot'

@@ -25,7 +25,10 @@ from omron_ld90_sim.motion.track import Manoeuvre
 
 
 class Executive:
-    """Runs the activity of one robot on the clock."""
+    """Runs the activity of one robot on the clock.
+
+    Its attributes are the running script and what it waits for.
+    """
 
     def __init__(self, clock: SimClock, navigation: Navigation, stepping: Callable[[], None],
                  failed: Callable[[ActivityFailure], None]) -> None:

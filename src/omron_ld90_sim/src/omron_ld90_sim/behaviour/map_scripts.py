@@ -34,7 +34,7 @@ def _blocks(document: MapDocument, keyword: str, head: str) -> List[Tuple[str, L
         words = split_words(rest)
         if words[:1] == [head] and len(words) > 1:
             blocks.append((words[1], []))
-        elif words[:1] in (['Goal'], ['RobotTask']) and blocks:
+        elif words[:1] in (['Goal'], ['Task']) and blocks:
             blocks[-1][1].append([words[0], *words[1:]])
         else:
             blocks.append(('', []))     # another kind of block, to which the next lines belong

@@ -32,6 +32,8 @@ class Faults:
     """Applies faults to one robot; each public method is the fault with its name.
 
     The first line of a method's docstring is its usage, the rest its meaning (`--help-faults`).
+
+    It has one method for each fault.
     """
 
     def __init__(self, server: ArclServer) -> None:

@@ -82,7 +82,10 @@ class SessionRecording:
 
 
 class ReplaySession:
-    """One connection that is played back from a recording."""
+    """One connection that is played back from a recording.
+
+    Its attributes are the state of one connection, and the place in the log.
+    """
 
     def __init__(self, server: ReplayServer, number: int, script: List[Transfer]) -> None:
         self.server, self.number, self.outgoing = server, number, number == 0

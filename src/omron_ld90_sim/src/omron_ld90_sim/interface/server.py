@@ -23,7 +23,10 @@ MINIMUM_TIMEOUT = 60.0      # s, lower limit of SessionTimeoutMins
 
 
 class ArclServer:
-    """The interface of one robot."""
+    """The interface of one robot.
+
+    It has many attributes because it puts the parts of one interface together.
+    """
 
     def __init__(self, clock: SimClock, robot: SimRobot, password: str, interpreter: Interpreter,
                  configuration: Optional[RobotConfiguration] = None,

@@ -73,7 +73,10 @@ class SessionHost(Protocol):
 
 
 class SimSession:
-    """One connection of a client, or the robot's own outgoing one."""
+    """One connection of a client, or the robot's own outgoing one.
+
+    Its attributes are the state of one connection.
+    """
 
     def __init__(self, server: SessionHost, number: int, outgoing: bool = False) -> None:
         self.server, self.number, self.outgoing = server, number, outgoing

@@ -100,6 +100,8 @@ class OrderEdge:
 
     start_node_id, end_node_id -- the same nodes by their ids; None if the message does not repeat
                                   them, as in 3.0
+
+    Its attributes are the fields of the standard.
     """
 
     edge_id: str

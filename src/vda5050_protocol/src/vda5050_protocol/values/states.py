@@ -111,6 +111,8 @@ class StateMessage:
     """The complete state that the master receives.
 
     node_states, edge_states -- the nodes and edges that are still to be driven
+
+    Its attributes are the fields of the standard.
     """
 
     order_id: str

@@ -95,6 +95,8 @@ class ActionSpec:
     executed_as     -- the blocking type on this robot; None: the blocking type of the message
     cancellable     -- whether cancelOrder ends it
     commands_motion -- whether the robot treats it as a drive with a new epoch
+
+    Its attributes are the columns of the table.
     """
 
     action_type: str

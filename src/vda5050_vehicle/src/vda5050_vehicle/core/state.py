@@ -26,6 +26,8 @@ class VdaVehicleState:
     wish    -- the pose of initPosition that the robot has not taken yet
     epoch   -- the robot's last known epoch
     away    -- whether nodes may have been passed while the adapter was not running
+
+    It is one value, so that it is stored as one.
     """
 
     order: OrderState = OrderState()

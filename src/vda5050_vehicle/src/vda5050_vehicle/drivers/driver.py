@@ -97,6 +97,8 @@ class Driver(ABC, Generic[D]):
     longest -- number of legs that it can drive after a `begin`; None: any number
     All its knowledge is in the vehicle's state. The caller collects the commands with
     `take_commands` and sends them in the given sequence.
+
+    It has many methods because each event of a vehicle is one for all kinds of drivers.
     """
 
     longest: ClassVar[Optional[int]] = None

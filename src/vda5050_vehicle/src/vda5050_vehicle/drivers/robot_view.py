@@ -32,6 +32,8 @@ class RobotSnapshot:
                 robot; 0: unknown
     lost     -- the reason why the robot counts as lost; '' while it reports, or while the time
                 limit has not expired
+
+    Its attributes are all that a robot may tell.
     """
 
     pose: Optional[RobotPose] = None

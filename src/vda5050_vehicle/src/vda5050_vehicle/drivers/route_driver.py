@@ -85,7 +85,10 @@ class RouteDrive(DriveProgress):
 
 
 class RouteDriver(Driver[RouteDrive]):
-    """See the module's docstring. `clock` returns ms since 1970."""
+    """See the module's docstring. `clock` returns ms since 1970.
+
+    It has the methods of `Driver`, and one for the reports.
+    """
 
     longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
 

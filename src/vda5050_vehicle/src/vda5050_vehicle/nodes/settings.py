@@ -33,7 +33,10 @@ from vda5050_vehicle.nodes.ros_actions import check_types
 
 
 class VehicleSettings:
-    """The checked parameters of the node; raises ConfigurationError."""
+    """The checked parameters of the node; raises ConfigurationError.
+
+    Each attribute is a parameter.
+    """
 
     def __init__(self) -> None:
         self.codec: Codec = CODECS[choice('~version', '2.1.0', tuple(CODECS))]

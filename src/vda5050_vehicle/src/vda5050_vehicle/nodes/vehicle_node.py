@@ -79,7 +79,10 @@ Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 
 
 class VehicleNode:
-    """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it."""
+    """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, settings: VehicleSettings) -> None:
         self._settings = settings

@@ -76,7 +76,10 @@ def _publisher() -> rospy.Publisher:
 
 
 class LinkReporter:
-    """Reports one link: pass `report` as on_link, and call `line` for every received line."""
+    """Reports one link: pass `report` as on_link, and call `line` for every received line.
+
+    Its attributes are what one message and one diagnosis need.
+    """
 
     def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
         self._name = name
