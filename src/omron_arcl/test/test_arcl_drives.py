@@ -435,6 +435,24 @@ class TestOwedStop:
         assert bench.sent == ['goto 12']
         assert (bench.memory.stop_owed, bench.memory.cause) == (False, MotionCause.OTHER_CLIENT)
 
+    @pytest.mark.parametrize('shown', ['Going to 9', 'Teleop driving', 'Going to point'])
+    @pytest.mark.parametrize('outage', ['link', 'restart'])
+    def test_it_ends_the_drive_of_another_client_that_was_there_before_it(self, bench, shown,
+                                                                          outage):
+        """A person stops a robot that another client drives, and the link breaks at that moment."""
+        for _ in range(3):
+            bench.status(shown, 1.0)
+        bench.stop(PERSON)
+        if outage == 'link':
+            bench.lose()
+            bench.connect()
+        else:
+            bench = Bench(bench.kept[-1])
+        sent = len(bench.sent)
+        bench.status(shown)
+        bench.pass_time(2 * LOOK)
+        assert bench.sent[sent:sent + 1] == ['stop']
+
     def test_it_outlives_a_restart(self, bench):
         bench.drive(ROUTE)
         bench.stop(PERSON)

@@ -175,7 +175,8 @@ class Attribution:
             records.begins_late(activity_of(reply).goal)
         else:
             records.driven_by_others(
-                MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT, text)
+                MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT,
+                activity_of(reply), text)
         for execution in [e for e in self._commands.motion_executions if records.has_begun(e)]:
             self._commands.end_before(execution, f'taken over: {text}')
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')

@@ -153,6 +153,10 @@ def _names_of(command: Command) -> Tuple[str, ...]:
         (_DOCK,) if command.spec.course is DriveCourse.INTO_THE_DOCK else ('',))
 
 
+def _shown(activity: Activity) -> str:
+    return f'{activity.kind.name} {activity.goal.casefold()}'
+
+
 def draw_epoch() -> int:
     """A new random epoch, never 0."""
     return secrets.randbits(64) or 1
@@ -417,9 +421,9 @@ class Drives:
         if record and not self._memory.stop_owed:
             self._obeyed(record)
 
-    def driven_by_others(self, cause: MotionCause, text: str) -> None:
+    def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
         """The robot begins a motion that no program here asked for."""
-        self._foreign(cause, True, text)
+        self._foreign(cause, True, text, activity)
 
     def showed(self, activity: Activity, text: str) -> None:
         """The robot sends a status."""
@@ -452,10 +456,19 @@ class Drives:
             words = f'after an outage the robot shows "{text}"'
             if self._stands_as_we_stopped_it(activity):
                 self._begin_epoch(None, MotionCause.RESTART, words, False)
+            elif self._is_to_be_stopped(activity):
+                self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
             else:
                 gave_up = activity.kind in _GAVE_UP
                 self._foreign(MotionCause.ROBOT if gave_up else MotionCause.OTHER_CLIENT,
-                              activity.kind in MOVING, words)
+                              activity.kind in MOVING, words, activity)
+
+    def _is_to_be_stopped(self, activity: Activity) -> bool:
+        """Whether the robot shows the drive of others for which a stop is owed, and no newer one.
+        """
+        return any(drive.shown == _shown(activity) and any(
+            stop.owed and stop.number > drive.number for stop in self._records)
+            for drive in self._records if drive.kind is RecordKind.FOREIGN_DRIVE)
 
     def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
         """Whether our last command was a stop, and the robot shows nothing else."""
@@ -473,7 +486,7 @@ class Drives:
         else:
             strange = self._ends_unlike(ruling, activity)
         if strange and self.heard.strange:  # one status may have crossed a line
-            self._foreign(MotionCause.OTHER_CLIENT, moves, text)
+            self._foreign(MotionCause.OTHER_CLIENT, moves, text, activity)
         self.heard.strange = strange
 
     def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
@@ -570,14 +583,16 @@ class Drives:
         ends_unknown = any(r.pending and r.giver != giver for r in self._records)
         self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 
-    def _foreign(self, cause: MotionCause, drives: bool, words: str) -> None:
+    def _foreign(self, cause: MotionCause, drives: bool, words: str,
+                 activity: Optional[Activity] = None) -> None:
         """Others drive or stop the robot. Drives that the robot has not answered may still reach it
         after that, and so may the stops that end them."""
         given = any(r.pending for r in self._records)
         self._records = (
             *(r for r in self._records if r.pending or r.owed and (given or not drives)),
-            self._record(RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER,
-                         words, Fate.OVER))
+            replace(self._record(
+                RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER, words,
+                Fate.OVER), shown=_shown(activity) if activity and drives else ''))
         self._begin_epoch(None, cause, words, drives)
 
     def note_emergency(self, words: str) -> None:

@@ -88,6 +88,8 @@ class DriveRecord:
     """Number of the command at its giver; 0: the giver does not number its commands."""
     ending: CommandFate = CommandFate.NOT_OBEYED
     """How a drive that is OVER ended."""
+    shown: str = ''
+    """The motion of a drive of others, by which it is recognised."""
 
     @property
     def command_fate(self) -> CommandFate:
