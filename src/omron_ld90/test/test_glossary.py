@@ -87,7 +87,7 @@ def test_a_replaced_word_is_no_identifier(word):
 AMBIGUOUS = set(re.findall(r'\w+', """
 Acceptance Action Activity Battery Call Change Command
 Configuration ConfigurationError Connection Content DockingState EStop Edge
-Entry Errand Failure Field Floor Host Kind Link Listener Localizing Located
+Entry Failure Field Floor Host Kind Link Listener Localizing Located
 Location Memory Motion Motors Note Notice Odometer Options Order Outcome Parameter
 Part Phase Place Plan Pose Record Reference Refused Robot RobotView Role Route
 RouteRecord Rule Section SessionLog SetUpError Settings Severity Sign Site State

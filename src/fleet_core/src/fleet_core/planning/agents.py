@@ -15,7 +15,7 @@ LATER = 1e-4
 """Weight of a second on the way to parking; a second on the way to the destinations weighs 1."""
 
 
-class Errand:
+class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
     The searches read each attribute in their inner loops, so nothing is derived there.
@@ -112,7 +112,7 @@ class Agent(NamedTuple):
     """Where it stands before it drives anything; unused if `fixed` begins within a drive."""
     fixed: Tuple[Drive, ...]
     """The drives, with times, that belong to each possible plan."""
-    errand: Errand
+    errand: PathQuery
     priority: int = 0
     mid_edge: Optional[MidEdgePosition] = None
     """Where it stands between two vertices, if it does. Then nothing is fixed."""

@@ -13,7 +13,7 @@ from math import ceil, inf
 from time import monotonic as time_now
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from fleet_core.planning.agents import Errand
+from fleet_core.planning.agents import PathQuery
 from fleet_core.planning.plans import Plan
 from fleet_core.planning.safe_intervals import CHECKED, Arrival, plan_from
 from fleet_core.planning.slots import Busy, Slots
@@ -25,14 +25,14 @@ Search = Callable[..., Optional[Tuple[float, Plan]]]
 
 def layered(seconds: float) -> Search:
     """Returns `find_path` with layers `seconds` apart. See `safe_intervals` for the arguments."""
-    def search(errand: Errand, slots: Slots, latest: float = inf,
+    def search(errand: PathQuery, slots: Slots, latest: float = inf,
                arrivals: Sequence[Arrival] = (),
                deadline: float = inf) -> Optional[Tuple[float, Plan]]:
         return _find_path(errand, slots, seconds, latest, arrivals, deadline)
     return search
 
 
-def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
+def _find_path(errand: PathQuery, slots: Slots, layer: float, latest: float,
                arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
     targets, rests = errand.destinations, errand.rests
     legs = len(targets)
@@ -72,7 +72,7 @@ def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
         arrivals = _moves(errand, slots, vertex, now, (k + 1) * layer, until)
 
 
-def _serve(errand: Errand, leg: int, served: float, arrival: float,
+def _serve(errand: PathQuery, leg: int, served: float, arrival: float,
            until: float) -> Tuple[int, float, float]:
     """Serves the destination of a leg, and each later one at the same vertex, which is free
     `until` then. Returns the next leg, the time of the last service, and when the robot may leave.
@@ -88,7 +88,7 @@ def _serve(errand: Errand, leg: int, served: float, arrival: float,
     return leg, served, leaves
 
 
-def _estimate(errand: Errand, vertex: int, leg: int, served: float, time: float) -> float:
+def _estimate(errand: PathQuery, vertex: int, leg: int, served: float, time: float) -> float:
     """The cost of the errand at least, if the robot may leave a vertex at this time."""
     if leg < len(errand.destinations):
         return time + errand.to_go[leg][vertex]
@@ -97,7 +97,7 @@ def _estimate(errand: Errand, vertex: int, leg: int, served: float, time: float)
     return served + errand.later * (time - served + errand.to_go[leg][vertex])
 
 
-def _moves(errand: Errand, slots: Slots, vertex: int, now: float, next_layer: float,
+def _moves(errand: PathQuery, slots: Slots, vertex: int, now: float, next_layer: float,
            until: float) -> List[Arrival]:
     """The drives that the robot may begin now, and waiting until the next layer."""
     moves = [(drive, now, end, now + seconds) for drive, end, seconds in errand.roads[vertex]

@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequen
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.exclusions import ROUNDING
-from fleet_core.planning.agents import LATER, Agent, Errand
+from fleet_core.planning.agents import LATER, Agent, PathQuery
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
@@ -87,7 +87,7 @@ class Problem:
         return frozenset(self._robots_to.keys() - alone)
 
     def _errand(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
-                rests: Optional[FrozenSet[int]]) -> Errand:
+                rests: Optional[FrozenSet[int]]) -> PathQuery:
         network = self._network
         ready = (fixed[-1].end if fixed else 0.0) + task.ready
         vertex = -1
@@ -101,9 +101,9 @@ class Problem:
                       else network.index[task.vertex or 0])
             origins[vertex] = 0.0
         later = 1.0 if task.stays else LATER
-        return Errand(network, task.type, vertex, origins, ready,
-                      self._vertices(task.destinations), task.dwells, rests, later,
-                      self._common[task.type])
+        return PathQuery(network, task.type, vertex, origins, ready,
+                         self._vertices(task.destinations), task.dwells, rests, later,
+                         self._common[task.type])
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
         """The released drives, driven at once."""
