@@ -25,22 +25,22 @@ Search = Callable[..., Optional[Tuple[float, Plan]]]
 
 def layered(seconds: float) -> Search:
     """Returns `find_path` with layers `seconds` apart. See `safe_intervals` for the arguments."""
-    def search(errand: PathQuery, slots: Slots, latest: float = inf,
+    def search(query: PathQuery, slots: Slots, latest: float = inf,
                arrivals: Sequence[Arrival] = (),
                deadline: float = inf) -> Optional[Tuple[float, Plan]]:
-        return _find_path(errand, slots, seconds, latest, arrivals, deadline)
+        return _find_path(query, slots, seconds, latest, arrivals, deadline)
     return search
 
 
-def _find_path(errand: PathQuery, slots: Slots, layer: float, latest: float,
+def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
                arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
-    targets, rests = errand.destinations, errand.rests
+    targets, rests = query.destinations, query.rests
     legs = len(targets)
     best: Dict[Tuple[int, int, int], float] = {}
     nodes: List[Tuple] = []
     heap: List[Tuple[float, int, int]] = []
-    arrivals = arrivals or [(-1, 0.0, errand.vertex, errand.ready)]
-    node, leg, served = -1, 0, errand.ready
+    arrivals = arrivals or [(-1, 0.0, query.vertex, query.ready)]
+    node, leg, served = -1, 0, query.ready
     steps = 0
     while True:
         steps += 1
@@ -50,12 +50,12 @@ def _find_path(errand: PathQuery, slots: Slots, layer: float, latest: float,
             until = _free_until(slots.busy(slots.drives + end), arrival)
             new_leg, new_served, leaves = leg, served, arrival
             if leg < legs and targets[leg] == end:
-                new_leg, new_served, leaves = _serve(errand, leg, served, arrival, until)
+                new_leg, new_served, leaves = _serve(query, leg, served, arrival, until)
             k = ceil(leaves / layer - _ROUNDING)
             time = max(k * layer, leaves)
             if time > until:
                 continue
-            cost = _estimate(errand, end, new_leg, new_served, time)
+            cost = _estimate(query, end, new_leg, new_served, time)
             # After the horizon nothing changes, so that of all later layers only the first counts.
             key = (end, k if time <= slots.horizon else -1, new_leg)
             if cost <= latest and cost < inf and cost < best.get(key, inf):
@@ -69,38 +69,39 @@ def _find_path(errand: PathQuery, slots: Slots, layer: float, latest: float,
         vertex, now, leg, served, until, k = nodes[node][:6]
         if leg == legs and (rests is None or (until == inf and vertex in rests)):
             return cost, plan_from(nodes, node)
-        arrivals = _moves(errand, slots, vertex, now, (k + 1) * layer, until)
+        arrivals = _moves(query, slots, vertex, now, (k + 1) * layer, until)
 
 
-def _serve(errand: PathQuery, leg: int, served: float, arrival: float,
+def _serve(query: PathQuery, leg: int, served: float, arrival: float,
            until: float) -> Tuple[int, float, float]:
-    """Serves the destination of a leg, and each later one at the same vertex, which is free
-    `until` then. Returns the next leg, the time of the last service, and when the robot may leave.
+    """Serves the destination of a leg, and each later one at the same vertex, while it is free.
+
+    Returns the next leg, the time of the last service, and when the robot may leave.
     """
-    targets, leaves = errand.destinations, arrival
+    targets, leaves = query.destinations, arrival
     here, last = targets[leg], len(targets) - 1
     while leg <= last and targets[leg] == here:
-        done = leaves + errand.dwells[leg]
-        if done > until or (errand.rests is None and leg == last and until < inf):
+        done = leaves + query.dwells[leg]
+        if done > until or (query.rests is None and leg == last and until < inf):
             break
         leaves = served = done
         leg += 1
     return leg, served, leaves
 
 
-def _estimate(errand: PathQuery, vertex: int, leg: int, served: float, time: float) -> float:
-    """The cost of the errand at least, if the robot may leave a vertex at this time."""
-    if leg < len(errand.destinations):
-        return time + errand.to_go[leg][vertex]
-    if errand.rests is None:
+def _estimate(query: PathQuery, vertex: int, leg: int, served: float, time: float) -> float:
+    """The lowest cost of an answer that leaves a vertex at this time."""
+    if leg < len(query.destinations):
+        return time + query.to_go[leg][vertex]
+    if query.rests is None:
         return served
-    return served + errand.later * (time - served + errand.to_go[leg][vertex])
+    return served + query.later * (time - served + query.to_go[leg][vertex])
 
 
-def _moves(errand: PathQuery, slots: Slots, vertex: int, now: float, next_layer: float,
+def _moves(query: PathQuery, slots: Slots, vertex: int, now: float, next_layer: float,
            until: float) -> List[Arrival]:
     """The drives that the robot may begin now, and waiting until the next layer."""
-    moves = [(drive, now, end, now + seconds) for drive, end, seconds in errand.roads[vertex]
+    moves = [(drive, now, end, now + seconds) for drive, end, seconds in query.roads[vertex]
              if _free_until(slots.busy(drive), now) >= now]
     # after the horizon nothing changes any more
     if next_layer <= until and now <= slots.horizon:

@@ -52,16 +52,16 @@ class Problem:
     def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
         """The same agent, allowed to end at `rests`."""
         task = self.tasks[agent.name]
-        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+        return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
                                                   rests))
 
     def without_destinations(self, agent: Agent) -> Agent:
         """The same agent without destinations, so that it is only parked."""
         task = replace(self.tasks[agent.name], destinations=(), dwells=())
-        rests = agent.errand.rests
+        rests = agent.query.rests
         if rests is None:
             rests = frozenset(range(self._network.vertices)) - self._network.docks
-        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+        return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
                                                   rests))
 
     def _agent(self, task: Task) -> Agent:
@@ -79,14 +79,14 @@ class Problem:
         elif fixed:
             start = self._network.origin[fixed[0].drive]
         return Agent(task.name, task.type, start, fixed,
-                     self._errand(task, fixed, mid_edge, rests), task.priority, mid_edge)
+                     self._query(task, fixed, mid_edge, rests), task.priority, mid_edge)
 
     def _wanted_by_others(self, name: str) -> FrozenSet[int]:
         """The destinations of all robots except one."""
         alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
         return frozenset(self._robots_to.keys() - alone)
 
-    def _errand(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
+    def _query(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
                 rests: Optional[FrozenSet[int]]) -> PathQuery:
         network = self._network
         ready = (fixed[-1].end if fixed else 0.0) + task.ready
