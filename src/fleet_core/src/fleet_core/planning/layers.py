@@ -34,11 +34,8 @@ def layered(seconds: float) -> Search:
 
 def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
                arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
-    targets, rests = query.destinations, query.rests
-    legs = len(targets)
-    best: Dict[Tuple[int, int, int], float] = {}
-    nodes: List[Tuple] = []
-    heap: List[Tuple[float, int, int]] = []
+    rests, legs = query.rests, len(query.destinations)
+    states = _States(query, slots, layer, latest)
     arrivals = arrivals or [(-1, 0.0, query.vertex, query.ready)]
     node, leg, served = -1, 0, query.ready
     steps = 0
@@ -46,6 +43,34 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
         steps += 1
         if steps % CHECKED == 0 and time_now() > deadline:
             return None
+        states.add(arrivals, node, leg, served)
+        if not states.heap:
+            return None
+        cost, _, node = heappop(states.heap)
+        vertex, now, leg, served, until, k = states.nodes[node][:6]
+        if leg == legs and (rests is None or (until == inf and vertex in rests)):
+            return cost, plan_from(states.nodes, node)
+        arrivals = _moves(query, slots, vertex, now, (k + 1) * layer, until)
+
+
+class _States:
+    """The states that a search has reached, and those from which it has not gone on yet.
+
+    nodes -- vertex, time, leg, last service, until when the vertex is free, layer, and the arrival
+    heap  -- cost, minus the layer, and number of the node
+    """
+
+    def __init__(self, query: PathQuery, slots: Slots, layer: float, latest: float) -> None:
+        self.nodes: List[Tuple] = []
+        self.heap: List[Tuple[float, int, int]] = []
+        self._query, self._slots, self._layer, self._latest = query, slots, layer, latest
+        self._best: Dict[Tuple[int, int, int], float] = {}
+
+    def add(self, arrivals: Sequence[Arrival], node: int, leg: int, served: float) -> None:
+        """Adds the states in which arrivals from a node end, if they may be the best."""
+        query, slots, layer, best = self._query, self._slots, self._layer, self._best
+        targets, to_go, stays = query.destinations, query.to_go, query.rests is None
+        legs = len(targets)
         for drive, begin, end, arrival in arrivals:
             until = _free_until(slots.busy(slots.drives + end), arrival)
             new_leg, new_served, leaves = leg, served, arrival
@@ -55,21 +80,19 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
             time = max(k * layer, leaves)
             if time > until:
                 continue
-            cost = _estimate(query, end, new_leg, new_served, time)
+            if new_leg < legs:
+                cost = time + to_go[new_leg][end]
+            elif stays:
+                cost = new_served
+            else:
+                cost = new_served + query.later * (time - new_served + to_go[new_leg][end])
             # After the horizon nothing changes, so that of all later layers only the first counts.
             key = (end, k if time <= slots.horizon else -1, new_leg)
-            if cost <= latest and cost < inf and cost < best.get(key, inf):
+            if cost <= self._latest and cost < inf and cost < best.get(key, inf):
                 best[key] = cost
-                heappush(heap, (cost, -k, len(nodes)))
-                nodes.append((end, time, new_leg, new_served, until, k,
-                              node, drive, begin, arrival))
-        if not heap:
-            return None
-        cost, _, node = heappop(heap)
-        vertex, now, leg, served, until, k = nodes[node][:6]
-        if leg == legs and (rests is None or (until == inf and vertex in rests)):
-            return cost, plan_from(nodes, node)
-        arrivals = _moves(query, slots, vertex, now, (k + 1) * layer, until)
+                heappush(self.heap, (cost, -k, len(self.nodes)))
+                self.nodes.append((end, time, new_leg, new_served, until, k,
+                                   node, drive, begin, arrival))
 
 
 def _serve(query: PathQuery, leg: int, served: float, arrival: float,
@@ -87,15 +110,6 @@ def _serve(query: PathQuery, leg: int, served: float, arrival: float,
         leaves = served = done
         leg += 1
     return leg, served, leaves
-
-
-def _estimate(query: PathQuery, vertex: int, leg: int, served: float, time: float) -> float:
-    """The lowest cost of an answer that leaves a vertex at this time."""
-    if leg < len(query.destinations):
-        return time + query.to_go[leg][vertex]
-    if query.rests is None:
-        return served
-    return served + query.later * (time - served + query.to_go[leg][vertex])
 
 
 def _moves(query: PathQuery, slots: Slots, vertex: int, now: float, next_layer: float,
