@@ -119,7 +119,7 @@ class Soak:
         while not self._over.wait(LOOK):
             first, second = self.simulators.places_twice()
             with self._lock:
-                self.witness.see(time.monotonic(), first, second)
+                self.witness.judge(time.monotonic(), first, second)
 
     def _send(self) -> None:
         while not self._ended.wait(0.3):

@@ -44,6 +44,7 @@ class Operation(Run):
         """The longest time in which no robot was driving, in s."""
         self._goals = goals
         self._draw = Random(seed)
+        self._next_id = 0
         self._missions: Dict[int, str] = {}
         """The robot of each open mission."""
         self._moved = 0.0

@@ -91,7 +91,7 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
         constraints = precedence(reservations, plans, dict.fromkeys(plans, AGV))
     except Conflicting:
         return None
-    bound = sum(agent.errand.lower_bound for agent in agents.values())
+    bound = sum(agent.query.lower_bound for agent in agents.values())
     plan = {'sum_of_costs': sum_of_costs(plans), 'makespan': makespan(plans), 'lower_bound': bound,
             'robots': {name: [{'edge': network.signed_id(d.drive), 'start': d.start, 'end': d.end}
                               for d in drives] for name, drives in plans.items()},

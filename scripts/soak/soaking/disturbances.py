@@ -254,7 +254,7 @@ class Disturbances:
         self._fleet.edges(EdgeCommand.OPEN, sorted(self._hall.graph.edges))
         self._fleet.call('/resume_fleet')
         with self._lock:
-            self._witness.go_on(self._names)
+            self._witness.release(self._names)
 
     def _out(self) -> None:
         name = self._chance.choice(self._names)
@@ -265,7 +265,7 @@ class Disturbances:
                     self._witness.stop([name], time.monotonic())
                 self._wait(self._chance.uniform(8.0, 12.0))
             with self._lock:
-                self._witness.go_on([name])
+                self._witness.release([name])
             self._held[name] -= 1
 
     def _closure(self) -> None:
@@ -365,7 +365,7 @@ class Disturbances:
 
     def _resume(self) -> None:
         with self._lock:
-            self._witness.go_on(self._names)
+            self._witness.release(self._names)
         while not self._fleet.call('/resume_fleet') and self._launch.is_running:
             time.sleep(0.5)
 

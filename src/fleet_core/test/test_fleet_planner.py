@@ -118,9 +118,9 @@ def test_who_got_a_way_when_it_made_room_for_another_is_not_planned_once_more():
     """Robot a finds no path. Then b finds one together with a, and both have a path."""
     calls = []
 
-    def search(errand, *others):
-        calls.append(errand)
-        return None if len(calls) <= 4 else find_path(errand, *others)
+    def search(query, *others):
+        calls.append(query)
+        return None if len(calls) <= 4 else find_path(query, *others)
 
     graph = ladder(5)
     planner = FleetPlanner(RoadNetwork(graph), 0.1, (AGV,), tuple(graph.vertices), search)
@@ -260,7 +260,7 @@ def test_cancelling_leaves_nothing_booked():
     planner = FleetPlanner(network, 0.1, [AGV])
     outcome = _plan(planner, Task('a', AGV, 1, destinations=(4,), stays=True))
     problem = Problem(table, [Task('a', AGV, 1)], ())
-    drives = [problem.with_rests(t, frozenset()).errand for t in problem.agents.values()]
+    drives = [problem.with_rests(t, frozenset()).query for t in problem.agents.values()]
     assert drives[0].vertex == network.index[1]
     planner.reservations.cancel('a')
     assert not any(planner.reservations.slots[AGV].bookings), outcome

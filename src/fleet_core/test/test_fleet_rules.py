@@ -14,7 +14,7 @@ from plan_replay import Stuck, replay
 from fleet_core.fleet import RobotType
 from fleet_core.geometry import exclusions
 from fleet_core.planning import outcomes, reservation_table
-from fleet_core.planning.agents import Errand
+from fleet_core.planning.agents import PathQuery
 from fleet_core.planning.blocking import Blocking
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.precedence import Conflicting, precedence
@@ -84,11 +84,11 @@ def _speeds_and_one_ways_are_forgotten(patch):
 
 
 def _destinations_are_served_in_any_order(patch):
-    begin = Errand.__init__
+    begin = PathQuery.__init__
 
     def sorted_errand(self, network, kind, vertex, origins, ready, destinations, *more):
         begin(self, network, kind, vertex, origins, ready, sorted(destinations), *more)
-    patch.setattr(Errand, '__init__', sorted_errand)
+    patch.setattr(PathQuery, '__init__', sorted_errand)
 
 
 @pytest.mark.parametrize('switch_off', [

@@ -239,9 +239,9 @@ def test_who_is_not_in_the_way_of_who_is_put_first_keeps_its_way():
     table = ReservationTable(RoadNetwork(graph), 0.1, [AGV])
     looked = []
 
-    def search(errand, *others):
-        looked.append(graph_id(errand.vertex))
-        return find_path(errand, *others)
+    def search(query, *others):
+        looked.append(graph_id(query.vertex))
+        return find_path(query, *others)
 
     def graph_id(vertex):
         return table.network.vertex_ids[vertex]

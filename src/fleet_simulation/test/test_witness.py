@@ -19,15 +19,15 @@ def witness() -> Witness:
     return Witness({'a': 0.4, 'b': 0.4}, 0.1, VERTICES, GRACE)
 
 
-def look(witness: Witness, now: float, a: Tuple[float, float],
-         b: Tuple[float, float] = FAR) -> None:
+def judge(witness: Witness, now: float, a: Tuple[float, float],
+          b: Tuple[float, float] = FAR) -> None:
     places: Dict[str, Tuple[float, float]] = {'a': a, 'b': b}
-    witness.see(now, places, places)
+    witness.judge(now, places, places)
 
 
 def drive(witness: Witness, *places: Tuple[float, float], since: float = 0.0) -> None:
     for count, place in enumerate(places):
-        look(witness, since + 0.1 * count, place)
+        judge(witness, since + 0.1 * count, place)
 
 
 def is_told(witness: Witness, state: State, robot: str = 'a', reached: int = 0) -> None:
@@ -36,25 +36,25 @@ def is_told(witness: Witness, state: State, robot: str = 'a', reached: int = 0) 
 
 def test_it_names_two_robots_that_are_too_near_once(witness: Witness) -> None:
     for now in (0.0, 0.1):
-        look(witness, now, (0.0, 0.0), (0.8, 0.0))
+        judge(witness, now, (0.0, 0.0), (0.8, 0.0))
     assert len(witness.broken) == 1
     assert 'a and b are too near by 0.10 m' in witness.broken[0]
 
 
 def test_robots_are_too_near_in_both_looks_or_not_at_all(witness: Witness) -> None:
-    witness.see(0.0, {'a': (0.0, 0.0), 'b': (0.8, 0.0)}, {'a': (0.0, 0.0), 'b': (1.0, 0.0)})
+    witness.judge(0.0, {'a': (0.0, 0.0), 'b': (0.8, 0.0)}, {'a': (0.0, 0.0), 'b': (1.0, 0.0)})
     assert witness.broken == []
 
 
 def test_distances_of_a_carried_robot_count_again_once_it_is_back_and_clear(
         witness: Witness) -> None:
     witness.carry('a', 0.0)
-    look(witness, 0.0, (0.0, 0.0), (0.5, 0.0))
+    judge(witness, 0.0, (0.0, 0.0), (0.5, 0.0))
     witness.bring_back('a')
-    look(witness, 0.1, (0.0, 0.0), (0.5, 0.0))
+    judge(witness, 0.1, (0.0, 0.0), (0.5, 0.0))
     assert witness.broken == []
-    look(witness, 0.2, (0.0, 0.0), (2.0, 0.0))
-    look(witness, 0.3, (0.0, 0.0), (0.5, 0.0))
+    judge(witness, 0.2, (0.0, 0.0), (2.0, 0.0))
+    judge(witness, 0.3, (0.0, 0.0), (0.5, 0.0))
     assert len(witness.broken) == 1
 
 
@@ -63,7 +63,7 @@ def test_a_mission_may_fail_by_a_robot_that_a_person_moves_near_to_its_own(
     witness.ask(7, [1], 0.0)
     is_told(witness, State.ACTIVE)
     witness.carry('b', 0.5)
-    look(witness, 1.0, (0.0, 0.0), (1.2, 0.0))
+    judge(witness, 1.0, (0.0, 0.0), (1.2, 0.0))
     is_told(witness, State.FAILED)
     assert witness.broken == []
 
@@ -85,51 +85,51 @@ def test_a_mission_may_not_fail_by_a_carried_robot_that_is_far(witness: Witness)
     witness.ask(7, [1], 0.0)
     is_told(witness, State.ACTIVE)
     witness.carry('b', 0.5)
-    look(witness, 1.0, (0.0, 0.0), (3.0, 0.0))
+    judge(witness, 1.0, (0.0, 0.0), (3.0, 0.0))
     is_told(witness, State.FAILED)
     assert len(witness.broken) == 1
 
 
 def test_a_stopped_robot_may_be_carried_and_must_rest_afterwards(witness: Witness) -> None:
     witness.stop(['a'], 0.0)
-    look(witness, 3.0, (1.0, 0.0))
+    judge(witness, 3.0, (1.0, 0.0))
     witness.carry('a', 3.1)
-    look(witness, 4.0, (5.0, 0.0))
+    judge(witness, 4.0, (5.0, 0.0))
     witness.bring_back('a')
-    look(witness, 4.1, (5.0, 0.0))
-    look(witness, 4.2, (5.0, 0.0))
+    judge(witness, 4.1, (5.0, 0.0))
+    judge(witness, 4.2, (5.0, 0.0))
     assert witness.broken == []
-    look(witness, 5.0, (6.0, 0.0))
+    judge(witness, 5.0, (6.0, 0.0))
     assert 'a drives 5.0 s after it was stopped' in witness.broken[0]
 
 
 def test_a_stopped_robot_may_come_to_rest_and_not_drive_on(witness: Witness) -> None:
     witness.stop(['a'], 0.0)
-    look(witness, 1.0, (1.0, 0.0))
-    look(witness, 2.1, (2.0, 0.0))
+    judge(witness, 1.0, (1.0, 0.0))
+    judge(witness, 2.1, (2.0, 0.0))
     assert witness.broken == []
-    look(witness, 3.0, (2.5, 0.0))
+    judge(witness, 3.0, (2.5, 0.0))
     assert 'a drives 3.0 s after it was stopped' in witness.broken[0]
 
 
 def test_a_robot_that_was_let_go_may_drive(witness: Witness) -> None:
     witness.stop(['a'], 0.0)
-    look(witness, 2.1, (2.0, 0.0))
-    witness.go_on(['a'])
-    look(witness, 9.0, (3.0, 0.0))
+    judge(witness, 2.1, (2.0, 0.0))
+    witness.release(['a'])
+    judge(witness, 9.0, (3.0, 0.0))
     assert witness.broken == []
 
 
 def test_a_stop_counts_once_the_robot_can_be_reached(witness: Witness) -> None:
     witness.cut(['a'])
     witness.stop(['a'], 0.0)
-    look(witness, 5.0, (2.0, 0.0))
-    look(witness, 6.0, (3.0, 0.0))
+    judge(witness, 5.0, (2.0, 0.0))
+    judge(witness, 6.0, (3.0, 0.0))
     witness.mend(['a'], 6.0)
-    look(witness, 7.0, (4.0, 0.0))
+    judge(witness, 7.0, (4.0, 0.0))
     assert witness.broken == []
-    look(witness, 8.1, (5.0, 0.0))
-    look(witness, 8.2, (5.5, 0.0))
+    judge(witness, 8.1, (5.0, 0.0))
+    judge(witness, 8.2, (5.5, 0.0))
     assert len(witness.broken) == 1
 
 
@@ -154,7 +154,7 @@ def test_a_success_without_the_visits_is_named(witness: Witness, destinations: S
 
 def test_an_end_is_told_again_and_no_other_end(witness: Witness) -> None:
     witness.ask(7, [1], 0.0)
-    look(witness, 0.0, (0.0, 0.0))
+    judge(witness, 0.0, (0.0, 0.0))
     for _ in range(2):
         is_told(witness, State.SUCCEEDED)
     assert witness.broken == []

@@ -84,7 +84,7 @@ def test_a_replaced_word_is_no_identifier(word):
 # -- class names -----------------------------------------------------------------------------------
 
 AMBIGUOUS = set(re.findall(r'\w+', """
-Change Command Content Entry Errand Listener Location Outcome Place Plan Robot Role Site
+Change Command Content Entry Listener Location Outcome Place Plan Robot Role Site
 """))
 """Class names that still stand for two or more things. Rename one of them instead of adding here.
 """

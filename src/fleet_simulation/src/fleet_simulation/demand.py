@@ -3,11 +3,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from random import Random
-from typing import Iterator, List, Tuple, Union
+from typing import Dict, Iterator, List, Sequence, Tuple, Union
 
 from fleet_core.supervision.missions import Request
 
 HOUR = 3600.0
+_FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 
 @dataclass(frozen=True)
@@ -120,3 +121,39 @@ class Demand:
                 Request(id, what.destinations, priority=what.priority, stamp=at,
                         dwells=(what.stay,) * len(what.destinations) if what.stay else ())
                 for id, (at, _, what) in enumerate(sorted(drawn, key=lambda d: d[:2]), 1)]
+
+
+class RequestSource:
+    """The requests of one run: drawn ones at their times, and those that keep saturated flows open.
+
+    drawn  -- requests, sorted by time
+    random -- draws the missions of saturated flows
+    """
+
+    def __init__(self, demand: Demand, drawn: Sequence[Request], random: Random) -> None:
+        self._demand, self._random = demand, random
+        self._ready = list(reversed(drawn))
+        self._next_id = _FIRST_SATURATED
+        self._saturating: Dict[int, int] = {}
+        """By mission id: the number of the saturated flow that requested it."""
+
+    def due(self, now: float, robots: int, step: float) -> Iterator[Request]:
+        """Yields the requests that are due now.
+
+        robots -- the size of the fleet
+        step   -- virtual s after which a request that is made now arrives
+        """
+        while self._ready and self._ready[-1].stamp <= now:
+            yield self._ready.pop()
+        for number, flow in enumerate(self._demand.saturated):
+            assert isinstance(flow.arrivals, Saturated)
+            wanted = max(1, round(flow.arrivals.open * robots))
+            while sum(one == number for one in self._saturating.values()) < wanted:
+                self._saturating[self._next_id] = number
+                request = flow.draw(self._random, self._next_id, now + step)
+                self._next_id += 1
+                yield request
+
+    def ended(self, id: int) -> None:
+        """Is to be called when a mission has ended; a saturated flow then requests another one."""
+        self._saturating.pop(id, None)

@@ -85,7 +85,6 @@ class DrivenRobot:
                                   kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
         self.travelled = 0.0
         self._mechanics, self._delays, self._random = mechanics, delays, random
-        self._refusals: List[RouteRefusal] = []
         self._edge: Tuple[Optional[int], int] = (None, -1)
 
     @property
@@ -146,7 +145,7 @@ class DrivenRobot:
 
     def late_refusals(self) -> List[RouteRefusal]:
         """Returns the refusals since the last call."""
-        return [message for message in self.vehicle.take_messages()
+        return [message for message in self.vehicle.new_messages()
                 if isinstance(message, RouteRefusal)]
 
     def told(self, stamp: int) -> RouteReport:

@@ -33,6 +33,8 @@ class WaitingCause(Enum):
 class Figures:
     """The figures of one run. Times are virtual s, except `planning` and `spent`.
 
+    It is the record from which the report is made, with a field for each of its figures.
+
     seconds        -- measured time, after the warm-up
     requested      -- missions that were requested in this time; `succeeded` likewise
     open_at_end    -- missions that are still open when the run ends

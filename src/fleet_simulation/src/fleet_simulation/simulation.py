@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 from random import Random
-from typing import Dict, List, Set
+from typing import Dict, Set
 
 from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
-from fleet_simulation.demand import HOUR, Saturated
+from fleet_simulation.demand import HOUR, RequestSource
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Figures, Use, WaitingCause
 from fleet_simulation.site import OrderPolicy, StudiedSite
@@ -16,11 +16,10 @@ from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
-_LOOK = 10          # steps between two samples of what the robots do
+_SAMPLE = 10        # steps between two samples of what the robots do
 _BATTERY = 100      # steps between two battery reports
 _REPLANNING = 50    # steps between two complete new plans, with OrderPolicy.REPLANNING
 _CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
-_FIRST_SATURATED = 1_000_000  # id of the first mission of a saturated flow
 
 
 def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures:
@@ -44,15 +43,11 @@ class Run:
             switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY)
         self.world.planner.rounds = site.rounds
         self.figures = Figures(robots, seed)
-        self._seed = seed
         self._warm_up = 0.0
         self._steps = 0
-        self._next_id = _FIRST_SATURATED
+        self._requests = RequestSource(site.demand, [], self._random)
         self._requested: Dict[int, float] = {}
-        self._saturating: Dict[int, int] = {}
-        """By mission id: the number of the saturated flow that requested it."""
         self._begun: Set[int] = set()
-        self._ready: List[Request] = []
         self.world.watcher = self
 
     def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
@@ -65,9 +60,10 @@ class Run:
         """Simulates the given number of virtual hours; returns the figures."""
         world, figures, end = self.world, self.figures, hours * HOUR
         self._warm_up = min(WARM_UP, 0.1 * end)
-        self._ready = self._site.demand.draw(self._seed, hours)[::-1]
+        demand = self._site.demand
+        self._requests = RequestSource(demand, demand.draw(figures.seed, hours), self._random)
         try:
-            self._tell_batteries()
+            self._report_batteries()
             while world.now < end - STEP / 2:
                 self._request()
                 world.step()
@@ -84,16 +80,8 @@ class Run:
     # -- demand -----------------------------------------------------------------------------------
 
     def _request(self) -> None:
-        world = self.world
-        while self._ready and self._ready[-1].stamp <= world.now:
-            self._ask(self._ready.pop())
-        for number, flow in enumerate(self._site.demand.saturated):
-            assert isinstance(flow.arrivals, Saturated)
-            wanted = max(1, round(flow.arrivals.open * len(world.agvs)))
-            while sum(one == number for one in self._saturating.values()) < wanted:
-                self._saturating[self._next_id] = number
-                self._ask(flow.draw(self._random, self._next_id, world.now + STEP))
-                self._next_id += 1
+        for request in self._requests.due(self.world.now, len(self.world.agvs), STEP):
+            self._ask(request)
 
     def _ask(self, request: Request) -> None:
         self._requested[request.id] = self.world.now
@@ -128,7 +116,7 @@ class Run:
                 figures.failures[why] = figures.failures.get(why, 0) + 1
             del self._requested[id]
             self._begun.discard(id)
-            self._saturating.pop(id, None)
+            self._requests.ended(id)
 
     def stepped(self) -> None:
         """Does what is due after one time step: new plans, battery reports, samples."""
@@ -136,16 +124,16 @@ class Run:
         if self._site.order is OrderPolicy.REPLANNING and self._steps % _REPLANNING == 0:
             self.world.supervisor.plan_executor.plan_anew()
         if self._steps % _BATTERY == 0:
-            self._tell_batteries()
-        if self._steps % _LOOK == 0 and self.world.now >= self._warm_up:
-            self._look()
+            self._report_batteries()
+        if self._steps % _SAMPLE == 0 and self.world.now >= self._warm_up:
+            self._sample()
 
-    def _tell_batteries(self) -> None:
+    def _report_batteries(self) -> None:
         for name, robot in self.world.agvs.items():
             self.world.do(self.world.supervisor.battery(name, robot.charge, self.world.now))
 
-    def _look(self) -> None:
-        seconds, figures = _LOOK * STEP, self.figures
+    def _sample(self) -> None:
+        seconds, figures = _SAMPLE * STEP, self.figures
         docks = parked = 0
         for name, body in self.world.agvs.items():
             robot = self.world.supervisor.robots[name]

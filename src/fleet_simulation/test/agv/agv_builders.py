@@ -65,7 +65,7 @@ class Conversation:
         return self.refusals[-1].reason.text if self.refusals else None
 
     def _listen(self) -> None:
-        for message in self.vehicle.take_messages():
+        for message in self.vehicle.new_messages():
             if isinstance(message, RouteReport):
                 self.reports.append(message)
             else:

@@ -78,7 +78,7 @@ class ObedientAgv(RuleBasedStateMachine):
             assert self.vehicle.report().epoch != before.epoch, (
                 'each stop without a number ends what is on its way')
         elif (self.order.route_id, self.order.edges) == (before.route_id, before.edges):
-            assert self.vehicle.take_messages() == []
+            assert self.vehicle.new_messages() == []
         self._listen()
 
     # --- events
@@ -147,7 +147,7 @@ class ObedientAgv(RuleBasedStateMachine):
         running, waited = self.vehicle.running, self.vehicle._intake.waiting
         self.order = RouteOrder(route_id, edges)
         self.vehicle.handle(self.order)
-        messages = self.vehicle.take_messages()
+        messages = self.vehicle.new_messages()
         after = self.vehicle.report()
         refusals = [message for message in messages if not isinstance(message, RouteReport)]
         if (route_id, edges) == (before.route_id, before.edges):
@@ -174,7 +174,7 @@ class ObedientAgv(RuleBasedStateMachine):
         self.last = after
 
     def _listen(self) -> None:
-        for message in self.vehicle.take_messages():
+        for message in self.vehicle.new_messages():
             if isinstance(message, RouteReport) and message.route_id != self.last.route_id:
                 self.last = message
         self.last = self.vehicle.report()

@@ -160,7 +160,7 @@ def test_an_order_that_came_late_is_left_out() -> None:
 def test_an_order_from_a_clock_that_is_ahead_is_refused() -> None:
     agv = vehicle_at(1)
     agv.handle(RouteOrder(1, (1,), stamp=5_000_000_000, received=1_000_000_000))
-    assert 'synchronise the clocks' in agv.take_messages()[0].reason.text
+    assert 'synchronise the clocks' in agv.new_messages()[0].reason.text
 
 
 def test_a_failed_route_cannot_be_changed_but_another_one_goes_on_from_there() -> None:

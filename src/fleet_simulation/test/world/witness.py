@@ -102,7 +102,7 @@ class Witness:
         for name in names:
             self._stopped.setdefault(name, now)
 
-    def go_on(self, names: Iterable[str]) -> None:
+    def release(self, names: Iterable[str]) -> None:
         """The stop of these robots is released."""
         for name in names:
             self._stopped.pop(name, None)
@@ -138,7 +138,7 @@ class Witness:
 
     # -- observations ------------------------------------------------------------------------------
 
-    def see(self, now: float, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
+    def judge(self, now: float, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
         """Judges the positions of all robots, sampled twice in a row.
 
         Each simulator samples its robots at one moment, but different simulators at slightly

@@ -87,14 +87,7 @@ def _for_marks(text: str) -> str:
 def _list_edits(text: str, root: yaml.MappingNode, key: str, fields: Callable[[Element], Fields],
                 old: Mapping[int, Element], new: Mapping[int, Element]) -> List[Edit]:
     name, node = next(pair for pair in root.value if pair[0].value == key)
-    edits: List[Edit] = []
-    for record in node.value:
-        id = _id_of(record)
-        if id not in new:
-            edits.append((*_lines_of(text, record), ''))
-        elif old[id] != new[id]:
-            edits += _record_edits(text, record, _values(fields(old[id]), old[id]),
-                                   _values(fields(new[id]), new[id]))
+    edits, staying = _known_edits(text, node, fields, old, new)
     added = [fields(element) for id, element in new.items() if id not in old]
     if not edits and not added:
         return []
@@ -104,9 +97,26 @@ def _list_edits(text: str, root: yaml.MappingNode, key: str, fields: Callable[[E
         behind_colon = text.index(':', _end_of(name)) + 1
         return [*edits, (behind_colon, behind_colon, ' []')]
     if added:
-        staying = [record for record in node.value if _id_of(record) in new]
         edits.append(_new_records(text, (staying or node.value)[-1], added))
     return edits
+
+
+def _known_edits(text: str, node: yaml.SequenceNode, fields: Callable[[Element], Fields],
+                 old: Mapping[int, Element], new: Mapping[int, Element],
+                 ) -> Tuple[List[Edit], List[yaml.MappingNode]]:
+    """Returns the edits of the records that the file has, and the records that stay in it."""
+    edits: List[Edit] = []
+    staying: List[yaml.MappingNode] = []
+    for record in node.value:
+        id = _id_of(record)
+        if id not in new:
+            edits.append((*_lines_of(text, record), ''))
+            continue
+        staying.append(record)
+        if old[id] != new[id]:
+            edits += _record_edits(text, record, _values(fields(old[id]), old[id]),
+                                   _values(fields(new[id]), new[id]))
+    return edits, staying
 
 
 def _new_records(text: str, like: yaml.MappingNode, added: Sequence[Fields]) -> Edit:

@@ -15,7 +15,7 @@ LATER = 1e-4
 """Weight of a second on the way to parking; a second on the way to the destinations weighs 1."""
 
 
-class Errand:
+class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
     The searches read each attribute in their inner loops, so nothing is derived there.
@@ -28,7 +28,7 @@ class Errand:
     dwells       -- s to stay at each destination
     rests        -- vertices at which it may end for ever; None: at the last destination
     later        -- weight of the seconds after the last destination
-    common       -- rests that it shares with other errands
+    common       -- rests that it shares with other queries
     """
 
     def __init__(self, network: RoadNetwork, kind: RobotType, vertex: int,
@@ -84,7 +84,7 @@ class Errand:
         return arrival, leg
 
     def cost(self, plan: Sequence[Drive]) -> float:
-        """Cost of a plan that serves the errand; infinite: the plan does not serve it."""
+        """Cost of a plan that answers the query; infinite: the plan does not answer it."""
         vertex = self.vertex
         now, leg = self.served_at(vertex, 0, self.ready)
         served = now
@@ -112,7 +112,7 @@ class Agent(NamedTuple):
     """Where it stands before it drives anything; unused if `fixed` begins within a drive."""
     fixed: Tuple[Drive, ...]
     """The drives, with times, that belong to each possible plan."""
-    errand: Errand
+    query: PathQuery
     priority: int = 0
     mid_edge: Optional[MidEdgePosition] = None
     """Where it stands between two vertices, if it does. Then nothing is fixed."""

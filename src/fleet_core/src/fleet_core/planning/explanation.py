@@ -32,11 +32,11 @@ _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Why a robot cannot serve its errand even without traffic: what is unreachable from where."""
-    seconds_to, origin = agent.errand.seconds_to, _where(network, agent)
-    starts: Sequence[int] = ((agent.errand.vertex,) if agent.mid_edge is None else
+    """Why a query has no answer even without traffic: what is unreachable from where."""
+    seconds_to, origin = agent.query.seconds_to, _where(network, agent)
+    starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
-    for destination in agent.errand.destinations:
+    for destination in agent.query.destinations:
         path = network.paths_to(agent.kind, (destination,))[0]
         if seconds_to(path) == inf:
             return (f'vertex {network.vertex_ids[destination]} cannot be reached from '
@@ -89,7 +89,7 @@ def _entry(vertex: int, path: np.ndarray) -> float:
 def _where(network: RoadNetwork, agent: Agent) -> str:
     if agent.mid_edge is not None:
         return edge_name(network.graph, abs(network.signed_id(agent.mid_edge.drive)))
-    return vertex_name(network.graph, network.vertex_ids[agent.errand.vertex])
+    return vertex_name(network.graph, network.vertex_ids[agent.query.vertex])
 
 
 def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) -> List[str]:
@@ -109,7 +109,7 @@ def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) ->
             if end == inf:
                 found[robot] = None
     if agent.mid_edge is None:
-        for _, _, robot in slots.bookings[slots.drives + agent.errand.vertex]:
+        for _, _, robot in slots.bookings[slots.drives + agent.query.vertex]:
             found[robot] = None
     else:
         for robot, _ in reservations.passing(agent.kind, agent.mid_edge):
@@ -124,7 +124,7 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
     """
     network = reservations.network
     others = in_the_way(reservations, agent, deadline) if time.monotonic() < deadline else []
-    destinations = agent.errand.destinations
+    destinations = agent.query.destinations
     goal = (f'vertex {network.vertex_ids[destinations[-1]]}' if destinations else 'parking')
     if not others:
         return f'no path to {goal} was found in the given time'
@@ -152,12 +152,12 @@ def _fewest_blocked(reservations: ReservationTable,
     The path ends early if it cannot be continued. If the robot stands between two vertices, the
     path begins at the next vertex. The second value has the robots that stand before that vertex.
     """
-    errand = agent.errand
+    query = agent.query
     drives: List[int] = []
-    goals: List[FrozenSet[int]] = [frozenset((d,)) for d in errand.destinations]
-    if errand.rests:
-        goals.append(errand.rests)
-    starts: Dict[int, float] = {errand.vertex: 0.0}
+    goals: List[FrozenSet[int]] = [frozenset((d,)) for d in query.destinations]
+    if query.rests:
+        goals.append(query.rests)
+    starts: Dict[int, float] = {query.vertex: 0.0}
     standing: Dict[int, Dict[str, None]] = {}
     if agent.mid_edge is not None:
         starts, standing = _exits(reservations, agent, agent.mid_edge)
@@ -214,7 +214,7 @@ def _shortest(reservations: ReservationTable, agent: Agent, starts: Mapping[int,
                 vertex, drive = came[vertex]
                 drives.append(drive)
             return _Leg(vertex, drives[::-1], end)
-        for drive, further, seconds in agent.errand.roads[end]:
+        for drive, further, seconds in agent.query.roads[end]:
             standing = {robot for _, over, robot in bookings[drive] if over == inf}
             new = cost + seconds + _BESIDE_ONE * len(standing)
             if new < best.get(further, inf):

@@ -45,7 +45,7 @@ def _drop_passing(kept: Dict[str, Sequence[PlannedDrive]], reservations: Reserva
 def _can_be_driven(reservations: ReservationTable, agent: Agent,
                    kept: Sequence[PlannedDrive]) -> bool:
     """Does a plan lead on from its robot's place, over open edges, past all that is booked?"""
-    network, vertex = reservations.network, agent.errand.vertex
+    network, vertex = reservations.network, agent.query.vertex
     slots, times = reservations.slots[agent.kind], network.times(agent.kind)
     for edge, _, _ in kept:
         if abs(edge) not in network.edge_index:
@@ -69,6 +69,6 @@ def _passes(reservations: ReservationTable, owner: Agent, kept: Sequence[Planned
     if stranger.mid_edge is not None:
         blocked = reservations.at_point(stranger.kind, owner.kind, stranger.mid_edge)
     else:
-        blocked = blocking.wait(stranger.errand.vertex)
+        blocked = blocking.wait(stranger.query.vertex)
     slots = {slot for slot, _ in blocked}
     return any(reservations.network.drive(drive.edge) in slots for drive in kept)

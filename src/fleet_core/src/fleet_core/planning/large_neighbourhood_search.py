@@ -52,7 +52,7 @@ class LargeNeighbourhoodSearch:
 
     def delay(self, name: str) -> float:
         """Cost of the booked path minus the cost of the robot without traffic."""
-        return self._now[name].cost - self._all[name].errand.lower_bound
+        return self._now[name].cost - self._all[name].query.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
         """Improves until the deadline (monotonic s), for `rounds`, or until no gain is left."""
@@ -80,16 +80,16 @@ class LargeNeighbourhoodSearch:
         enough = before * (1.0 - _CLOSE) + more
         taken = self._tea_star.reservations.take_out(names)
         for agent in group:
-            if agent.fixed or agent.mid_edge or agent.errand.ready > 0.0:
+            if agent.fixed or agent.mid_edge or agent.query.ready > 0.0:
                 self._tea_star.book_fixed(agent)
         if group[0].priority == group[-1].priority and self._random.random() < _GUESTS:
             guest = group.pop(0)
             self._book_guest(guest, deadline)
             group.append(guest)
-        least = sum(t.errand.lower_bound for t in group)
+        least = sum(t.query.lower_bound for t in group)
         spent, found = 0.0, {}
         for agent in group:
-            least -= agent.errand.lower_bound
+            least -= agent.query.lower_bound
             self._tea_star.forget((agent,))
             path = self._tea_star.path_of(agent, deadline, enough - spent - least)
             if path is None or time.monotonic() >= deadline:
@@ -140,21 +140,21 @@ class LargeNeighbourhoodSearch:
 
     def _met_by(self, agent: Agent) -> List[str]:
         """Robots in the way of one that takes the shortest path from some point of its plan on."""
-        errand = agent.errand
-        if not errand.destinations:
+        query = agent.query
+        if not query.destinations:
             return []
         slots = self._tea_star.reservations.slots[agent.kind]
-        to_go = errand.to_go[len(errand.destinations) - 1]
+        to_go = query.to_go[len(query.destinations) - 1]
         plan = self.paths[agent.name].plan
         start = self._random.randint(1 if agent.mid_edge else 0, len(plan)) if plan else 0
-        vertex, now = errand.vertex, errand.ready
+        vertex, now = query.vertex, query.ready
         if start:
             last = plan[start - 1]
             vertex = self._tea_star.reservations.network.destination(last.drive)
             now = last.end
         met: Dict[str, None] = {}
         while to_go[vertex] > 0.0 and len(met) < _LARGEST:
-            roads = errand.roads[vertex]
+            roads = query.roads[vertex]
             if not roads:
                 break
             cost, drive, end, seconds = min(

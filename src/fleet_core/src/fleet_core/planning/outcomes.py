@@ -26,10 +26,10 @@ def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
     whole = {name: agents[name].whole(plan) for name, plan in plans.items()}
     constraints = precedence(reservations, whole, {name: t.kind for name, t in agents.items()},
                              {name: len(t.fixed) for name, t in agents.items()})
-    errands = {name: agents[name].errand for name in served}
+    queries = {name: agents[name].query for name in served}
     return Outcome(
         {name: tuple([PlannedDrive(ids[drive], start, end) for drive, start, end, _ in plan])
          for name, plan in whole.items()},
         tuple(constraints), dict(unserved),
-        sum(errand.cost(plans[name]) for name, errand in errands.items()),
-        sum(errand.lower_bound for errand in errands.values()), rounds)
+        sum(query.cost(plans[name]) for name, query in queries.items()),
+        sum(query.lower_bound for query in queries.values()), rounds)

@@ -38,9 +38,9 @@ class PibtAgent:
 
     def __init__(self, agent: Agent, rest: Optional[int], vertices: int, vertex: int,
                  estimates: Sequence[Sequence[float]], roads: Roads) -> None:
-        errand = agent.errand
+        query = agent.query
         self.name, self.kind = agent.name, agent.kind
-        self.targets = (*errand.destinations, *(() if rest is None else (rest,)))
+        self.targets = (*query.destinations, *(() if rest is None else (rest,)))
         self._vertices = vertices
         self._estimates = estimates
         self.roads = roads
@@ -118,12 +118,12 @@ class Pibt:
 
     def _agent(self, robot: int, agent: Agent, rest: Optional[int]) -> PibtAgent:
         network = self._reservations.network
-        targets = (*agent.errand.destinations, *(() if rest is None else (rest,)))
+        targets = (*agent.query.destinations, *(() if rest is None else (rest,)))
         estimates = [network.estimates(agent.kind, target) for target in targets]
         roads, vertices = self._free_roads(agent), self._first_edge
         if not self._mid_edge:
-            return PibtAgent(agent, rest, vertices, agent.errand.vertex, estimates, roads)
-        own, vertex = vertices + robot, agent.errand.vertex
+            return PibtAgent(agent, rest, vertices, agent.query.vertex, estimates, roads)
+        own, vertex = vertices + robot, agent.query.vertex
         if agent.mid_edge is not None:
             vertex = own
             exits = [exit for exit in agent.mid_edge.exits(network, agent.kind)
@@ -135,7 +135,7 @@ class Pibt:
 
     def _free_roads(self, agent: Agent) -> Roads:
         """The roads of an agent that do not lead past a robot that stands for ever."""
-        roads = agent.errand.roads
+        roads = agent.query.roads
         key = agent.kind, id(roads)
         if key not in self._open:
             bookings = self._reservations.slots[agent.kind].bookings
@@ -319,17 +319,17 @@ def choose_rests(reservations: ReservationTable,
     rest.
     """
     taken: List[Tuple[RobotType, int]] = [
-        (t.kind, t.errand.destinations[-1]) for t in agents if t.errand.rests is None]
+        (t.kind, t.query.destinations[-1]) for t in agents if t.query.rests is None]
     found: Dict[str, Optional[int]] = {}
-    for agent in sorted(agents, key=lambda t: len(t.errand.destinations)):
-        errand = agent.errand
-        if errand.rests is None:
+    for agent in sorted(agents, key=lambda t: len(t.query.destinations)):
+        query = agent.query
+        if query.rests is None:
             found[agent.name] = None
             continue
-        paths = reservations.network.paths_to(agent.kind, sorted(errand.rests))
-        seconds = [float(path[errand.destinations[-1]]) if errand.destinations
-                   else errand.seconds_to(path) for path in paths]
-        for _, rest in sorted(zip(seconds, sorted(errand.rests))):
+        paths = reservations.network.paths_to(agent.kind, sorted(query.rests))
+        seconds = [float(path[query.destinations[-1]]) if query.destinations
+                   else query.seconds_to(path) for path in paths]
+        for _, rest in sorted(zip(seconds, sorted(query.rests))):
             slots = reservations.slots[agent.kind]
             if not slots.bookings[slots.drives + rest] and not any(
                     reservations.blocking[agent.kind, kind].excludes(rest, vertex)

@@ -106,7 +106,7 @@ class PlanningPipeline:
         order = by_length(agents)
         if self._shuffles:
             self._random.shuffle(order)
-            order.sort(key=lambda t: (-t.priority, not t.errand.destinations))
+            order.sort(key=lambda t: (-t.priority, not t.query.destinations))
         return order
 
     # -- present plans ----------------------------------------------------------------------------
@@ -125,7 +125,7 @@ class PlanningPipeline:
     def _give_up_what_is_out_of_reach(self) -> None:
         """A robot that cannot reach its destination even without traffic is only parked."""
         for agent in self._mobile():
-            if agent.errand.lower_bound == inf:
+            if agent.query.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
                 self._agents[agent.name] = self._problem.without_destinations(agent)
 
@@ -135,7 +135,7 @@ class PlanningPipeline:
         self._old = kept_plans(self._reservations, self._problem.tasks, mobile)
         for name, plan in self._old.items():
             self._tea_star.book(mobile[name], Path(0.0, plan))
-            cost = mobile[name].errand.cost(plan)
+            cost = mobile[name].query.cost(plan)
             if cost < inf:
                 self._paths[name] = Path(cost, plan)
 
@@ -204,9 +204,9 @@ class PlanningPipeline:
 
     def _making_room(self, other: Agent, agent: Agent) -> Agent:
         """A robot in the way, which must end where it leaves the other's destinations free."""
-        if other.errand.rests is None:
+        if other.query.rests is None:
             return other
-        near = {vertex for destination in agent.errand.destinations
+        near = {vertex for destination in agent.query.destinations
                 for vertex in self._reservations.blocking[agent.kind, other.kind].excluded(
                     destination)}
         rests = self._problem.rests(other.kind) - near
@@ -283,7 +283,7 @@ class PlanningPipeline:
             return None
         agents = {t.name: t for t in order}
         plans = schedule(self._reservations, agents, moves)
-        paths = {name: Path(agents[name].errand.cost(plan), plan)
+        paths = {name: Path(agents[name].query.cost(plan), plan)
                  for name, plan in plans.items()}
         for name, path in paths.items():
             self._tea_star.book(agents[name], path)
@@ -311,7 +311,7 @@ class PlanningPipeline:
         if agent.mid_edge is not None:
             return {robot for robot, _ in self._reservations.passing(agent.kind, agent.mid_edge)}
         slots = self._reservations.slots[agent.kind]
-        return {robot for _, _, robot in slots.bookings[slots.drives + agent.errand.vertex]}
+        return {robot for _, _, robot in slots.bookings[slots.drives + agent.query.vertex]}
 
     # -- bookings ---------------------------------------------------------------------------------
 
@@ -337,4 +337,4 @@ class PlanningPipeline:
 
 def _can_rest_elsewhere(agent: Agent) -> bool:
     """Has the robot a destination at which it need not stay?"""
-    return bool(agent.errand.destinations) and agent.errand.rests is not None
+    return bool(agent.query.destinations) and agent.query.rests is not None

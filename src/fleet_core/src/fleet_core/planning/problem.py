@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequen
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.exclusions import ROUNDING
-from fleet_core.planning.agents import LATER, Agent, Errand
+from fleet_core.planning.agents import LATER, Agent, PathQuery
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
@@ -52,16 +52,16 @@ class Problem:
     def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
         """The same agent, allowed to end at `rests`."""
         task = self.tasks[agent.name]
-        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+        return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
                                                   rests))
 
     def without_destinations(self, agent: Agent) -> Agent:
         """The same agent without destinations, so that it is only parked."""
         task = replace(self.tasks[agent.name], destinations=(), dwells=())
-        rests = agent.errand.rests
+        rests = agent.query.rests
         if rests is None:
             rests = frozenset(range(self._network.vertices)) - self._network.docks
-        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+        return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
                                                   rests))
 
     def _agent(self, task: Task) -> Agent:
@@ -79,15 +79,15 @@ class Problem:
         elif fixed:
             start = self._network.origin[fixed[0].drive]
         return Agent(task.name, task.type, start, fixed,
-                     self._errand(task, fixed, mid_edge, rests), task.priority, mid_edge)
+                     self._query(task, fixed, mid_edge, rests), task.priority, mid_edge)
 
     def _wanted_by_others(self, name: str) -> FrozenSet[int]:
         """The destinations of all robots except one."""
         alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
         return frozenset(self._robots_to.keys() - alone)
 
-    def _errand(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
-                rests: Optional[FrozenSet[int]]) -> Errand:
+    def _query(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
+                rests: Optional[FrozenSet[int]]) -> PathQuery:
         network = self._network
         ready = (fixed[-1].end if fixed else 0.0) + task.ready
         vertex = -1
@@ -101,9 +101,9 @@ class Problem:
                       else network.index[task.vertex or 0])
             origins[vertex] = 0.0
         later = 1.0 if task.stays else LATER
-        return Errand(network, task.type, vertex, origins, ready,
-                      self._vertices(task.destinations), task.dwells, rests, later,
-                      self._common[task.type])
+        return PathQuery(network, task.type, vertex, origins, ready,
+                         self._vertices(task.destinations), task.dwells, rests, later,
+                         self._common[task.type])
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
         """The released drives, driven at once."""

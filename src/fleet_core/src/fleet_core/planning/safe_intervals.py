@@ -16,7 +16,7 @@ from sys import float_info
 from time import monotonic as time_now
 from typing import Dict, List, Optional, Sequence, Tuple
 
-from fleet_core.planning.agents import Errand
+from fleet_core.planning.agents import PathQuery
 from fleet_core.planning.plans import Drive, Plan
 from fleet_core.planning.slots import Slots
 
@@ -26,7 +26,7 @@ Arrival = Tuple[int, float, int, float]
 """A drive, when it begins, the vertex at its end, and when it arrives there."""
 
 
-def find_path(errand: Errand, slots: Slots, latest: float = inf,
+def find_path(errand: PathQuery, slots: Slots, latest: float = inf,
               arrivals: Sequence[Arrival] = (),
               deadline: float = inf) -> Optional[Tuple[float, Plan]]:
     """The plan that serves the errand soonest, and its cost. None: there is none in time.

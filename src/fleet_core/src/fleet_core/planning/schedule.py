@@ -40,8 +40,8 @@ def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
 
     for name, agent in agents.items():
         plans[name] = []
-        ready[name], legs[name] = agent.errand.served_at(agent.errand.vertex, 0,
-                                                         agent.errand.ready)
+        ready[name], legs[name] = agent.query.served_at(agent.query.vertex, 0,
+                                                         agent.query.ready)
         for fixed in agent.fixed:
             use(agent.kind, fixed)
     for name, drive in order:
@@ -53,7 +53,7 @@ def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
         start = max(ready[name], free_from[agent.kind][drive])
         plan.append(Drive(drive, start, start + seconds, begun))
         use(agent.kind, plan[-1])
-        ready[name], legs[name] = agent.errand.served_at(
+        ready[name], legs[name] = agent.query.served_at(
             network.destination(drive), legs[name], start + seconds)
     return plans
 

@@ -54,10 +54,10 @@ class TeaStar:
         arrivals: Sequence[Arrival] = ()
         if agent.mid_edge:
             arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
-                                                  agent.errand.ready)
+                                                  agent.query.ready)
             if not arrivals:
                 return None
-        found = self._search(agent.errand, self.reservations.slots[agent.kind], latest,
+        found = self._search(agent.query, self.reservations.slots[agent.kind], latest,
                              arrivals, deadline)
         if found is None:
             return None
@@ -75,7 +75,7 @@ class TeaStar:
     def book_fixed(self, agent: Agent) -> None:
         """Books only the fixed drives of a robot without a plan."""
         self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
-                               agent.mid_edge, agent.errand.ready, len(agent.fixed))
+                               agent.mid_edge, agent.query.ready, len(agent.fixed))
 
     def book_present(self, agent: Agent) -> None:
         """Books the fixed drives of a robot without a plan, and its place for a moment."""
@@ -166,7 +166,7 @@ class TeaStar:
         if agent.mid_edge:
             return True  # it does not stand on a vertex, so it is simply planned again
         network = self.reservations.network
-        vertex, since = agent.errand.vertex, agent.errand.ready
+        vertex, since = agent.query.vertex, agent.query.ready
         for drive in path.plan:
             if (_overlap(booked.get(network.vertex_slot(vertex)), since, drive.start)
                     or _overlap(booked.get(drive.drive), drive.start, drive.start)):
@@ -177,9 +177,9 @@ class TeaStar:
     def _moment(self, agent: Agent) -> float:
         network = self.reservations.network
         roads = (agent.mid_edge.exits(network, agent.kind) if agent.mid_edge
-                 else agent.errand.roads[agent.errand.vertex])
+                 else agent.query.roads[agent.query.vertex])
         leaving = min((seconds for _, _, seconds in roads), default=0.0)
-        return agent.errand.ready + PRESENT * leaving
+        return agent.query.ready + PRESENT * leaving
 
 
 def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
@@ -199,8 +199,8 @@ def by_length(agents: Iterable[Agent]) -> List[Agent]:
     A robot that waits for others that are soon out of its way waits less than they would wait for
     it. A robot with nothing to do comes last, because it is only in the way.
     """
-    return sorted(agents, key=lambda t: (-t.priority, not t.errand.destinations,
-                                         t.errand.lower_bound))
+    return sorted(agents, key=lambda t: (-t.priority, not t.query.destinations,
+                                         t.query.lower_bound))
 
 
 def shuffled(agents: Iterable[Agent], random: Random) -> List[Agent]:

@@ -22,6 +22,8 @@ _EXACT = 1e-6      # m2/s2, tolerance of a squared speed for rounding
 class AgvMotion:
     """The motion of one vehicle along a path of signed edges.
 
+    Place, speed and heading change together in each step.
+
     path, index  -- edges in driving order, and the index of its edge; len(path) at the end
     arc          -- m from the start of its edge
     vertex       -- vertex on which it stands; None between vertices and while it moves

@@ -1,4 +1,11 @@
-"""One simulated AGV: it takes orders, drives and reports, and can have faults."""
+"""One simulated AGV: it takes orders, drives and reports, and can have faults.
+
+States: what it does is its `motion`; it may also be off the graph, in emergency stop, or silent.
+`route_protocol.vehicle` has the states of its route.
+Events: an order, time, a fault, an act of a person or of another program, another graph.
+Invariants: one giver at most drives it. If another giver moves or stops it, a new epoch begins, so
+orders that are on their way are refused. It reports at once if more than its place has changed.
+"""
 from __future__ import annotations
 
 import math
@@ -47,9 +54,10 @@ _ROLLS = Reason(ReasonCode.NOT_READY, 'the vehicle did not come to a stop')
 class AgvVehicle:
     """One AGV on a graph.
 
-    `handle` takes orders, `advance` simulates time, and `take_messages` returns the AGV's messages.
+    `handle` takes orders, `advance` simulates time, and `new_messages` returns the AGV's messages.
     Times are in s of the simulation; stamps are those of the caller. `route_protocol.vehicle` says
-    which orders count, this class where the AGV is, and whether it can drive them.
+    which orders count, this class where the AGV is, and whether it can drive them. Orders, time,
+    faults and people all change the same route, place and epoch, so they meet in this class.
 
     draw  -- returns the number of a new epoch, which was never used before
     clock -- returns ms since 1970: numbers of reports are at least this
@@ -141,7 +149,7 @@ class AgvVehicle:
         return self._protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
                                      self.motion, unready=self._unready)
 
-    def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
+    def new_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """Returns the refusals, and the reports of changes, since the last call."""
         messages, self._messages = self._messages, []
         return [] if self.silent else messages

@@ -68,7 +68,7 @@ class AgvTopics:
             self._pass_on(self._reported)
 
     def _pass_on(self, now: float) -> None:
-        for message in self._vehicle.take_messages():
+        for message in self._vehicle.new_messages():
             if isinstance(message, RouteReport):
                 self._report(message, now)
             else:
