@@ -51,8 +51,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
     if rests is None:
         return None
     pibt = Pibt(reservations, given, rests, random)
-    if (any(any(slots.bookings) for slots in reservations.slots.values())
-            and not all(agent.has_path(deadline) for agent in pibt.agents)):
+    if not (reservations.is_empty or all(agent.has_path(deadline) for agent in pibt.agents)):
         return None  # a robot blocks the only path for ever
     agents = pibt.agents
     first = tuple(agent.begin for agent in agents)
