@@ -15,7 +15,6 @@ import rospy
 from fleet_core.fleet import RobotType
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from load_bench.site import ALONE, RELEASE_AHEAD
-from route_protocol.master import Order
 from route_protocol.messages import fill_refusal, fill_report, order_of
 from trajectory_graph import Graph
 from world.plain_agv import Agv
@@ -52,13 +51,12 @@ class _Robot:
 
     def _on_route(self, message: TargetRoute) -> None:
         came = time.monotonic()
-        said = order_of(message, rospy.Time.now().to_nsec())
-        order = Order(said.order, said.known_epoch, said.first, said.edges, said.route_id)
+        order = order_of(message, rospy.Time.now().to_nsec())
         with self._lock:
             agv = self.agv
-            is_same, end = order.route_id == agv.route_id, agv.first + len(agv.edges)
+            is_same, end = order.route_id == agv.route_id, agv.done + len(agv.ahead)
             refusal = agv.receive(order)
-            is_longer = is_same and order.end > end
+            is_longer = is_same and order.first + len(order.edges) > end
             if is_longer and self.told_at is not None:
                 self.releases.append(Release(came, came - self.told_at))
             if not is_same or is_longer:

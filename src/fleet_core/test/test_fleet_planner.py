@@ -254,6 +254,12 @@ def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding
     assert _plan(_planner(graph), *tasks, rounds=100, seconds=60.0).cost < 36.0
 
 
+def rows(table):
+    """The bookings of all slots for an AGV."""
+    slots = table.slots[AGV]
+    return [slots.row(slot) for slot in range(len(slots.merged))]
+
+
 def test_cancelling_leaves_nothing_booked():
     network = RoadNetwork(ladder(4))
     table = ReservationTable(network, 0.1, [AGV])
@@ -263,7 +269,7 @@ def test_cancelling_leaves_nothing_booked():
     drives = [problem.with_rests(t, frozenset()).query for t in problem.agents.values()]
     assert drives[0].vertex == network.index[1]
     planner.reservations.cancel('a')
-    assert not any(planner.reservations.slots[AGV].bookings), outcome
+    assert planner.reservations.is_empty and not any(rows(planner.reservations)), outcome
 
 
 def test_robots_that_are_put_back_are_booked_as_before():
@@ -275,20 +281,20 @@ def test_robots_that_are_put_back_are_booked_as_before():
               'b': (network.vertices - 1, [])}
 
     def seen():
-        return ([sorted(map(tuple, bookings)) for bookings in slots.bookings],
-                [slots.busy(slot) for slot in range(len(slots.bookings))], dict(table.booked))
+        return ([sorted(map(tuple, bookings)) for bookings in rows(table)],
+                [slots.busy(slot) for slot in range(len(slots.merged))], dict(table.booked))
     for name, (vertex, plan) in robots.items():
         table.book(name, AGV, vertex, plan)
     before = seen()
     taken = table.take_out(['a', 'b'])
-    assert not any(slots.bookings) and not table.booked
+    assert not any(rows(table)) and table.is_empty
     table.book('a', AGV, network.vertices - 2, [])
     assert seen() != before
     table.put_back(taken)
     assert seen() == before
     for name in robots:
         table.cancel(name)
-    assert not any(slots.bookings)
+    assert not any(rows(table)) and table.is_empty
 
 
 def test_the_search_over_configurations_swaps_robots_in_a_siding():

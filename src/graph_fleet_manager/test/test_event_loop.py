@@ -12,7 +12,8 @@ from fleet_core.supervision.actions import Note, TellStatus
 from fleet_core.supervision.missions import Command, MissionState, Request
 from fleet_core.supervision.outages import Outage
 from graph_fleet_manager.nodes import event_loop
-from graph_fleet_manager.nodes.event_loop import BATCH, TICK, SupervisorEvents
+from graph_fleet_manager.nodes.event_loop import BATCH, SupervisorEvents
+from graph_fleet_manager.nodes.turns import LATEST, TICK, Kind
 from world.supervised_fleet import SupervisedFleet
 
 
@@ -46,15 +47,21 @@ def noted(notes, word):
     return event
 
 
-def test_a_stop_is_heard_before_all_reports_that_wait(loop):
+def reported(notes, word):
+    """A report that writes its own name down."""
+    return lambda supervisor, now, arrived: noted(notes, word)(supervisor, now)
+
+
+def test_stops_come_before_commands_and_commands_before_reports(loop):
     notes = []
     for number in range(3):
-        loop.put(noted(notes, number))
+        loop.put_report(reported(notes, number))
+    loop.put(noted(notes, 'command'))
     loop.put_urgent(noted(notes, 'stop'))
     loop.put_urgent(noted(notes, 'resume'))
-    for _ in range(5):
-        loop.take()(None, 0.0)
-    assert notes == ['stop', 'resume', 0, 1, 2]
+    for _ in range(6):
+        loop.take()(object(), 0.0)
+    assert notes == ['stop', 'resume', 'command', 0, 1, 2]
 
 
 def test_only_the_newest_report_of_each_robot_waits_and_keeps_the_turn_of_the_oldest(loop, clock):
@@ -64,34 +71,51 @@ def test_only_the_newest_report_of_each_robot_waits_and_keeps_the_turn_of_the_ol
         for robot in ('a', 'b'):
             loop.put_report(lambda _, now, arrived, robot=robot, number=number: notes.append(
                 (robot, number, arrived)) or (), robot)
-        loop.put(noted(notes, number))
+        loop.put_report(reported(notes, number))
     for _ in range(7):
         loop.take()(object(), clock.now)
     assert notes == [('a', 4, clock.now), ('b', 4, clock.now), 0, 1, 2, 3, 4]
 
 
-def test_the_clock_is_looked_at_in_time_however_many_reports_come(loop, clock):
+def test_the_clock_is_looked_at_in_time_however_many_reports_come(loop, clock, fleet):
     notes = []
     for number in range(100):
-        loop.put(noted(notes, number))
+        loop.put_report(reported(notes, number))
         clock.now += TICK / 4
-        loop.take()(None, clock.now)
+        loop.take()(fleet.supervisor, clock.now)
     assert 80 < len(notes) < 95, 'ticks must be taken although more events come than can be taken'
 
 
 def test_reports_and_commands_that_arrived_before_a_tick_was_due_go_before_it(loop, clock):
     notes = []
     for number in range(3):
-        clock.now += 1.0
-        loop.put(noted(notes, number))
-    for _ in range(3):
-        loop.take()(None, clock.now)
-    assert notes == [0, 1, 2]
+        clock.now += TICK
+        loop.put_report(reported(notes, number))
+    loop.put(noted(notes, 'command'))
+    for _ in range(4):
+        loop.take()(object(), clock.now)
+    assert notes == ['command', 0, 1, 2]
     loop.take()
     clock.now += TICK / 2
-    loop.put(noted(notes, 'later'))
-    loop.take()(None, clock.now)
-    assert notes[3:] == ['later'], 'a tick was taken between them'
+    loop.put_report(reported(notes, 'later'))
+    loop.take()(object(), clock.now)
+    assert notes[4:] == ['later'], 'a tick was taken between them'
+
+
+def test_a_tick_that_many_reports_keep_away_comes_in_time_and_knows_which_reports_still_wait(
+        loop, clock, fleet):
+    heard = []
+    fleet.supervisor.tick = lambda now, until: heard.append((now, until)) or ()
+    arrived = clock.now
+    for number in range(200):
+        loop.put_report(lambda *_: (), f'{number}')
+    due = clock.now + TICK
+    while not heard:
+        clock.now += TICK / 5
+        loop.take()(fleet.supervisor, clock.now)
+    (ticked, until), = heard
+    assert ticked <= due + LATEST + TICK / 5
+    assert until == arrived, 'a robot may have reported meanwhile'
 
 
 class WatchedLoop:
@@ -100,8 +124,9 @@ class WatchedLoop:
     def __init__(self, seed):
         self.random, self.clock = Random(seed), Clock()
         self.loop = SupervisorEvents(self.clock, lambda: 'requests are refused')
-        self.arrived = {'stop': [], 'event': [], 'request': []}
-        self.taken = {'stop': [], 'event': [], 'request': [], 'tick': []}
+        self.arrived = {'stop': [], 'command': [], 'report': [], 'request': []}
+        self.taken = {'stop': [], 'command': [], 'report': [], 'request': [], 'tick': []}
+        self.heard = []
         self.slowness = self.random.choice((0.1, 1.0, 5.0)) * TICK
 
     def arrives(self, kind):
@@ -109,11 +134,13 @@ class WatchedLoop:
         number = len(self.arrived[kind])
         self.arrived[kind].append(self.clock.now)
 
-        def event(supervisor, now):
+        def event(*_):
             self.taken[kind].append(number)
             return ()
         if kind == 'request':
             self.loop.put_request(Request(number, (1,)))
+        elif kind == 'report':
+            self.loop.put_report(event)
         else:
             (self.loop.put_urgent if kind == 'stop' else self.loop.put)(event)
 
@@ -121,41 +148,68 @@ class WatchedLoop:
         """The times of arrival of everything that was not taken yet."""
         return self.arrived[kind][len(self.taken[kind]):]
 
+    def tick(self, now, heard):
+        """The supervisor's tick."""
+        self.taken['tick'].append(now)
+        self.heard.append(heard)
+        return ()
+
+    def requests(self, requests, now):
+        """The supervisor's requests."""
+        self.taken['request'] += [request.id for request in requests]
+        return ()
+
     def take(self):
-        """Runs one turn of the thread and returns what it took; more may arrive meanwhile."""
-        before = {kind: len(taken) for kind, taken in self.taken.items()}
-        told = self.loop.take()(None, self.clock.now)
-        self.taken['request'] += [action.status.request_id for action in told]
-        turn = next((kind for kind in before if len(self.taken[kind]) > before[kind]), 'tick')
-        if turn == 'tick':
-            self.taken[turn].append(self.clock.now)
-        for _ in range(self.random.choice((0, 0, 1, 1, 2))):
-            self.clock.now += self.random.random() * self.slowness
-            self.arrives(self.random.choice(('stop', 'event', 'event', 'event', 'request')))
-        return turn
+        """Runs one turn of the thread. Returns what it took and how long that took; more may
+        arrive meanwhile."""
+        before, begun = {kind: len(taken) for kind, taken in self.taken.items()}, self.clock.now
+        event = self.loop.take()
+        took = self.random.random() * self.slowness
+        arriving = self.random.choice((0, 0, 1, 1, 2))
+        for _ in range(arriving):
+            self.clock.now += took / arriving
+            self.arrives(self.random.choice(('stop', 'command', 'report', 'report', 'request')))
+        event(self, begun)
+        return next(kind for kind in before if len(self.taken[kind]) > before[kind]), took
 
 
 @pytest.mark.parametrize('seed', range(50))
 def test_whatever_comes_and_however_long_it_takes_the_order_is_kept(seed):
     watched = WatchedLoop(seed)
-    due, requests = watched.clock.now, 0
+    watched.loop.begin()
+    due = free = watched.clock.now
+    since_tick, longest = [], 0.0
     for _ in range(400):
         if not any(watched.waiting(kind) for kind in watched.arrived):
             watched.clock.now = max(watched.clock.now, due)  # nothing happens until the next tick
         waiting = {kind: watched.waiting(kind) for kind in watched.arrived}
-        now, kind = watched.clock.now, watched.take()
+        now = watched.clock.now
+        kind, took = watched.take()
+        longest = max(longest, took)
+        is_late = now >= max(due, free) + LATEST
         if waiting['stop']:
             assert kind == 'stop', 'something was taken before a stop'
-        if kind in ('tick', 'request'):
-            assert not [at for at in waiting['event'] if at <= min(due, now)], (
+        if kind == 'report':
+            assert not waiting['command'] and not is_late
+        if kind in ('tick', 'request') and not is_late:
+            assert not waiting['command']
+            assert not [at for at in waiting['report'] if at <= min(due, now)], (
                 'it arrived before the tick was due')
-        if kind == 'request':
-            requests += 1
-            due = min(due, now) if len(waiting['request']) <= BATCH else due
-        if kind == 'tick':
-            assert now >= due
-            assert requests or not waiting['request'], 'requests must get a turn'
-            due, requests = now + TICK, 0
+        if kind == 'request' and len(waiting['request']) <= BATCH:
+            due = min(due, now)
+        if kind != 'tick':
+            stops = kind == 'stop' or 'stop' in since_tick
+            assert stops or now <= max(due, free) + LATEST + 2.0 * longest, 'the tick comes late'
+            since_tick.append(kind)
+            continue
+        assert now >= due
+        assert 'request' in since_tick or not waiting['request'], 'requests must get a turn'
+        assert all(at >= watched.heard[-1] for at in waiting['report'])
+        assert watched.heard == sorted(watched.heard)
+        due, free, since_tick = now + TICK, watched.clock.now, []
+        if watched.waiting('command') or watched.waiting('report'):
+            assert watched.loop._turns.next(watched.loop._waiting(), free) not in (
+                None, Kind.TICK), 'one tick keeps all others away'
     for kind in watched.arrived:
         numbers = watched.taken[kind]
         assert numbers == list(range(len(numbers))), f'each {kind} must be taken once, in order'
@@ -319,13 +373,13 @@ def test_a_tick_that_is_wanted_earlier_comes_earlier_but_after_what_arrived_befo
     loop.hurry(clock.now + TICK / 4)
     loop.hurry(clock.now + TICK / 2)
     loop.hurry(None)
-    loop.put(noted(notes, 'before'))
+    loop.put_report(reported(notes, 'before'))
     clock.now += TICK / 4
-    loop.take()(None, clock.now)
+    loop.take()(object(), clock.now)
     assert notes == ['before']
     clock.now += TICK / 100
-    loop.put(noted(notes, 'after'))
+    loop.put_report(reported(notes, 'after'))
     loop.take()
     assert notes == ['before'], 'the tick was due'
-    loop.take()(None, clock.now)
+    loop.take()(object(), clock.now)
     assert notes == ['before', 'after']

@@ -27,7 +27,8 @@ class Services:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, robots=('a', 'b')) -> None:
         self.handlers, self.past = {}, []
-        self.loop, self.early = SupervisorEvents(), EarlyStop(robots)
+        # No time passes, so no tick is late and comes before a command.
+        self.loop, self.early = SupervisorEvents(lambda: 0.0), EarlyStop(robots)
         monkeypatch.setattr(fleet_services.rospy, 'Service',
                             lambda name, _, handler: self.handlers.setdefault(name, handler))
         monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 60.0)

@@ -47,9 +47,13 @@ class ClaimIndex:
     def put(self, name: str, allocation: Allocation) -> None:
         """Replaces the claims of a robot."""
         self.remove(name)
-        claims = self._claims[name] = self._claims_of(allocation)
-        self._kinds[name] = allocation.kind
-        at = self._at.setdefault(allocation.kind, {})
+        self.add(name, allocation.kind, self._claims_of(allocation))
+
+    def add(self, name: str, kind: RobotType, claims: Sequence[Claim]) -> None:
+        """Adds the claims of a robot that has none."""
+        self._claims[name] = list(claims)
+        self._kinds[name] = kind
+        at = self._at.setdefault(kind, {})
         for claim in claims:
             at.setdefault(claim.place, []).append((name, claim))
 

@@ -172,6 +172,29 @@ class Interlocking:
                 self._conformance.granted(robot.name, granted)
         return Grant(tuple(granted), refusal)
 
+    def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
+        """For each robot the longest beginning of its edges that all may have now, at once.
+
+        Nothing is granted. It does not matter that a robot's last order is not settled yet: that
+        takes until its next report only.
+
+        wanted -- edges by the names of the robots, as for `grant`
+        """
+        self._refresh()
+        given = ClaimIndex(self._geometry, self._clearance)
+        found: Dict[str, Tuple[int, ...]] = {}
+        for name, edges in wanted.items():
+            robot, free = self._robots[name], []
+            is_refused = first_refusal(LASTING_GATES, self, Asked(robot)) is not None
+            for asked in () if is_refused else self._asked(robot, edges):
+                if first_refusal(CONDITIONS, self, asked) is not None or any(
+                        given.excluding(name, robot.type, asked.claim)):
+                    break
+                free.append(asked)
+            given.add(name, robot.type, [asked.claim for asked in free])
+            found[name] = tuple(asked.edge for asked in free)
+        return found
+
     def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
         record, before = robot.master.record, 0
         start = None if record.ahead else robot.master.record.position
@@ -446,6 +469,10 @@ GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _clock_is_right,
     _robot_is_known, _others_are_known, _last_order_is_settled, _robot_is_clear_of_others)
 """All must be met before a robot is granted anything, also an edge that it holds already."""
+
+LASTING_GATES: Tuple[Condition, ...] = tuple(
+    gate for gate in GATES if gate is not _last_order_is_settled)
+"""The gates that do not open with the robot's next report."""
 
 CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _place_is_free)
 """All must be met, in addition, for each edge that a robot is granted."""

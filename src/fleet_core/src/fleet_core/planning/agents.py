@@ -7,8 +7,8 @@ from typing import FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from fleet_core.fleet import RobotType
+from fleet_core.planning.mid_edge import MidEdgePosition
 from fleet_core.planning.plans import Drive, Plan
-from fleet_core.planning.reservation_table import MidEdgePosition
 from fleet_core.planning.road_network import RoadNetwork, Roads, estimated
 
 LATER = 1e-4

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from array import array
 from functools import cached_property
-from typing import Iterator, List, Mapping, NamedTuple, Tuple
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Tuple
 
 import numpy as np
 
@@ -24,6 +24,20 @@ from fleet_core.planning.road_network import RoadNetwork
 
 Block = Tuple[int, float, float]
 """Slot, clear fraction, lead in s."""
+
+
+class Meeting(NamedTuple):
+    """A place of one robot that blocks a place of another.
+
+    clear -- for an edge: the fraction after which it is clear of the other place, driven forward
+             and backward
+    leads -- if the other place is an edge: the share of a drive on it, forward and backward, that
+             is its lead
+    """
+
+    place: int
+    clear: Tuple[float, float]
+    leads: Tuple[float, float]
 
 
 class _Blocks(NamedTuple):
@@ -47,6 +61,7 @@ class Blocking:
         self._distance = moving.reach + observer.reach + clearance
         times = np.array(network.times(observer))
         self._times = np.where(np.isfinite(times), times, 0.0)
+        self._meeting: Dict[int, List[Meeting]] = {}
 
     @property
     def conflicts(self) -> Conflicts:
@@ -58,6 +73,28 @@ class Blocking:
         rows, slots, leads, clears = self._blocks
         row = rows[self._network.vertices + (drive >> 1)]
         return zip(slots[row], clears[drive & 1][row], leads[row])
+
+    def edges(self, drive: int) -> Iterator[Tuple[int, float]]:
+        """(number of an edge, clear fraction) of all edges that a drive blocks."""
+        rows, edges, clears = self._edge_blocks
+        row = rows[drive >> 1]
+        return zip(edges[row], clears[drive & 1][row])
+
+    def seconds(self, drive: int) -> float:
+        """The time that a robot of the observer's type takes for a drive; 0: it may not drive it.
+        """
+        return float(self._times[drive])
+
+    def meeting(self, place: int) -> List[Meeting]:
+        """The places where the other robot blocks this place, with what one block needs."""
+        if place not in self._meeting:
+            starts, other, forward, backward, mirrored = self.conflicts
+            row = slice(starts[place], starts[place + 1])
+            pairs = mirrored[row]
+            self._meeting[place] = list(map(Meeting, other[row].tolist(), zip(
+                forward[pairs].tolist(), backward[pairs].tolist()), zip(
+                forward[row].tolist(), backward[row].tolist())))
+        return self._meeting[place]
 
     def excluded(self, place: int) -> List[int]:
         """The places (not slots) that an observer may not hold while the other robot holds `place`.
@@ -99,7 +136,17 @@ class Blocking:
 
     def prepare(self) -> None:
         """Computes the blocks for `drive` and `wait`. Otherwise they are computed at first use."""
-        _ = self._blocks
+        _ = self._blocks, self._edge_blocks
+
+    @cached_property
+    def _edge_blocks(self) -> Tuple[List[slice], array[int], Tuple[array[float], array[float]]]:
+        """The rows of the edges, without vertices: rows, numbers of edges, and clear fractions."""
+        starts, other, forward, backward, _ = self.conflicts
+        is_edge = other >= self._network.vertices
+        bounds = np.concatenate(([0], np.cumsum(is_edge)))[starts[self._network.vertices:]].tolist()
+        return ([slice(*ends) for ends in zip(bounds, bounds[1:])],
+                array('q', (other[is_edge] - self._network.vertices).astype(np.int64).tobytes()),
+                (array('d', forward[is_edge].tobytes()), array('d', backward[is_edge].tobytes())))
 
     @cached_property
     def _blocks(self) -> _Blocks:

@@ -22,7 +22,8 @@ import numpy as np
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.agents import Agent
-from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
+from fleet_core.planning.mid_edge import MidEdgePosition
+from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name, vertex_name
 from trajectory_graph.id_lists import listed
@@ -105,11 +106,11 @@ def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) ->
     slots = reservations.slots[agent.kind]
     drives, found = _fewest_blocked(reservations, agent, deadline)
     for drive in drives:
-        for _, end, robot in slots.bookings[drive]:
+        for _, end, robot in slots.row(drive):
             if end == inf:
                 found[robot] = None
     if agent.mid_edge is None:
-        for _, _, robot in slots.bookings[slots.drives + agent.query.vertex]:
+        for _, _, robot in slots.row(slots.drives + agent.query.vertex):
             found[robot] = None
     else:
         for robot, _ in reservations.passing(agent.kind, agent.mid_edge):
@@ -200,7 +201,7 @@ class _Leg(NamedTuple):
 
 def _shortest(reservations: ReservationTable, agent: Agent, starts: Mapping[int, float],
               goal: FrozenSet[int]) -> Optional[_Leg]:
-    bookings = reservations.slots[agent.kind].bookings
+    bookings = reservations.slots[agent.kind].row
     came: Dict[int, Tuple[int, int]] = {}
     best: Dict[int, float] = dict(starts)
     heap: List[Tuple[float, int]] = sorted((cost, vertex) for vertex, cost in starts.items())
@@ -215,7 +216,7 @@ def _shortest(reservations: ReservationTable, agent: Agent, starts: Mapping[int,
                 drives.append(drive)
             return _Leg(vertex, drives[::-1], end)
         for drive, further, seconds in agent.query.roads[end]:
-            standing = {robot for _, over, robot in bookings[drive] if over == inf}
+            standing = {robot for _, over, robot in bookings(drive) if over == inf}
             new = cost + seconds + _BESIDE_ONE * len(standing)
             if new < best.get(further, inf):
                 best[further] = new

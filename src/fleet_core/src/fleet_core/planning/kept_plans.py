@@ -55,7 +55,7 @@ def _can_be_driven(reservations: ReservationTable, agent: Agent,
             begins = network.origin[drive] == vertex and abs(edge) not in network.closed
         else:  # the robot may leave even a closed edge
             begins = drive >> 1 == agent.mid_edge.drive >> 1
-        if not begins or times[drive] == inf or slots.bookings[drive]:
+        if not begins or times[drive] == inf or slots.row(drive):
             return False
         vertex = network.destination(drive)
     return True

@@ -51,7 +51,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
     if rests is None:
         return None
     pibt = Pibt(reservations, given, rests, random)
-    if not _have_paths(reservations, pibt.agents, deadline):
+    if not (reservations.is_empty or all(agent.has_path(deadline) for agent in pibt.agents)):
         return None  # a robot blocks the only path for ever
     agents = pibt.agents
     first = tuple(agent.begin for agent in agents)
@@ -87,14 +87,6 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
         known[configuration] = child
         stack.append(child)
     return None
-
-
-def _have_paths(reservations: ReservationTable, agents: Sequence[PibtAgent],
-                deadline: float) -> bool:
-    """Has each robot a path past all that is booked?"""
-    if not any(any(slots.bookings) for slots in reservations.slots.values()):
-        return True
-    return all(agent.has_path(deadline) for agent in agents)
 
 
 def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) -> List[float]:

@@ -135,7 +135,7 @@ class LargeNeighbourhoodSearch:
             return self._any()
         drive = self._random.choice(plan).drive
         slots = self._tea_star.reservations.slots[self._all[name].kind]
-        users = {robot for _, _, robot in slots.bookings[drive]} - {name}
+        users = {robot for _, _, robot in slots.row(drive)} - {name}
         return self._filled([name, *sorted(users)])
 
     def _met_by(self, agent: Agent) -> List[str]:
@@ -161,7 +161,7 @@ class LargeNeighbourhoodSearch:
                 (seconds + to_go[end], drive, end, seconds) for drive, end, seconds in roads)
             if cost == inf:
                 break
-            for begin, over, robot in slots.bookings[drive]:
+            for begin, over, robot in slots.row(drive):
                 if begin < now < over and robot != agent.name:
                     met[robot] = None
             vertex, now = end, now + seconds

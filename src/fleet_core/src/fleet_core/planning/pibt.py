@@ -12,7 +12,8 @@ from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tu
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.agents import Agent
-from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
+from fleet_core.planning.mid_edge import MidEdgePosition
+from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.road_network import Roads
 
 STAY = -1
@@ -138,8 +139,8 @@ class Pibt:
         roads = agent.query.roads
         key = agent.kind, id(roads)
         if key not in self._open:
-            bookings = self._reservations.slots[agent.kind].bookings
-            self._open[key] = [[road for road in away if not bookings[road[0]]] for away in roads]
+            bookings = self._reservations.slots[agent.kind].row
+            self._open[key] = [[road for road in away if not bookings(road[0])] for away in roads]
         return self._open[key]
 
     def is_end(self, configuration: Sequence[int]) -> bool:
@@ -331,7 +332,7 @@ def choose_rests(reservations: ReservationTable,
                    else query.seconds_to(path) for path in paths]
         for _, rest in sorted(zip(seconds, sorted(query.rests))):
             slots = reservations.slots[agent.kind]
-            if not slots.bookings[slots.drives + rest] and not any(
+            if not slots.row(slots.drives + rest) and not any(
                     reservations.blocking[agent.kind, kind].excludes(rest, vertex)
                     for kind, vertex in taken):
                 found[agent.name] = rest

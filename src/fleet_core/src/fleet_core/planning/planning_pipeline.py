@@ -133,8 +133,9 @@ class PlanningPipeline:
         """Books the present plans of the robots, in their present order."""
         mobile = {t.name: t for t in self._mobile()}
         self._old = kept_plans(self._reservations, self._problem.tasks, mobile)
+        self._tea_star.book_later([(mobile[name], Path(0.0, plan))
+                                   for name, plan in self._old.items()])
         for name, plan in self._old.items():
-            self._tea_star.book(mobile[name], Path(0.0, plan))
             cost = mobile[name].query.cost(plan)
             if cost < inf:
                 self._paths[name] = Path(cost, plan)
@@ -311,7 +312,7 @@ class PlanningPipeline:
         if agent.mid_edge is not None:
             return {robot for robot, _ in self._reservations.passing(agent.kind, agent.mid_edge)}
         slots = self._reservations.slots[agent.kind]
-        return {robot for _, _, robot in slots.bookings[slots.drives + agent.query.vertex]}
+        return {robot for _, _, robot in slots.row(slots.drives + agent.query.vertex)}
 
     # -- bookings ---------------------------------------------------------------------------------
 

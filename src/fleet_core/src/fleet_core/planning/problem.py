@@ -10,8 +10,9 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequen
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.exclusions import ROUNDING
 from fleet_core.planning.agents import LATER, Agent, PathQuery
+from fleet_core.planning.mid_edge import MidEdgePosition
 from fleet_core.planning.plans import Drive
-from fleet_core.planning.reservation_table import MidEdgePosition, ReservationTable
+from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import CannotPlan, Task
 

@@ -2,49 +2,18 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from functools import partial
 from math import inf
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.planning.blocking import Block, Blocking
-from fleet_core.planning.plans import Drive
+from fleet_core.planning.later_bookings import Booked, LaterBookings
+from fleet_core.planning.mid_edge import MidEdgePosition
+from fleet_core.planning.plans import Drive, end_of
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.slots import Booking, Busy, Slots, merge
-
-
-class MidEdgePosition(NamedTuple):
-    """A robot that stands at a fraction of a drive, at x, y (m), free to go on in both directions.
-    """
-
-    drive: int
-    fraction: float
-    x: float
-    y: float
-
-    def behind(self, drive: int) -> float:
-        """The fraction of `drive`, one of the drives on its edge, that lies behind the robot."""
-        return self.fraction if drive == self.drive else 1.0 - self.fraction
-
-    def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
-        """The drives by which it may leave, as (drive, vertex at its end, seconds to it).
-
-        A closed edge, and a drive into a dock, are allowed.
-        """
-        times = network.times(kind)
-        return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))
-                for drive in (self.drive, self.drive ^ 1) if times[drive] < inf]
-
-
-class Booked(NamedTuple):
-    """The booked state of one robot."""
-
-    kind: RobotType
-    vertex: int
-    plan: Sequence[Drive]
-    mid_edge: Optional[MidEdgePosition]
-    until: float
-    held: int
 
 
 class TakenOut(NamedTuple):
@@ -73,6 +42,7 @@ class ReservationTable:
         self.booked: Dict[str, Booked] = {}
         self._touched: Dict[str, List[Tuple[Slots, Iterable[int]]]] = {}
         self._placed: Dict[str, Dict[RobotType, List[Tuple[int, float]]]] = {}
+        self._later = LaterBookings(network, self.blocking, {})
         self.clear()
 
     def clear(self) -> None:
@@ -82,6 +52,12 @@ class ReservationTable:
         self.booked = {}
         self._touched = {}
         self._placed = {}
+        self._later = LaterBookings(self.network, self.blocking, {})
+
+    @property
+    def is_empty(self) -> bool:
+        """Is no robot booked?"""
+        return not self.booked and not self._placed
 
     def prepare(self) -> None:
         """Computes in advance what depends only on the graph and its closed edges."""
@@ -98,12 +74,13 @@ class ReservationTable:
         now on: a robot that wants to pass there must come after it, even if it could pass earlier.
         Nothing may be booked for it yet.
         """
-        self.booked[robot] = Booked(kind, vertex, plan, mid_edge, until, held)
+        booked = self.state(kind, vertex, plan, mid_edge, until, held)
+        self.booked[robot] = booked
         self._touched[robot] = []
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
             touched: List[int] = []
-            waits = None if mid_edge is None else self.at_point(kind, observer, mid_edge)
+            waits = booked.points.get(observer)
             since, at = -inf, vertex
             for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or mid_edge):
@@ -122,6 +99,40 @@ class ReservationTable:
                 slots.add(slot, since - lead, until, robot, touched)
             self._touched[robot].append((slots, touched))
             slots.horizon = max(slots.horizon, since, until if until < inf else since)
+
+    def state(self, kind: RobotType, vertex: int, plan: Sequence[Drive],
+              mid_edge: Optional[MidEdgePosition] = None, until: float = inf,
+              held: int = 0) -> Booked:
+        """What `book` books."""
+        points = {} if mid_edge is None else {
+            observer: self.at_point(kind, observer, mid_edge) for observer in self.kinds}
+        return Booked(kind, vertex, plan, mid_edge, points, until, held)
+
+    def book_later(self, robots: Mapping[str, Booked]) -> None:
+        """Books robots like `book`, but makes the bookings of a slot when it is first looked at.
+
+        It can be called once after each `clear`.
+        """
+        self._later = LaterBookings(self.network, self.blocking, robots)
+        self.booked.update(robots)
+        for observer, slots in self.slots.items():
+            slots.book_later(partial(self._later.row, observer))
+            for booked in robots.values():
+                since = end_of(booked.plan) if booked.plan else -inf
+                slots.horizon = max(slots.horizon, since,
+                                    booked.until if booked.until < inf else since)
+
+    def _settle(self, robot: str) -> None:
+        """Makes all bookings of a robot that were left for later."""
+        if robot not in self._later:
+            return
+        self._touched[robot] = []
+        for observer, slots in self.slots.items():
+            touched = self._later.slots(robot, observer)
+            for slot in touched:
+                slots.row(slot)
+            self._touched[robot].append((slots, touched))
+        self._later.drop(robot)
 
     def book_places(self, robot: str, kind: RobotType, places: Iterable[int],
                     areas: Iterable[Area] = ()) -> None:
@@ -142,33 +153,39 @@ class ReservationTable:
 
     def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
         """The bookings of one robot, by slot, for an observer of a type."""
+        self._settle(robot)
         slots = self.slots[observer]
-        return {slot: [b for b in slots.bookings[slot] if b[2] == robot]
+        return {slot: [b for b in slots.row(slot) if b[2] == robot]
                 for of, touched in self._touched[robot] if of is slots for slot in touched}
 
     def cancel(self, robot: str) -> None:
         """Takes a robot out. Does nothing if it is not booked."""
         self.booked.pop(robot, None)
         self._placed.pop(robot, None)
+        gone = {robot}
+        if robot in self._later:
+            for observer, slots in self.slots.items():
+                for slot in self._later.slots(robot, observer):
+                    if slots.is_made(slot):
+                        slots.take_out(slot, gone)
+            self._later.drop(robot)
         for slots, touched in self._touched.pop(robot, ()):
-            bookings, merged = slots.bookings, slots.merged
             for slot in touched:
-                bookings[slot] = [b for b in bookings[slot] if b[2] != robot]
-                merged[slot] = None
+                slots.take_out(slot, gone)
 
     def take_out(self, robots: Sequence[str]) -> TakenOut:
         """Takes out several robots, all of them booked, so that they can be put back quickly."""
         gone = set(robots)
+        for robot in robots:
+            self._settle(robot)
         booked = {robot: self.booked.pop(robot) for robot in robots}
         touched = {robot: self._touched.pop(robot) for robot in robots}
         before = []
         for slots in self.slots.values():
-            bookings, merged = slots.bookings, slots.merged
-            kept = {slot: (bookings[slot], merged[slot]) for per_robot in touched.values()
+            kept = {slot: (slots.row(slot), slots.merged[slot]) for per_robot in touched.values()
                     for of, slots_of in per_robot if of is slots for slot in slots_of}
-            for slot, (old, _) in kept.items():  # new lists: the old ones stay unchanged
-                bookings[slot] = [b for b in old if b[2] not in gone]
-                merged[slot] = None
+            for slot in kept:  # new lists: the old ones stay unchanged
+                slots.take_out(slot, gone)
             before.append((slots, kept))
         return TakenOut(booked, touched, before)
 
@@ -180,14 +197,11 @@ class ReservationTable:
         gone = set(taken.booked)
         since = [entry for robot in gone for entry in self._touched.pop(robot, ())]
         for slots, kept in taken.before:
-            bookings, merged = slots.bookings, slots.merged
             for slot in {slot for of, slots_of in since if of is slots for slot in slots_of}:
                 if slot not in kept:
-                    bookings[slot] = [b for b in bookings[slot] if b[2] not in gone]
-                    merged[slot] = None
+                    slots.take_out(slot, gone)
             for slot, (old, busy) in kept.items():
-                bookings[slot] = old
-                merged[slot] = busy
+                slots.replace(slot, old, busy)
         self.booked.update(taken.booked)
         self._touched.update(taken.touched)
 
@@ -241,10 +255,10 @@ class ReservationTable:
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
         """Each wait and drive of each robot: robot, begin, end, and the (slot, lead) it blocks."""
-        for robot, (kind, vertex, plan, mid_edge, until, held) in self.booked.items():
+        for robot, (kind, vertex, plan, mid_edge, points, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
-            waits = (blocking.wait(vertex) if mid_edge is None
-                     else self.at_point(kind, observer, mid_edge))
+            waits: Iterable[Tuple[int, float]] = (
+                blocking.wait(vertex) if mid_edge is None else points[observer])
             since = -inf
             for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or mid_edge):

@@ -7,7 +7,7 @@ one sweep.
 from __future__ import annotations
 
 from math import inf
-from typing import Dict, Iterable, List, Mapping, Tuple
+from typing import Iterable, List, Mapping, Tuple
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.agents import Agent
@@ -23,39 +23,55 @@ def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
     driving times of `reservations` are used, not its bookings.
     """
     network = reservations.network
-    count = network.drives + network.vertices
-    free_from: Dict[RobotType, List[float]] = {kind: [-inf] * count for kind in reservations.kinds}
-    plans: Plans = {}
-    ready: Dict[str, float] = {}
-    legs: Dict[str, int] = {}
-
-    def use(kind: RobotType, drive: Drive) -> None:
-        for observer, free in free_from.items():
-            for slot, clear, _ in reservations.blocking[kind, observer].drive(drive.drive):
-                if clear > drive.begun:
-                    share = (clear - drive.begun) / (1.0 - drive.begun)
-                    until = drive.start + share * (drive.end - drive.start)
-                    if until > free[slot]:
-                        free[slot] = until
-
-    for name, agent in agents.items():
-        plans[name] = []
-        ready[name], legs[name] = agent.query.served_at(agent.query.vertex, 0,
-                                                         agent.query.ready)
-        for fixed in agent.fixed:
-            use(agent.kind, fixed)
+    lines = {kind: _Line(reservations, kind) for kind in reservations.kinds}
+    drivers = {name: _Driver(agent, lines) for name, agent in agents.items()}
     for name, drive in order:
-        agent, plan = agents[name], plans[name]
-        begun = 0.0
-        if agent.mid_edge and not plan:
-            begun = agent.mid_edge.behind(drive)
-        seconds = network.times(agent.kind)[drive] * (1.0 - begun)
-        start = max(ready[name], free_from[agent.kind][drive])
-        plan.append(Drive(drive, start, start + seconds, begun))
-        use(agent.kind, plan[-1])
-        ready[name], legs[name] = agent.query.served_at(
-            network.destination(drive), legs[name], start + seconds)
-    return plans
+        drivers[name].drive(drive, network.destination(drive))
+    return {name: driver.plan for name, driver in drivers.items()}
+
+
+class _Line:
+    """When each edge is free again for robots of one type, after the drives that came before."""
+
+    def __init__(self, reservations: ReservationTable, kind: RobotType) -> None:
+        self.times = reservations.network.times(kind)
+        self.free_from = [-inf] * (reservations.network.drives // 2)
+        self.blocking = [(other, reservations.blocking[kind, other])
+                         for other in reservations.kinds]
+
+
+class _Driver:
+    """One robot: its plan so far, when it may go on, and the next of its destinations."""
+
+    def __init__(self, agent: Agent, lines: Mapping[RobotType, _Line]) -> None:
+        line = lines[agent.kind]
+        self.plan: Plan = []
+        self._query, self._mid_edge = agent.query, agent.mid_edge
+        self._times, self._free_from = line.times, line.free_from
+        self._blocked = [(lines[other].free_from, blocking.edges)
+                         for other, blocking in line.blocking]
+        self._ready, self._leg = agent.query.served_at(agent.query.vertex, 0, agent.query.ready)
+        for fixed in agent.fixed:
+            self._use(fixed)
+
+    def drive(self, drive: int, destination: int) -> None:
+        """Adds a drive to the plan as soon as the robot, and the edge, are free."""
+        begun = self._mid_edge.behind(drive) if self._mid_edge and not self.plan else 0.0
+        start = max(self._ready, self._free_from[drive >> 1])
+        end = start + self._times[drive] * (1.0 - begun)
+        self.plan.append(Drive(drive, start, end, begun))
+        self._use(self.plan[-1])
+        self._ready, self._leg = self._query.served_at(destination, self._leg, end)
+
+    def _use(self, drive: Drive) -> None:
+        number, start, end, begun = drive
+        seconds = end - start
+        for free_from, edges in self._blocked:
+            for edge, clear in edges(number):
+                if clear > begun:
+                    until = start + (clear - begun) / (1.0 - begun) * seconds
+                    if until > free_from[edge]:
+                        free_from[edge] = until
 
 
 def in_order(plans: Mapping[str, Plan]) -> List[Tuple[str, int]]:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Iterable, List, Optional, Sequence, Tuple
+from typing import AbstractSet, Callable, Iterable, List, Optional, Sequence, Tuple
 
 from fleet_core.planning.blocking import Block
 
@@ -14,25 +14,55 @@ Booking = Tuple[float, float, str]
 """Begin, end, robot. One booking is a time in which one robot blocks without a break."""
 
 
+def _nobody(_: int) -> List[Booking]:
+    return []
+
+
 class Slots:
     """The bookings as one robot type sees them: when it may begin each drive, or wait."""
 
     def __init__(self, drives: int, vertices: int) -> None:
         self.drives = drives
         """Number of slots for drives. The slots for vertices follow them."""
-        self.bookings: List[List[Booking]] = [[] for _ in range(drives + vertices)]
         self.merged: List[Optional[Busy]] = [_NEVER] * (drives + vertices)
         self.horizon = 0.0
         """Time after which nothing changes any more."""
+        self._rows: List[Optional[List[Booking]]] = [None] * (drives + vertices)
+        self._later: Callable[[int], List[Booking]] = _nobody
+
+    def book_later(self, bookings: Callable[[int], List[Booking]]) -> None:
+        """Further bookings, which are made for each slot when it is first looked at."""
+        before, self._rows = self._rows, [None] * len(self._rows)
+        self._later, self.merged = bookings, [None] * len(self._rows)
+        for slot, row in enumerate(before):
+            if row:
+                self._rows[slot] = row + bookings(slot)
+
+    def row(self, slot: int) -> List[Booking]:
+        """The bookings of a slot, in the order in which they were made."""
+        row = self._rows[slot]
+        if row is None:
+            row = self._rows[slot] = self._later(slot)
+        return row
+
+    def is_made(self, slot: int) -> bool:
+        """Were the bookings of a slot made, or looked at, already?"""
+        return self._rows[slot] is not None
+
+    def replace(self, slot: int, row: List[Booking], busy: Optional[Busy] = None) -> None:
+        """Replaces the bookings of a slot; `busy` are their times if they are known."""
+        self._rows[slot] = row
+        self.merged[slot] = busy
+
+    def take_out(self, slot: int, robots: AbstractSet[str]) -> None:
+        """Takes the bookings of these robots out of a slot."""
+        self.replace(slot, [b for b in self.row(slot) if b[2] not in robots])
 
     def add(self, slot: int, begin: float, end: float, robot: str, touched: List[int]) -> None:
         """Books a slot for a robot. Adds the slot to `touched` if it gets a further booking."""
-        row = self.bookings[slot]
-        if row:
-            since, until, name = row[-1]
-            if name == robot and begin <= until:
-                row[-1] = min(since, begin), max(until, end), robot
-                return
+        row = self.row(slot)
+        if extend(row, begin, end, robot):
+            return
         row.append((begin, end, robot))
         self.merged[slot] = None
         touched.append(slot)
@@ -41,10 +71,12 @@ class Slots:
                   touched: List[int]) -> None:
         """Books all blocks of a drive. It is `add` for each, written out because it runs so often.
         """
-        bookings, merged = self.bookings, self.merged
+        rows, merged = self._rows, self.merged
         for slot, clear, lead in blocks:
             begin = start - lead
-            row = bookings[slot]
+            row = rows[slot]
+            if row is None:
+                row = self.row(slot)
             if row:
                 since, until, name = row[-1]
                 if name == robot and begin <= until:
@@ -61,8 +93,16 @@ class Slots:
         """When `slot` is blocked. At the very ends of these times it is free."""
         busy = self.merged[slot]
         if busy is None:
-            busy = self.merged[slot] = merge(self.bookings[slot])
+            busy = self.merged[slot] = merge(self.row(slot))
         return busy
+
+
+def extend(row: List[Booking], begin: float, end: float, robot: str) -> bool:
+    """Extends the last booking of a slot by another one of the same robot, if they overlap."""
+    if not row or row[-1][2] != robot or begin > row[-1][1]:
+        return False
+    row[-1] = min(row[-1][0], begin), max(row[-1][1], end), robot
+    return True
 
 
 def merge(bookings: Sequence[Booking]) -> Busy:

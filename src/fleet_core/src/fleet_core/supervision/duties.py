@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, Optional, Sequence, Tuple
+from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
 
 from fleet_core.planning.tasks import PlannedDrive
 from fleet_core.supervision.missions import Mission, MissionState
@@ -69,11 +69,9 @@ class Visits(NamedTuple):
     reach: Optional[int]
 
 
-def to_visit(robot: ManagedRobot, mission: Mission, now: float) -> Visits:
-    """The next destinations behind those that the granted edges visit already."""
-    graph = robot.record.graph
-    ahead = [graph.end_vertex(edge).id for edge in robot.record.ahead]
-    first = mission.reached + mission.visits(ahead)
+def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float) -> Visits:
+    """The next destinations behind those that the released edges ahead visit already."""
+    first = mission.reached + mission.visits([graph.end_vertex(edge).id for edge in released])
     some = slice(first, first + WINDOW)
     destinations = mission.request.destinations[some]
     reach = some.stop if some.stop < len(mission.request.destinations) else None

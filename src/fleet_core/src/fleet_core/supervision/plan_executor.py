@@ -1,8 +1,9 @@
 """The plan executor: asks the planner for plans, and has the edges granted that are due."""
 from __future__ import annotations
 
+from collections import deque
 from math import inf
-from typing import Dict, Mapping, NamedTuple, Optional
+from typing import AbstractSet, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
 from fleet_core.planning.tasks import Outcome
@@ -12,7 +13,7 @@ from fleet_core.supervision.duties import Duty, goes_until
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.questions import Question, question_of
-from fleet_core.supervision.release import Due, due_edges, has_enough
+from fleet_core.supervision.release import Due, Goal, due_edges, foreseen_edges, has_enough
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.switching import OrderSwitching
 from trajectory_graph import Graph
@@ -20,10 +21,11 @@ from trajectory_graph.drawn_names import edge_name
 
 PLANNER_PATIENCE = 10.0  # s without an answer after which the planner is asked again
 AGAIN = 2.0              # s between two plans while the plan does not serve all robots
-HOLD = 2.0               # s for which granting may be suspended while an answer is due
+HOLD = 2.0               # s for which grants may be limited while an answer is due
 HELD_UP = 5.0            # s for which a due edge may be refused before the plan counts as useless
 USELESS = 3              # number of useless plans in a row after which a person is called
 _OPEN = 3                # number of open questions whose answers are still accepted
+_TIMED = 5               # number of answers of which the slowest tells when the next one comes
 _PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
 _HELD_UP = '/held_up'
 
@@ -41,11 +43,16 @@ class PlanExecutor:
     `go_on` runs one step. It asks the interlocking for the edges that are due by the plan's order,
     and asks the planner for a new plan if the present one is not useful any more.
 
+    Grants go on while the planner works. If they made its last answer useless, then until the next
+    answer only the edges that the question counts as released are granted.
+
     switching -- looks for a better order while robots are late; None: the order stays
+    rate      -- the factor by which robots are faster than the clock
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
-                 outbox: Outbox, switching: Optional[OrderSwitching] = None) -> None:
+                 outbox: Outbox, switching: Optional[OrderSwitching] = None,
+                 rate: float = 1.0) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What each robot waits for, in words; empty: nothing."""
@@ -53,12 +60,14 @@ class PlanExecutor:
         """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
         self._records = {name: robot.record for name, robot in robots.items()}
-        self._switching = switching
+        self._switching, self._rate = switching, rate
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
-        self._is_holding = False
-        """Grants during planning made the last answer useless, so the next answer is waited for."""
+        self._was_useless = False
+        """Grants during planning made the last answer useless."""
+        self._took: Deque[float] = deque([HOLD], _TIMED)
+        """s that the last answers took, at most HOLD."""
         self._is_anew = False
         self._failures = 0                     # in a row; each new question has another seed
         self._delays: Dict[str, _Delay] = {}
@@ -78,7 +87,7 @@ class PlanExecutor:
 
     # -- answers of the planner -------------------------------------------------------------------
 
-    def plan_made(self, number: int, outcome: Outcome, world: World) -> bool:
+    def plan_made(self, number: int, outcome: Outcome, world: World, now: float) -> bool:
         """Uses the planner's answer, even a late one, if it fits. Returns whether it was expected.
         """
         question = self._open.pop(number, None)
@@ -91,8 +100,9 @@ class PlanExecutor:
             self._tell(f'the planner sent a plan that {fault}')
             return True
         self._tell('')
+        self._took.append(min(now - question.asked_at, HOLD))
         plan = question.plan(outcome, world)
-        self._is_holding = plan is None
+        self._was_useless = plan is None
         if plan is not None:
             self.plan = plan
             self._open = {later: one for later, one in self._open.items() if later > number}
@@ -119,17 +129,18 @@ class PlanExecutor:
         is_useful = self._is_useful(world, now)
         if self._switching is not None and self.plan is not None and is_useful and not self._open:
             self.plan = self._switching.better(self.plan, world, now) or self.plan
-        if self.plan is not None and not self._is_held(now) and (
-                is_useful or self._open or self.trouble):
-            self._release(self.plan, world, is_useful, now)
+        if self.plan is not None and (is_useful or self._open or self.trouble):
+            self._release(self.plan, world, now)
         if self._open and now - self._asked_at > PLANNER_PATIENCE:
             self._tell('the planner does not answer')
         self._ask(world, is_useful, now)
 
-    def _is_held(self, now: float) -> bool:
-        """Is granting suspended until the planner's answer is there?"""
-        return bool(self._open) and now - self._asked_at < HOLD and (
-            self._is_holding or bool(self._useless))
+    def _ends(self, now: float) -> Optional[Mapping[str, int]]:
+        """By robot, the number of the edge before which grants end for now; None: they do not."""
+        is_limited = self._was_useless or self._useless
+        if not (self._open and is_limited and now - self._asked_at < HOLD):
+            return None
+        return self._open[max(self._open)].ends
 
     def _is_useful(self, world: World, now: float) -> bool:
         """Is the plan in force still useful?"""
@@ -149,36 +160,35 @@ class PlanExecutor:
                                     f'carried out: {told}. Look at these robots.', '')
         return False
 
-    def _release(self, plan: PlanInForce, world: World, is_useful: bool, now: float) -> None:
+    def _release(self, plan: PlanInForce, world: World, now: float) -> None:
         """Has the edges granted that are due.
 
         If not all assumptions of the plan hold, it does so only for the robots whose assumption
         holds.
         """
-        misfits = frozenset() if is_useful else plan.assumptions.misfits(world)
-        agents = [name for name, errand in world.errands.items()
-                  if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
-        asked = plan.asked_to_move(agents, self._records)
-        versions = world.versions
-        for name, own in plan.plans.items():
+        asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
+        ends, versions = self._ends(now), world.versions
+        for name in plan.plans:
             waits_for = self.waits_for.get(name, '')
             rest = versions[name], name in asked, waits_for, versions.get(waits_for)
             if plan.rests.get(name) == rest:
                 continue
             plan.rests.pop(name, None)
             robot, errand = self._robots[name], world.errands[name]
-            if not robot.works or robot.comes_to_rest or name in misfits:
+            if not self._follows(robot, misfits):
                 self._delays.pop(name, None)
                 continue
-            due = Due([]) if has_enough(robot.record, robot.settings.release_ahead) else due_edges(
-                name, plan, self._records, goes_until(
-                    robot, errand, own, name in asked, plan.assumptions.robots[name].reach),
-                robot.settings.release_ahead)
+            goal = self._goal(name, plan, world, asked)
+            if ends is not None:
+                goal = goal._replace(until=min(goal.until, ends.get(name, 0)))
+            due = Due([]) if has_enough(robot.record, goal.ahead) else due_edges(
+                name, plan, self._records, goal)
             self.waits_for[name] = due.waits_for
             if not due.edges:
                 self._delays.pop(name, None)
-                plan.rests[name] = (versions[name], name in asked, due.waits_for,
-                                    versions.get(due.waits_for))
+                if ends is None:
+                    plan.rests[name] = (versions[name], name in asked, due.waits_for,
+                                        versions.get(due.waits_for))
                 continue
             serial = errand.mission.serial if errand.mission is not None else 0
             renews = bool(serial) and self._missions.get(name, serial) != serial
@@ -187,6 +197,35 @@ class PlanExecutor:
                 self._missions[name] = serial or self._missions.get(name, 0)
                 self._outbox.robot_changed(name)
             self._note_refusal(name, given.refusal, now)
+
+    def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
+        """Robots that must make room for those with an errand."""
+        return plan.asked_to_move(
+            [name for name, errand in world.errands.items()
+             if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved],
+            self._records)
+
+    @staticmethod
+    def _follows(robot: ManagedRobot, misfits: AbstractSet[str]) -> bool:
+        """May a robot be granted more of its plan?"""
+        return robot.works and not robot.comes_to_rest and robot.name not in misfits
+
+    def _goal(self, name: str, plan: PlanInForce, world: World, asked: AbstractSet[str]) -> Goal:
+        robot = self._robots[name]
+        return Goal(goes_until(robot, world.errands[name], plan.plans[name], name in asked,
+                               plan.assumptions.robots[name].reach), robot.settings.release_ahead)
+
+    def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
+        """The edges that will be due before the planner answers, and that robots may have now."""
+        asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
+        goals: Dict[str, Goal] = {}
+        for name in plan.plans:
+            robot = self._robots[name]
+            if self._follows(robot, misfits):
+                goal = self._goal(name, plan, world, asked)
+                way = robot.type.speed * self._rate * max(self._took)
+                goals[name] = goal._replace(ahead=goal.ahead + way)
+        return foreseen_edges(goals, plan, self._records, self._interlocking.would_grant)
 
     def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:
         if refusal is not None:
@@ -211,7 +250,8 @@ class PlanExecutor:
         # A plan that cannot be carried out is not kept.
         kept = None if self._useless or self._is_anew else self.plan
         self._is_anew = False
-        question = question_of(world, kept, self._failures, now)
+        question = question_of(world, kept, self._failures, now,
+                               {} if kept is None else self._foreseen(kept, world))
         self._asked_at = now
         self._number += 1
         if not question.tasks:

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Tuple
+from types import MappingProxyType
+from typing import Dict, List, Mapping, Optional, Tuple
 
 from fleet_core.planning.tasks import Obstacle, Outcome, PlannedDrive, Task
 from fleet_core.supervision.assumptions import (
@@ -24,12 +25,17 @@ _MID_EDGE = 1e-6  # the smallest fraction of an edge at which a robot counts as 
 
 @dataclass(frozen=True)
 class Question:
-    """A question to the planner, and the assumptions of the answer."""
+    """A question to the planner, and the assumptions of the answer.
+
+    ends -- by robot, the number in its record behind the last edge that the question counts as
+            released; grants up to there do not make the answer useless
+    """
 
     tasks: Tuple[Task, ...]
     obstacles: Tuple[Obstacle, ...]
     assumptions: Assumptions
     asked_at: float
+    ends: Mapping[str, int]
 
     def plan(self, outcome: Outcome, world: World) -> Optional[PlanInForce]:
         """The plan in an answer; None: a robot was granted edges meanwhile that the plan lacks.
@@ -61,9 +67,15 @@ class Question:
                        for number in range(self.assumptions.robots[name].end, records[name].end))
 
 
-def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float) -> Question:
-    """The places and errands of all robots, as a question to the planner."""
+def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float,
+                foreseen: Mapping[str, Tuple[int, ...]] = MappingProxyType({})) -> Question:
+    """The places and errands of all robots, as a question to the planner.
+
+    plan     -- the plan that the planner is to keep as far as it can; None: there is none
+    foreseen -- by robot, the edges that count as released although they are not granted yet
+    """
     tasks: List[Task] = []
+    ends: Dict[str, int] = {}
     obstacles: List[Obstacle] = []
     assumed: Dict[str, Assumption] = {}
     for name, robot in world.robots.items():
@@ -75,17 +87,22 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
                                       tuple(sorted(edges)), tuple(areas)))
         elif assumption.role is not Role.ABSENT:
             own = plan.plan_of(name) if plan is not None else None
-            task, reach = _task(robot, errand, own, now)
+            further = foreseen.get(name, ())
+            ends[name] = robot.record.end + len(further)
+            task, reach = _task(robot, errand, own, now, further)
             tasks.append(task)
             assumption = assumption._replace(reach=reach)
         assumed[name] = assumption
     return Question(tuple(tasks), tuple(obstacles),
-                    Assumptions(assumed, world.network.closed, seed), now)
+                    Assumptions(assumed, world.network.closed, seed), now, ends)
 
 
-def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan],
-          now: float) -> Tuple[Task, Optional[int]]:
-    """The planner's task for a robot, and the number of its mission's destinations in that task."""
+def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float,
+          further: Tuple[int, ...]) -> Tuple[Task, Optional[int]]:
+    """The planner's task for a robot, and the number of its mission's destinations in that task.
+
+    further -- the edges behind the granted ones that count as released
+    """
     record, mission = robot.record, errand.mission
     vertex: Optional[int] = None
     mid_edge: Optional[Tuple[int, float]] = None
@@ -102,12 +119,14 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan],
     priority = 0
     reach: Optional[int] = None
     if errand.duty is Duty.MISSION and mission is not None:
-        destinations, dwells, reach = to_visit(robot, mission, now)
+        destinations, dwells, reach = to_visit((*record.ahead, *further), record.graph, mission,
+                                               now)
         priority = mission.request.priority
     elif errand.duty is Duty.CHARGE and errand.dock is not None:
         destinations = (errand.dock,)
-    return Task(robot.name, robot.type, vertex, held, begun, mid_edge, 0.0, destinations, dwells,
-                errand.duty is Duty.CHARGE, _kept(own, record.end), priority), reach
+    return Task(robot.name, robot.type, vertex, (*held, *further), begun, mid_edge, 0.0,
+                destinations, dwells, errand.duty is Duty.CHARGE,
+                _kept(own, record.end + len(further)), priority), reach
 
 
 def _kept(own: Optional[RobotPlan], end: int) -> Optional[Tuple[PlannedDrive, ...]]:

@@ -3,10 +3,15 @@
 An edge is due only when all robots that use a conflicting place before, by the order of the plan,
 have left that place. A grant is final. So a robot is granted no more than it needs in order not to
 brake.
+
+Grants go on while the planner works. Its answer fits only if its plans begin with all edges that
+were granted meanwhile. So a question names the edges that are *foreseen*: they will be due before
+the answer is there, and the robots may have all of them at once. The planner counts them as
+released.
 """
 from __future__ import annotations
 
-from typing import List, Mapping, NamedTuple
+from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.plan_in_force import PlanInForce
@@ -19,24 +24,34 @@ class Due(NamedTuple):
     waits_for: str = ''
 
 
+class Goal(NamedTuple):
+    """How far a robot is to be granted edges.
+
+    until -- number of the record's edge before which it must stop in any case
+    ahead -- m of edges that it needs ahead of itself
+    """
+
+    until: int
+    ahead: float
+
+
 def has_enough(record: RouteRecord, ahead: float) -> bool:
     """Has a robot more than `ahead` m to drive, so that no edge is due for it?"""
     return not record.is_standing and record.distance_ahead() > ahead
 
 
-def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord], until: int,
-              ahead: float) -> Due:
+def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
+              goal: Goal) -> Due:
     """The edges that one robot is to be granted.
 
-    until -- number of the record's edge before which it must stop in any case
-    ahead -- m: the first edge that ends farther ahead than this is the last one that is due
+    The first edge that ends farther ahead than the goal says is the last one that is due.
     """
     own, record = plan.plans[name], records[name]
     edges: List[int] = []
     distance = record.distance_ahead()
     number = record.end
-    while number < min(until, own.base + len(own.drives)):
-        if distance > ahead and not (number == record.end and record.is_standing):
+    while number < min(goal.until, own.base + len(own.drives)):
+        if distance > goal.ahead and not (number == record.end and record.is_standing):
             break
         other = plan.in_the_way(name, number - own.base, records)
         if other:
@@ -46,3 +61,27 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord], 
         distance += record.graph.curve(edge).length
         number += 1
     return Due(edges)
+
+
+MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
+"""Returns, of the edges of each robot, the longest beginnings that all may have now, at once."""
+
+
+def foreseen_edges(goals: Mapping[str, Goal], plan: PlanInForce,
+                   records: Mapping[str, RouteRecord],
+                   may_have: MayHave) -> Mapping[str, Tuple[int, ...]]:
+    """The edges that the planner may count as released although they are not granted yet.
+
+    They are due by the present plan already. So the other robots have left all places that they
+    had to leave before, and a plan that begins with these edges exists: the present one.
+
+    goals -- of the robots that follow the plan; `ahead` includes the way until the answer
+    """
+    due = {name: due_edges(name, plan, records, goal).edges for name, goal in goals.items()
+           if _ends_certainly(records[name])}
+    return may_have(due)
+
+
+def _ends_certainly(record: RouteRecord) -> bool:
+    """Is it certain that the record ends at a vertex, and at which one?"""
+    return record.last_vertex is not None and (bool(record.ahead) or not record.protocol.held)

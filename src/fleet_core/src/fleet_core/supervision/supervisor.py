@@ -112,7 +112,7 @@ class Supervisor:
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
-                                          switching)
+                                          switching, rate)
         self.interlocking.stored(self._everywhere)
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
@@ -495,7 +495,7 @@ class Supervisor:
 
     def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
         """Handles the planner's answer. An answer that does not fit any more is ignored."""
-        if self.plan_executor.plan_made(number, outcome, self._world()):
+        if self.plan_executor.plan_made(number, outcome, self._world(), now):
             self._go_on(now)
         return self._actions(now)
 

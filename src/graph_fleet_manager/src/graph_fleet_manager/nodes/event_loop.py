@@ -1,13 +1,10 @@
 """The queue of the fleet manager: events from callbacks, and ticks of the clock between them.
 
-The order of events:
+`turns` has the order of the kinds of events. Within a kind the order is that of arrival, but:
 
-- Stops come first.
-- Reports, commands and answers follow, in the order of their arrival. Only the newest report of a
-  robot waits. It has the turn of the oldest one that it replaces.
-- A tick comes when it is due, after all reports, commands and answers that arrived before it.
-- Requests get the time that is left, and at least one turn between two ticks. When no request is
-  left, a tick is due at once.
+- An answer of the planner counts as a command.
+- Only the newest report of a robot waits. It has the turn of the oldest one that it replaces.
+- When no request is left, a tick is due at once.
 - A command is preceded by the waiting requests for the mission that it names.
 
 Requests and commands are not repeated by their senders, so they wait until there is a supervisor.
@@ -29,8 +26,8 @@ from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.mission_commands import refused
 from fleet_core.supervision.missions import Change, Command, Request
 from fleet_core.supervision.supervisor import Supervisor
+from graph_fleet_manager.nodes.turns import Kind, Turns, Waiting
 
-TICK = 0.05       # s between two ticks
 STALL = 1.0       # s without a look at the clock after which the process counts as halted
 RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
 BATCH = 100       # most requests in one commit, so that urgent events do not wait for more
@@ -45,10 +42,10 @@ ReportEvent = Callable[[Supervisor, float, float], Sequence[Action]]
 """An event that needs a supervisor; gets the present time, then the time of its arrival."""
 
 
-class _Waiting(NamedTuple):
-    """An event and the time of its arrival; `number` orders events with the same time."""
+class _Arrived(NamedTuple):
+    """A report and the time of its arrival; `number` orders reports with the same time."""
 
-    arrived: float
+    at: float
     number: int
     event: Event
 
@@ -65,50 +62,52 @@ class SupervisorEvents:
         self._changed = threading.Condition()
         self._numbers = itertools.count()
         self._stops: Deque[Event] = deque()
-        self._events: List[_Waiting] = []  # a heap
+        self._commands: Deque[Event] = deque()
+        self._reports: List[_Arrived] = []  # a heap
         self._newest: Dict[str, Tuple[ReportEvent, float]] = {}  # with the time of its arrival
         self._requests: OrderedDict[int, Request] = OrderedDict()
         self._by_id: Dict[int, List[int]] = {}  # numbers of the requests with an id
         self._room = threading.Semaphore(_WAITING)
         self._request_room = threading.Semaphore(_WAITING)
         self._is_ready = False
-        self._early: List[_Waiting] = []
-        """Events that came before there was a supervisor."""
-        self._due = self._looked = clock()
-        self._heard: Optional[float] = None
-        """A tick is due after all events that arrived until this time; None: no tick is due."""
-        self._had_turn = False  # whether requests had a turn since the last tick
+        self._early: List[Event] = []
+        """Commands that came before there was a supervisor."""
+        self._looked = clock()
+        self._turns = Turns(self._looked)
 
     # -- callbacks --------------------------------------------------------------------------------
 
     def put(self, event: Event) -> None:
-        """Queues an event. Blocks while too many events wait."""
-        self._put(event, self._clock())
-
-    def _put(self, event: Event, arrived: float) -> None:
+        """Queues a command. Blocks while too many commands and reports wait."""
         self._room.acquire()
         with self._changed:
-            heapq.heappush(self._events, _Waiting(arrived, next(self._numbers), event))
+            self._commands.append(event)
             self._changed.notify()
 
     def put_urgent(self, event: Event) -> None:
-        """Queues an event that is taken before all that wait, such as a stop. Never blocks."""
+        """Queues a stop, which is taken before all that wait. Never blocks."""
         with self._changed:
             self._stops.append(event)
             self._changed.notify()
 
     def put_report(self, event: ReportEvent, key: str = '') -> None:
-        """Queues an event that is dropped without a supervisor, because its sender repeats it.
+        """Queues a report. It is dropped without a supervisor, because its sender repeats it.
 
-        key -- the event takes the place of one with the same key that still waits; empty: of none
+        key -- the report takes the place of one with the same key that still waits; empty: of none
         """
         arrived = self._clock()
         key = key or f'{next(self._numbers)}'
         with self._changed:
             is_waiting = key in self._newest
             self._newest[key] = event, arrived
-        if not is_waiting:
-            self._put(lambda supervisor, now: self._report(key, supervisor, now), arrived)
+        if is_waiting:
+            return
+        self._room.acquire()
+        with self._changed:
+            heapq.heappush(self._reports, _Arrived(
+                arrived, next(self._numbers),
+                lambda supervisor, now: self._report(key, supervisor, now)))
+            self._changed.notify()
 
     def _report(self, key: str, supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
         with self._changed:
@@ -116,20 +115,18 @@ class SupervisorEvents:
         return () if supervisor is None else event(supervisor, now, arrived)
 
     def put_order(self, event: ReadyEvent, lost: str = '') -> None:
-        """Queues an event that its sender does not repeat: it is kept until there is a supervisor.
+        """Queues a command that its sender does not repeat: it is kept until there is a supervisor.
 
-        lost -- the warning if the event is lost because too many are kept already
+        lost -- the warning if the command is lost because too many are kept already
         """
-        arrived = self._clock()
-
         def when_ready(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is not None:
                 return event(supervisor, now)
             if len(self._early) >= MOST_OPEN:
                 return (Note(lost, True),) if lost else ()
-            self._early.append(_Waiting(arrived, next(self._numbers), when_ready))
+            self._early.append(when_ready)
             return ()
-        self._put(when_ready, arrived)
+        self.put(when_ready)
 
     def put_command(self, request_id: int, command: Command,
                     change: Optional[Change] = None, requested_by: str = '') -> None:
@@ -161,57 +158,57 @@ class SupervisorEvents:
     # -- the thread that takes them ---------------------------------------------------------------
 
     def begin(self) -> None:
-        """Queues the events that were kept until there is a supervisor, in their order."""
+        """Queues the commands that were kept until there is a supervisor, in their order."""
         with self._changed:
             self._is_ready = True
             early, self._early = self._early, []
-            for waiting in early:
-                heapq.heappush(self._events, waiting)
+            self._commands.extendleft(reversed(early))
+            for _ in early:
                 self._room.acquire(blocking=False)
 
     def hurry(self, due: Optional[float]) -> None:
         """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
-        if due is not None:
-            self._due = min(self._due, due)
+        self._turns.hurry(due)
 
     def take(self) -> Event:
         """Waits for the next event or tick, and returns it."""
         with self._changed:
+            is_due = False
             while True:
                 before, now = self._looked, self._clock()
                 self._looked = now
                 if now - before > STALL:
-                    self._due, self._heard = now + RECOVERY, None
-                if self._heard is None and now >= self._due:
-                    self._heard = now
-                event = self._next()
-                if event is not None:
-                    return event
-                if self._heard is not None:
-                    return self._tick(self._heard)
-                if not self._changed.wait(self._due - now):
-                    self._heard = max(self._clock(), self._due)
+                    self._turns.put_off(now + RECOVERY)
+                elif is_due:
+                    now = max(now, self._turns.due)
+                kind = self._turns.next(self._waiting(), now)
+                if kind is not None:
+                    return self._taken_of(kind)
+                is_due = not self._changed.wait(self._turns.due - now)
 
-    def _next(self) -> Optional[Event]:
-        """The next event that comes before the tick; None if there is none."""
-        if self._stops:
+    def _waiting(self) -> Waiting:
+        return Waiting(bool(self._stops), bool(self._commands),
+                       self._reports[0].at if self._reports else None,
+                       bool(self._requests) and (self._is_ready or bool(self._trouble())))
+
+    def _taken_of(self, kind: Kind) -> Event:
+        if kind is Kind.TICK:
+            return self._tick(self._turns.heard)
+        if kind is Kind.REQUEST:
+            return self._accept('' if self._is_ready else self._trouble())
+        if kind is Kind.STOP:
             return self._stops.popleft()
-        if self._events and (self._heard is None or self._events[0].arrived <= self._heard):
-            self._room.release()
-            return heapq.heappop(self._events).event
-        if self._requests and (self._heard is None or not self._had_turn):
-            trouble = '' if self._is_ready else self._trouble()
-            if self._is_ready or trouble:
-                return self._accept(trouble)
-        return None
+        self._room.release()
+        if kind is Kind.COMMAND:
+            return self._commands.popleft()
+        return heapq.heappop(self._reports).event
 
     def _accept(self, trouble: str) -> Event:
         """An event for up to BATCH requests; `trouble` is the reason if they are refused."""
-        self._had_turn = True
         requests = [self._taken(number)
                     for number in list(itertools.islice(self._requests, BATCH))]
         if not self._requests:
-            self._due = self._clock()  # a tick at once, so that a robot begins without delay
+            self._turns.hurry(self._clock())  # at once, so that a robot begins without delay
         return lambda supervisor, now: (
             [TellStatus(refused(request, trouble)) for request in requests]
             if supervisor is None else supervisor.requests(requests, now))
@@ -230,6 +227,8 @@ class SupervisorEvents:
         return request
 
     def _tick(self, heard: float) -> Event:
-        self._due = self._clock() + TICK
-        self._heard, self._had_turn = None, False
-        return lambda supervisor, now: () if supervisor is None else supervisor.tick(now, heard)
+        def tick(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+            actions = () if supervisor is None else supervisor.tick(now, heard)
+            self._turns.ended(self._clock())
+            return actions
+        return tick

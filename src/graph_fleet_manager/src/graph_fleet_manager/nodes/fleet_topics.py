@@ -1,7 +1,7 @@
 """The publishers of the supervisor: routes, statuses, plan requests, and the fleet's state."""
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, Optional, Sequence, Tuple
 
 import rospy
 
@@ -22,7 +22,7 @@ from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.edge_times import TimesSent
 from graph_fleet_manager.messages.planning import request_message
 from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
-from graph_fleet_manager.nodes.sending import send
+from graph_fleet_manager.nodes.sending import Newcomers, send
 from itrci_nav_msgs.msg import FleetState, MissionStatus, PlanAnswer, TargetRoute
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 
@@ -50,11 +50,11 @@ class FleetTopics:
         self._times = TimesSent()
         self._route_stamps: Dict[str, rospy.Time] = {}
         self._statuses = rospy.Publisher('/mission_status', MissionStatus, queue_size=2 * MOST_OPEN,
-                                         subscriber_listener=_Newcomers(newcomer))
+                                         subscriber_listener=Newcomers(newcomer))
         self._states = rospy.Publisher('/fleet_state', FleetState, queue_size=1, latch=True)
         self._plans = FleetPlanTopic(rate)
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
-                                         subscriber_listener=_Newcomers(self._ask_newcomer))
+                                         subscriber_listener=Newcomers(self._ask_newcomer))
         self._routes = {robot: rospy.Publisher(f'/{robot}/target_route', TargetRoute,
                                                queue_size=10) for robot in robots}
 
@@ -128,15 +128,3 @@ class FleetTopics:
 def status_message(status: Status) -> MissionStatus:
     """A status as a message with the present time as its stamp."""
     return messages.status_message(status, rospy.Time.now())
-
-
-class _Newcomers(rospy.SubscribeListener):
-    """Calls `tell(publish)` for every new subscriber."""
-
-    def __init__(self, tell: Callable[[Callable[[Any], None]], None]) -> None:
-        super().__init__()
-        self._new = tell
-
-    def peer_subscribe(self, topic_name: str, topic_publish: Callable[[Any], None],
-                       peer_publish: Callable[[Any], None]) -> None:
-        self._new(peer_publish)

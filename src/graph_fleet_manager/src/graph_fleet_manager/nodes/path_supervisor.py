@@ -277,13 +277,13 @@ class PathSupervisor:
                 f'/{robot}/battery_state')
 
     def _on_answer(self, message: PlanAnswer) -> None:
-        def take(supervisor: Supervisor, now: float, _: float) -> Sequence[Action]:
-            if not self._topics.is_answered(message):
+        def take(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+            if supervisor is None or not self._topics.is_answered(message):
                 return ()
             if message.result == PlanAnswer.PLANNED:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
-        self._events.put_report(take)
+        self._events.put(take)
 
 
 def _note_stop_address() -> None:

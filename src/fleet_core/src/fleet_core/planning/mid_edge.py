@@ -1,0 +1,31 @@
+"""Where a robot stands between two vertices."""
+from __future__ import annotations
+
+from math import inf
+from typing import List, NamedTuple, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.planning.road_network import RoadNetwork
+
+
+class MidEdgePosition(NamedTuple):
+    """A robot that stands at a fraction of a drive, at x, y (m), free to go on in both directions.
+    """
+
+    drive: int
+    fraction: float
+    x: float
+    y: float
+
+    def behind(self, drive: int) -> float:
+        """The fraction of `drive`, one of the drives on its edge, that lies behind the robot."""
+        return self.fraction if drive == self.drive else 1.0 - self.fraction
+
+    def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
+        """The drives by which it may leave, as (drive, vertex at its end, seconds to it).
+
+        A closed edge, and a drive into a dock, are allowed.
+        """
+        times = network.times(kind)
+        return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))
+                for drive in (self.drive, self.drive ^ 1) if times[drive] < inf]
