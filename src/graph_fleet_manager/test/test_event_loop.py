@@ -13,7 +13,7 @@ from fleet_core.supervision.missions import Command, MissionState, Request
 from fleet_core.supervision.outages import Outage
 from graph_fleet_manager.nodes import event_loop
 from graph_fleet_manager.nodes.event_loop import BATCH, SupervisorEvents
-from graph_fleet_manager.nodes.turns import LATEST, TICK, Kind
+from graph_fleet_manager.nodes.turns import LATEST, TICK, TurnKind
 from world.supervised_fleet import SupervisedFleet
 
 
@@ -209,7 +209,7 @@ def test_whatever_comes_and_however_long_it_takes_the_order_is_kept(seed):
         due, free, since_tick = now + TICK, watched.clock.now, []
         if watched.waiting('command') or watched.waiting('report'):
             assert watched.loop._turns.next(watched.loop._waiting(), free) not in (
-                None, Kind.TICK), 'one tick keeps all others away'
+                None, TurnKind.TICK), 'one tick keeps all others away'
     for kind in watched.arrived:
         numbers = watched.taken[kind]
         assert numbers == list(range(len(numbers))), f'each {kind} must be taken once, in order'

@@ -49,7 +49,7 @@ from fleet_core.supervision import questions, release
 from fleet_core.supervision.assumptions import Assumption, Assumptions, Role, World
 from fleet_core.supervision.duties import Duty
 from fleet_core.supervision.plan_in_force import PlanInForce
-from fleet_core.supervision.release import Goal
+from fleet_core.supervision.release import GrantGoal
 from trajectory_graph import Graph
 
 _NOWHERE = (frozenset(), frozenset(), frozenset())
@@ -230,7 +230,7 @@ class Fleet:
         if state.asked is not None and state.asked.is_limited:
             until = state.asked.bases[k] + len(state.asked.released[k])
         due = release.due_edges(self.names[k], self.plan_in_force(state.plan),
-                                self._all_records(state), Goal(until, _AHEAD))
+                                self._all_records(state), GrantGoal(until, _AHEAD))
         return due.edges[0] if due.edges else None
 
     def _ask(self, state: State) -> State:
@@ -238,7 +238,7 @@ class Fleet:
         foreseen: Mapping[str, Sequence[int]] = {}
         if state.plan is not None:
             plan = self.plan_in_force(state.plan)
-            goals = {name: Goal(_TO_THE_END, self._further) for name in self.names}
+            goals = {name: GrantGoal(_TO_THE_END, self._further) for name in self.names}
             if self._without is Guard.DUE:
                 plan = self.plan_in_force(state.plan._replace(order=()))
             foreseen = release.foreseen_edges(

@@ -13,7 +13,7 @@ from fleet_core.supervision.duties import Duty, goes_until
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.questions import Question, question_of
-from fleet_core.supervision.release import Due, Goal, due_edges, foreseen_edges, has_enough
+from fleet_core.supervision.release import Due, GrantGoal, due_edges, foreseen_edges, has_enough
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.switching import OrderSwitching
 from trajectory_graph import Graph
@@ -210,21 +210,21 @@ class PlanExecutor:
         """May a robot be granted more of its plan?"""
         return robot.works and not robot.comes_to_rest and robot.name not in misfits
 
-    def _goal(self, name: str, plan: PlanInForce, world: World, asked: AbstractSet[str]) -> Goal:
+    def _goal(self, name: str, plan: PlanInForce, world: World, asked: AbstractSet[str]) -> GrantGoal:
         robot = self._robots[name]
-        return Goal(goes_until(robot, world.errands[name], plan.plans[name], name in asked,
+        return GrantGoal(goes_until(robot, world.errands[name], plan.plans[name], name in asked,
                                plan.assumptions.robots[name].reach), robot.settings.release_ahead)
 
     def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
         """The edges that will be due before the planner answers, and that robots may have now."""
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
-        goals: Dict[str, Goal] = {}
+        goals: Dict[str, GrantGoal] = {}
         for name in plan.plans:
             robot = self._robots[name]
             if self._follows(robot, misfits):
                 goal = self._goal(name, plan, world, asked)
-                way = robot.type.speed * self._rate * max(self._took)
-                goals[name] = goal._replace(ahead=goal.ahead + way)
+                distance = robot.type.speed * self._rate * max(self._took)
+                goals[name] = goal._replace(ahead=goal.ahead + distance)
         return foreseen_edges(goals, plan, self._records, self._interlocking.would_grant)
 
     def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:

@@ -24,7 +24,7 @@ class Due(NamedTuple):
     waits_for: str = ''
 
 
-class Goal(NamedTuple):
+class GrantGoal(NamedTuple):
     """How far a robot is to be granted edges.
 
     until -- number of the record's edge before which it must stop in any case
@@ -41,7 +41,7 @@ def has_enough(record: RouteRecord, ahead: float) -> bool:
 
 
 def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
-              goal: Goal) -> Due:
+              goal: GrantGoal) -> Due:
     """The edges that one robot is to be granted.
 
     The first edge that ends farther ahead than the goal says is the last one that is due.
@@ -67,7 +67,7 @@ MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
 """Returns, of the edges of each robot, the longest beginnings that all may have now, at once."""
 
 
-def foreseen_edges(goals: Mapping[str, Goal], plan: PlanInForce,
+def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
                    records: Mapping[str, RouteRecord],
                    may_have: MayHave) -> Mapping[str, Tuple[int, ...]]:
     """The edges that the planner may count as released although they are not granted yet.

@@ -26,7 +26,7 @@ from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.mission_commands import refused
 from fleet_core.supervision.missions import Change, Command, Request
 from fleet_core.supervision.supervisor import Supervisor
-from graph_fleet_manager.nodes.turns import Kind, Turns, Waiting
+from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 
 STALL = 1.0       # s without a look at the clock after which the process counts as halted
 RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
@@ -191,15 +191,15 @@ class SupervisorEvents:
                        self._reports[0].at if self._reports else None,
                        bool(self._requests) and (self._is_ready or bool(self._trouble())))
 
-    def _taken_of(self, kind: Kind) -> Event:
-        if kind is Kind.TICK:
+    def _taken_of(self, kind: TurnKind) -> Event:
+        if kind is TurnKind.TICK:
             return self._tick(self._turns.heard)
-        if kind is Kind.REQUEST:
+        if kind is TurnKind.REQUEST:
             return self._accept('' if self._is_ready else self._trouble())
-        if kind is Kind.STOP:
+        if kind is TurnKind.STOP:
             return self._stops.popleft()
         self._room.release()
-        if kind is Kind.COMMAND:
+        if kind is TurnKind.COMMAND:
             return self._commands.popleft()
         return heapq.heappop(self._reports).event
 

@@ -21,7 +21,7 @@ TICK = 0.05    # s between two ticks
 LATEST = 0.2   # s for which commands and reports may keep away a tick that is due
 
 
-class Kind(Enum):
+class TurnKind(Enum):
     """What has its turn."""
 
     STOP = 'stop'
@@ -64,29 +64,29 @@ class Turns:
         self.due, self._due_since = due, None
         self._free = max(self._free, due)
 
-    def next(self, waiting: Waiting, now: float) -> Optional[Kind]:
+    def next(self, waiting: Waiting, now: float) -> Optional[TurnKind]:
         """What has its turn; None: nothing before the next tick is due."""
         if self._due_since is None and now >= self.due:
             self._due_since = now
         since = self._due_since
         if waiting.stop:
-            return Kind.STOP
+            return TurnKind.STOP
         is_late = since is not None and now >= max(self.due, self._free) + LATEST
         if waiting.command and not is_late:
-            return Kind.COMMAND
+            return TurnKind.COMMAND
         if waiting.report is not None and not is_late and (
                 since is None or waiting.report <= since):
-            return Kind.REPORT
+            return TurnKind.REPORT
         if waiting.request and (since is None or not self._had_turn):
             self._had_turn = True
-            return Kind.REQUEST
+            return TurnKind.REQUEST
         return None if since is None else self._tick(waiting, since, now)
 
-    def _tick(self, waiting: Waiting, since: float, now: float) -> Kind:
+    def _tick(self, waiting: Waiting, since: float, now: float) -> TurnKind:
         heard = since if waiting.report is None else min(since, waiting.report)
         self.heard = max(self.heard, heard)
         self.due, self._due_since, self._had_turn = now + TICK, None, False
-        return Kind.TICK
+        return TurnKind.TICK
 
     def ended(self, now: float) -> None:
         """The tick, as the last event, has ended."""
