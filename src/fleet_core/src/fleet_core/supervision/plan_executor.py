@@ -210,10 +210,12 @@ class PlanExecutor:
         """May a robot be granted more of its plan?"""
         return robot.works and not robot.comes_to_rest and robot.name not in misfits
 
-    def _goal(self, name: str, plan: PlanInForce, world: World, asked: AbstractSet[str]) -> GrantGoal:
+    def _goal(self, name: str, plan: PlanInForce, world: World,
+              asked: AbstractSet[str]) -> GrantGoal:
         robot = self._robots[name]
-        return GrantGoal(goes_until(robot, world.errands[name], plan.plans[name], name in asked,
-                               plan.assumptions.robots[name].reach), robot.settings.release_ahead)
+        until = goes_until(robot, world.errands[name], plan.plans[name], name in asked,
+                           plan.assumptions.robots[name].reach)
+        return GrantGoal(until, robot.settings.release_ahead)
 
     def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
         """The edges that will be due before the planner answers, and that robots may have now."""
