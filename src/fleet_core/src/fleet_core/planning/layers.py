@@ -10,6 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from heapq import heappop, heappush
 from math import ceil, inf
+from sys import float_info
 from time import monotonic as time_now
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
@@ -19,6 +20,7 @@ from fleet_core.planning.safe_intervals import CHECKED, Arrival, plan_from
 from fleet_core.planning.slots import Busy, Slots
 
 _ROUNDING = 1e-9  # of a layer
+_NO_VERTEX = -2   # the target behind the last leg
 
 Search = Callable[..., Optional[Tuple[float, Plan]]]
 
@@ -34,8 +36,12 @@ def layered(seconds: float) -> Search:
 
 def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
                arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
-    rests, legs = query.rests, len(query.destinations)
-    states = _States(query, slots, layer, latest)
+    legs, targets = len(query.destinations), (*query.destinations, _NO_VERTEX)
+    to_go, later = _estimates(query)
+    best: Dict[Tuple[int, int, int], float] = {}
+    nodes: List[Tuple] = []
+    heap: List[Tuple[float, int, int]] = []
+    latest = min(latest, float_info.max)  # an infinite cost means that there is no path
     arrivals = arrivals or [(-1, 0.0, query.vertex, query.ready)]
     node, leg, served = -1, 0, query.ready
     steps = 0
@@ -43,38 +49,10 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
         steps += 1
         if steps % CHECKED == 0 and time_now() > deadline:
             return None
-        states.add(arrivals, node, leg, served)
-        if not states.heap:
-            return None
-        cost, _, node = heappop(states.heap)
-        vertex, now, leg, served, until, k = states.nodes[node][:6]
-        if leg == legs and (rests is None or (until == inf and vertex in rests)):
-            return cost, plan_from(states.nodes, node)
-        arrivals = _moves(query, slots, vertex, now, (k + 1) * layer, until)
-
-
-class _States:
-    """The states that a search has reached, and those from which it has not gone on yet.
-
-    nodes -- vertex, time, leg, last service, until when the vertex is free, layer, and the arrival
-    heap  -- cost, minus the layer, and number of the node
-    """
-
-    def __init__(self, query: PathQuery, slots: Slots, layer: float, latest: float) -> None:
-        self.nodes: List[Tuple] = []
-        self.heap: List[Tuple[float, int, int]] = []
-        self._query, self._slots, self._layer, self._latest = query, slots, layer, latest
-        self._best: Dict[Tuple[int, int, int], float] = {}
-
-    def add(self, arrivals: Sequence[Arrival], node: int, leg: int, served: float) -> None:
-        """Adds the states in which arrivals from a node end, if they may be the best."""
-        query, slots, layer, best = self._query, self._slots, self._layer, self._best
-        targets, to_go, stays = query.destinations, query.to_go, query.rests is None
-        legs = len(targets)
         for drive, begin, end, arrival in arrivals:
             until = _free_until(slots.busy(slots.drives + end), arrival)
             new_leg, new_served, leaves = leg, served, arrival
-            if leg < legs and targets[leg] == end:
+            if targets[leg] == end:
                 new_leg, new_served, leaves = _serve(query, leg, served, arrival, until)
             k = ceil(leaves / layer - _ROUNDING)
             time = max(k * layer, leaves)
@@ -82,17 +60,34 @@ class _States:
                 continue
             if new_leg < legs:
                 cost = time + to_go[new_leg][end]
-            elif stays:
-                cost = new_served
             else:
-                cost = new_served + query.later * (time - new_served + to_go[new_leg][end])
+                cost = new_served + later * (time - new_served + to_go[new_leg][end])
             # After the horizon nothing changes, so that of all later layers only the first counts.
             key = (end, k if time <= slots.horizon else -1, new_leg)
-            if cost <= self._latest and cost < inf and cost < best.get(key, inf):
+            if cost <= latest and cost < best.get(key, inf):
                 best[key] = cost
-                heappush(self.heap, (cost, -k, len(self.nodes)))
-                self.nodes.append((end, time, new_leg, new_served, until, k,
-                                   node, drive, begin, arrival))
+                heappush(heap, (cost, -k, len(nodes)))
+                nodes.append((end, time, new_leg, new_served, until, k,
+                              node, drive, begin, arrival))
+        if not heap:
+            return None
+        cost, _, node = heappop(heap)
+        vertex, now, leg, served, until, k = nodes[node][:6]
+        if leg == legs and _may_rest(query, vertex, until):
+            return cost, plan_from(nodes, node)
+        arrivals = _moves(query, slots, vertex, now, (k + 1) * layer, until)
+
+
+def _estimates(query: PathQuery) -> Tuple[Sequence[Sequence[float]], float]:
+    """The seconds to go for each leg and behind the last one, and the weight of a second there."""
+    if query.rests is None:  # the search ends at the last destination
+        return (*query.to_go, [0.0] * len(query.roads)), 0.0
+    return query.to_go, query.later
+
+
+def _may_rest(query: PathQuery, vertex: int, until: float) -> bool:
+    """May the robot end at this vertex, which is free `until` then?"""
+    return query.rests is None or (until == inf and vertex in query.rests)
 
 
 def _serve(query: PathQuery, leg: int, served: float, arrival: float,
@@ -115,8 +110,9 @@ def _serve(query: PathQuery, leg: int, served: float, arrival: float,
 def _moves(query: PathQuery, slots: Slots, vertex: int, now: float, next_layer: float,
            until: float) -> List[Arrival]:
     """The drives that the robot may begin now, and waiting until the next layer."""
+    busy = slots.busy
     moves = [(drive, now, end, now + seconds) for drive, end, seconds in query.roads[vertex]
-             if _free_until(slots.busy(drive), now) >= now]
+             if _free_until(busy(drive), now) >= now]
     # after the horizon nothing changes any more
     if next_layer <= until and now <= slots.horizon:
         moves.append((-1, now, vertex, next_layer))
