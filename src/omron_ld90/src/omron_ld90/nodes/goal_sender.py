@@ -69,7 +69,7 @@ from omron_ld90.operator.goal_clicks import (
     resolve_click,
     targets_of,
 )
-from omron_ld90.operator.localizing import Judged, Localizing
+from omron_ld90.operator.localizing import ASKED_FOR, Judged, LocalizeQuestion, Localizing
 from omron_ld90.operator.notices import Notice, Severity
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
@@ -116,7 +116,7 @@ class GoalSender:
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
         self._given: Dict[int, Given] = {}  # commands under way, by number
-        self._localizing = Localizing()
+        self._localizing, self._question = Localizing(), LocalizeQuestion()
         self._count = 0
         self._heading: Optional[float] = None  # degrees
 
@@ -218,7 +218,9 @@ class GoalSender:
         with self._lock:
             if action is Action.LOCALIZE and target:
                 self._localize(target)
-            elif action is Action.GO and target:
+                return
+            self._question.forget()
+            if action is Action.GO and target:
                 self._drive_to(target)
             elif action is Action.STOP:
                 self._give(COMMANDS[action], None)
@@ -231,6 +233,12 @@ class GoalSender:
             self._feedback.say(
                 Severity.BAD, f'Which way does the robot face at {target}? Use 2D Pose Estimate.',
                 target.place)
+            return
+        if not self._rule.refusal() and not self._question.is_confirmed(
+                target.place, time.monotonic()):
+            self._feedback.say(
+                Severity.INFO, f'Does the robot stand at {target}? If it does, choose "'
+                f'{Action.LOCALIZE.value}" once more within {ASKED_FOR:.0f} s.', target.place)
             return
         self._drive(f'{LOCALIZE} {millimetres(target.x)} {millimetres(target.y)} '
                     f'{round(heading)}', target)
