@@ -30,6 +30,7 @@ def topic(monkeypatch) -> Topic:
     monkeypatch.setattr(rospy, 'on_shutdown', lambda _: None)
     monkeypatch.setattr(rospy, 'Timer', lambda *_: type('Timer', (), {'shutdown': None}))
     monkeypatch.setattr(rospy.Time, 'now', staticmethod(lambda: rospy.Time(100)))
+    monkeypatch.setattr(link_reports, 'PATIENCE', 0.0)
     return published
 
 
@@ -78,6 +79,33 @@ def test_a_link_that_stays_as_it_is_is_logged_once(logged):
     assert logged == [f'Link "commands" to {ROBOT} is down: connection refused.']
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
     assert logged[1:] == [f'Link "commands" to {ROBOT} is up.']
+
+
+REFUSED = Link(LinkPhase.DISCONNECTED, ROBOT, 'connection refused')
+
+
+def test_while_the_programs_of_a_start_begin_a_robot_that_was_not_reached_is_no_warning(
+        logged, monkeypatch):
+    monkeypatch.setattr(link_reports, 'PATIENCE', 1000.0)
+    reporter = LinkReporter(LinkState.COMMANDS)
+    for link in (REFUSED, Link(LinkPhase.CONNECTING, ROBOT, 'connecting')):
+        reporter.report(link)
+        reporter._repeat()
+    assert logged == [] and diagnosis(reporter).level == DiagnosticStatus.WARN
+    monkeypatch.setattr(link_reports, 'PATIENCE', 0.0)
+    for _ in range(2):
+        reporter._repeat()
+    assert logged == [f'Link "commands" to {ROBOT} is down: connection refused.']
+
+
+def test_what_a_start_does_not_mend_is_told_at_once(logged, monkeypatch):
+    monkeypatch.setattr(link_reports, 'PATIENCE', 1000.0)
+    reporter = LinkReporter(LinkState.COMMANDS)
+    reporter.report(Link(LinkPhase.WRONG_PASSWORD, ROBOT, 'wrong password'))
+    reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    reporter.report(REFUSED)
+    assert [line.split(': ')[-1] for line in logged] == [
+        'wrong password.', f'Link "commands" to {ROBOT} is up.', 'connection refused.']
 
 
 def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):

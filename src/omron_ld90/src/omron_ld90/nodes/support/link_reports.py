@@ -29,6 +29,7 @@ _STATES: Dict[LinkPhase, int] = {
 }
 _WORDS = {**{state: phase.value for phase, state in _STATES.items()},
           LinkState.MISCONFIGURED: 'misconfigured'}
+PATIENCE = 15.0  # s after the start in which a robot that was not reached yet is no trouble
 REPEATED = 1.0  # s between two messages about a link that has not changed
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
 
@@ -88,6 +89,9 @@ class LinkReporter:
         self._last_reported: Optional[Link] = None
         self._since = rospy.Time.now()
         self._connections = 0
+        self._began = time.monotonic()
+        self._awaited: Optional[Link] = None
+        """A link that is down, which is told after PATIENCE."""
         self._last_line: Optional[float] = None
         self._lines = 0
         self._counted = (time.monotonic(), 0)
@@ -102,6 +106,14 @@ class LinkReporter:
         with self._lock:
             if self._message is not None:
                 self._publisher.publish(self._message)
+        awaited = self._awaited
+        if awaited is not None and not self._may_wait(awaited):
+            self._log_change(awaited)
+
+    def _may_wait(self, link: Link) -> bool:
+        """Whether the robot was not reached yet, and the nodes of a normal start still begin."""
+        return (link.phase is not LinkPhase.WRONG_PASSWORD and not self._connections
+                and time.monotonic() - self._began < PATIENCE)
 
     def report(self, link: Link) -> None:
         """Takes and publishes a change of the link."""
@@ -117,16 +129,22 @@ class LinkReporter:
         if link.connected:
             self._connections += 1
         if link.phase in _LASTING and link != self._last_reported:
-            self._last_reported = link
-            if link.connected:
-                rospy.loginfo('Link "%s" to %s is up.', self._name, link.peer)
-                if link.reason:
-                    warn('link', f'Link "{self._name}" to {link.peer}: {link.reason}.')
-            elif rospy.core.is_shutdown_requested():  # is_shutdown() is still False here
-                rospy.loginfo('Link "%s" to %s is closed, because this node ends.', self._name,
-                              link.peer)
+            if self._may_wait(link):
+                self._awaited = link
             else:
-                warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
+                self._log_change(link)
+
+    def _log_change(self, link: Link) -> None:
+        self._last_reported, self._awaited = link, None
+        if link.connected:
+            rospy.loginfo('Link "%s" to %s is up.', self._name, link.peer)
+            if link.reason:
+                warn('link', f'Link "{self._name}" to {link.peer}: {link.reason}.')
+        elif rospy.core.is_shutdown_requested():  # is_shutdown() is still False here
+            rospy.loginfo('Link "%s" to %s is closed, because this node ends.', self._name,
+                          link.peer)
+        else:
+            warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         """Task for diagnostic_updater."""
@@ -137,6 +155,8 @@ class LinkReporter:
         if link.connected:
             status.summary(DiagnosticStatus.WARN if link.reason else DiagnosticStatus.OK,
                            link.reason or 'connected')
+        elif self._may_wait(link):
+            status.summary(DiagnosticStatus.WARN, f'connecting: {link.reason}')
         else:
             status.summary(DiagnosticStatus.ERROR, f'{link.phase.value}: {link.reason}')
         now = time.monotonic()
