@@ -48,6 +48,7 @@ from fleet_core.supervision.actions import (
     SendRoute,
     TellStatus,
 )
+from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.missions import Mission, Status
 from fleet_core.supervision.settings import RobotSettings
@@ -68,8 +69,9 @@ class _CountingJournal(Journal):
     def store(self, missions: Iterable[Mission] = (),
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
               values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None) -> None:
-        super().store(missions, robots, values, graph, stays)
+              stays: Optional[Mapping[int, float]] = None,
+              stop: Optional[FleetStop] = None) -> None:
+        super().store(missions, robots, values, graph, stays, stop)
         self.commits += 1
 
 

@@ -22,13 +22,13 @@ def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service
     monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
     monkeypatch.setattr(fleet_acts.rospy, 'wait_for_service', lambda *_: None)
 
-    def proxy(*of):
-        called.append(of)
+    def proxy(*of, headers):
+        called.append((*of, headers['requested_by']))
         return lambda: DeclareAbsentResponse(True, 'a: done.')
     monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', proxy)
     fleet_acts.FleetActs(said.put).act(act, Subject(robot='a'))
     assert said.get(timeout=10.0) == 'a: done.'
-    assert called == [(service, kind)] and act in ROBOT_MENU
+    assert called == [(service, kind, rospy.get_name())] and act in ROBOT_MENU
 
 
 @pytest.mark.parametrize('answer, expected', [
@@ -40,7 +40,7 @@ def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected
     said = queue.Queue()
     monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
     monkeypatch.setattr(fleet_acts.rospy, 'wait_for_service', lambda *_: None)
-    monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', lambda *_: lambda: answer)
+    monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', lambda *_, **__: lambda: answer)
     fleet_acts.FleetActs(said.put).act(Act.RESUME_ALL, Subject())
     assert said.get(timeout=10.0) == expected
 

@@ -93,13 +93,13 @@ class FleetActs:
 
     def _stop(self) -> None:
         try:
-            self._say(stop())
+            self._say(stop(rospy.get_name()))
         except CommandError as error:
             self._say(f'{Act.STOP_ALL.value}: NOT DONE: {error}')
 
     def _call(self, service: str, kind: Type[Any], act: Act) -> None:
         try:
-            self._say(call(service, kind) or f'{act.value}: done')
+            self._say(call(service, kind, requested_by=rospy.get_name()) or f'{act.value}: done')
         except ServiceSilent as error:
             self._say(f'{act.value}: NOT DONE, {error}')
         except ServiceRefused as reason:

@@ -35,7 +35,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
         status.summary(DiagnosticStatus.ERROR, 'no mission is accepted and no robot gets anything '
                                                f'new to drive: {supervisor.trouble}')
     elif supervisor.is_stopped:
-        status.summary(DiagnosticStatus.WARN, 'the fleet is stopped')
+        status.summary(DiagnosticStatus.WARN, supervisor.stop.words(time.time()).rstrip('.'))
     elif no_plan:
         status.summary(DiagnosticStatus.WARN, f'there is no plan: {no_plan}')
     elif out:

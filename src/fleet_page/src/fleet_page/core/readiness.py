@@ -1,0 +1,36 @@
+"""The last line of a start: which robots are ready, so that people know that they may begin."""
+from __future__ import annotations
+
+from typing import Iterable, Optional
+
+from fleet_page.core.fleet import Robot
+
+LIMIT = 30.0  # s after the first news of the fleet, within which all robots should report
+_AWAITED = ('OFFLINE', 'UNKNOWN')
+
+
+class Readiness:
+    """Tells once that the fleet is ready."""
+
+    def __init__(self) -> None:
+        self._since: Optional[float] = None
+        self._is_told = False
+
+    def words(self, robots: Iterable[Robot], is_stopped: bool, now: float) -> str:
+        """The sentences that tell it; empty: it is told already, or robots are still awaited.
+
+        now -- time of these news, in s
+        """
+        if self._is_told:
+            return ''
+        self._since = now if self._since is None else self._since
+        known = [robot for robot in robots if robot.state != 'ABSENT']
+        awaited = [robot.name for robot in known if robot.state in _AWAITED]
+        if not known or (awaited and now - self._since < LIMIT):
+            return ''
+        self._is_told = True
+        ready = len(known) - len(awaited)
+        told = f'Ready: {ready} robot{"" if ready == 1 else "s"}.'
+        if awaited:
+            told += f' Not ready, because they do not report: {", ".join(awaited)}.'
+        return told + (' The fleet is stopped: press Go on.' if is_stopped else '')
