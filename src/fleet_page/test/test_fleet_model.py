@@ -155,16 +155,17 @@ def test_an_act_that_was_not_done_says_so_in_the_audit_list(tmp_path):
 
 def test_a_start_tells_once_that_all_robots_are_ready():
     readiness = Readiness()
-    assert readiness.words([robot('a', state='OFFLINE'), robot('b')], False, 10.0) == ''
-    assert readiness.words([], False, 11.0) == ''
+    assert readiness.words([robot('a', state='OFFLINE'), robot('b')], True, False, 10.0) == ''
+    assert readiness.words([], True, False, 11.0) == ''
     robots = [robot('a'), robot('b', state='FAILED'), robot('c', state='ABSENT')]
-    assert readiness.words(robots, False, 12.0) == 'Ready: 2 robots.'
-    assert readiness.words(robots, False, 13.0) == ''
+    assert readiness.words(robots, False, False, 12.0) == '', 'the graph is being surveyed'
+    assert readiness.words(robots, True, False, 12.5) == 'Ready: 2 robots.'
+    assert readiness.words(robots, True, False, 13.0) == ''
 
 
 def test_a_robot_that_does_not_report_is_named_after_a_while():
     readiness, robots = Readiness(), [robot('a'), robot('b', state='UNKNOWN')]
-    assert readiness.words(robots, True, 10.0) == ''
-    assert readiness.words(robots, True, 10.0 + LIMIT) == (
+    assert readiness.words(robots, True, True, 10.0) == ''
+    assert readiness.words(robots, True, True, 10.0 + LIMIT) == (
         'Ready: 1 robot. Not ready, because they do not report: b. The fleet is stopped: '
         'press Go on.')

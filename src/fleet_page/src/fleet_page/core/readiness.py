@@ -16,17 +16,19 @@ class Readiness:
         self._since: Optional[float] = None
         self._is_told = False
 
-    def words(self, robots: Iterable[Robot], is_stopped: bool, now: float) -> str:
+    def words(self, robots: Iterable[Robot], is_surveyed: bool, is_stopped: bool,
+              now: float) -> str:
         """The sentences that tell it; empty: it is told already, or robots are still awaited.
 
-        now -- time of these news, in s
+        is_surveyed -- whether the graph is surveyed, which logs several lines
+        now         -- time of these news, in s
         """
         if self._is_told:
             return ''
         self._since = now if self._since is None else self._since
         known = [robot for robot in robots if robot.state != 'ABSENT']
         awaited = [robot.name for robot in known if robot.state in _AWAITED]
-        if not known or (awaited and now - self._since < LIMIT):
+        if not known or ((awaited or not is_surveyed) and now - self._since < LIMIT):
             return ''
         self._is_told = True
         ready = len(known) - len(awaited)

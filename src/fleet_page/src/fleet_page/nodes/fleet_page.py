@@ -118,7 +118,7 @@ class FleetPageNode:
         asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
         shown = 'localhost' if is_loopback(settings.listen) else settings.listen
         self._address = f'{"https" if settings.is_secure else "http"}://{shown}:{settings.port}'
-        self._readiness = Readiness()
+        self._readiness, self._is_surveyed = Readiness(), False
         self._subscribers = self._subscribe(parameter('~map_topic', '/fleet/map'))
         rospy.loginfo('The fleet is shown at %s', self._address)
 
@@ -195,6 +195,7 @@ class FleetPageNode:
 
     def _on_parking(self, message: ParkingPlaces) -> None:
         self._page.site.parking = frozenset(message.vertices)
+        self._is_surveyed = True
         self._page.model.site_changed()
 
     def _on_docks(self, message: DockingPoints) -> None:
@@ -212,8 +213,9 @@ class FleetPageNode:
     def _on_state(self, message: FleetState) -> None:
         self._page.model.show_stop(stop_of(message.stop))
         self._page.model.take_robots(map(messages.robot_of, message.robots), time.time())
-        ready = self._readiness.words(self._page.model.robots.values(),
-                                      stop_of(message.stop).is_in_force, time.monotonic())
+        ready = self._readiness.words(
+            self._page.model.robots.values(), self._is_surveyed,
+            stop_of(message.stop).is_in_force, time.monotonic())
         if ready:
             rospy.loginfo('%s Open %s, click destinations on the map, and press Send.', ready,
                           self._address)
