@@ -22,7 +22,7 @@ def test_every_state_has_its_word(state):
     robot = FleetRobot(name='a', type='agv', state=int(state),
                        outage_code=FleetRobot.OUTAGE_SILENT)
     line = fleet._listed(FleetState(robots=[robot]), None).splitlines()[1]
-    assert line.split('agv')[1].strip().startswith(state.name.lower().replace('_', ' '))
+    assert line.split('agv')[1].strip().startswith(state.words)
 
 
 def test_below_its_row_it_says_how_each_robot_without_work_comes_back():

@@ -33,7 +33,14 @@ class RobotState(IntEnum):
     ABSENT = 9
     UNKNOWN = 10
 
+    @property
+    def words(self) -> str:
+        """The state as people read it, on the page, in RViz and in `fleet list`."""
+        return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
+
+_WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
+          RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
     Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
     Outage.LOST_LINK: RobotState.OFFLINE, Outage.DEAF: RobotState.OFFLINE,

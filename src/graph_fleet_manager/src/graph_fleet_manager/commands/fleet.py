@@ -41,7 +41,7 @@ from trajectory_graph.messages import graph_from_message
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _NAMES = {int(state): state.name for state in RobotState}
 _AT_VERTEX = 0.01     # share of an edge at its ends that counts as the vertex
-_STATES = {state: name.lower().replace('_', ' ') for state, name in _NAMES.items()}
+_STATES = {int(state): state.words for state in RobotState}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
