@@ -10,6 +10,7 @@ from visualization_msgs.msg import Marker
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from graph_fleet_manager.nodes.rviz import stop_picture
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.menus import BUTTON, BUTTON_ABOVE
 from graph_fleet_manager.nodes.rviz.picture import PictureChanges
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
@@ -110,15 +111,16 @@ def test_its_label_stands_beside_it_in_its_hue():
     assert above.color == below.color == drawing.own_colour(3, WORDS_SATURATION)
 
 
-def test_a_stop_is_a_red_frame_and_words_that_stay_below_the_graph():
+def test_a_stop_is_a_red_frame_and_words_that_stay_above_the_buttons():
     stop = FleetStop(StopCause.PERSON, 'anna (page)', 1e9)
     frame, words = stop_markers(GRAPH, stop, 1e9 + 60.0)
     assert frame.color == words.color == RED
     assert min(point.x for point in frame.points) < 0.0 < 6.0 < max(p.x for p in frame.points)
     assert 'The fleet is stopped since' in ' '.join(words.text.split())
     assert 'by anna (page).' in ' '.join(words.text.split())
-    bottom = min(point.y for point in frame.points)
-    assert words.pose.position.y + stop_picture.TEXT_HEIGHT < bottom
+    lines = len(words.text.splitlines())
+    assert words.pose.position.y - stop_picture.TEXT_HEIGHT * lines / 2.0 > (
+        max(vertex.y for vertex in GRAPH.vertices.values()) + BUTTON_ABOVE + BUTTON[1] / 2.0)
     assert stop_markers(GRAPH, NOT_STOPPED, 1e9) == []
 
 

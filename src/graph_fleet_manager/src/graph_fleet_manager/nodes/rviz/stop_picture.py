@@ -14,7 +14,7 @@ from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 MARGIN, WIDTH = 1.0, 0.16  # m, of the frame
-WORDS_ABOVE = 0.9          # m from the frame to the middle of the words
+WORDS_ABOVE = 2.1          # m from the frame to the words, which are above the buttons
 TEXT_HEIGHT = 0.6
 LINES = 4                  # most lines of the words
 LETTER = 0.6               # mean width of a letter, as a share of its height
@@ -34,7 +34,7 @@ def stop_markers(graph: Graph, stop: FleetStop, now: float) -> List[Marker]:
     markers = [
         drawing.lines('stop', 0, RED, WIDTH, [np.array([
             (left, low), (right, low), (right, high), (left, high), (left, low)])], 0.3),
-        drawing.text('stop', 1, words, ((left + right) / 2.0, low - WORDS_ABOVE - height / 2.0),
+        drawing.text('stop', 1, words, ((left + right) / 2.0, high + WORDS_ABOVE + height / 2.0),
                      TEXT_HEIGHT, RED, z=2.0)]
     for marker in markers:
         marker.lifetime = rospy.Duration(LIFETIME)
