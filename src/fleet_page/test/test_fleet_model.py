@@ -157,15 +157,15 @@ def test_a_start_tells_once_that_all_robots_are_ready():
     readiness = Readiness()
     assert readiness.words([robot('a', state='OFFLINE'), robot('b')], True, False, 10.0) == ''
     assert readiness.words([], True, False, 11.0) == ''
-    robots = [robot('a'), robot('b', state='FAILED'), robot('c', state='ABSENT')]
+    assert readiness.words([robot('a'), robot('b', state='OFF_GRAPH')], True, False, 11.5) == ''
+    robots = [robot('a'), robot('b', state='IDLE'), robot('c', state='ABSENT')]
     assert readiness.words(robots, False, False, 12.0) == '', 'the graph is being surveyed'
     assert readiness.words(robots, True, False, 12.5) == 'Ready: 2 robots.'
     assert readiness.words(robots, True, False, 13.0) == ''
 
 
-def test_a_robot_that_does_not_report_is_named_after_a_while():
+def test_a_robot_that_is_not_ready_is_named_after_a_while():
     readiness, robots = Readiness(), [robot('a'), robot('b', state='UNKNOWN')]
     assert readiness.words(robots, True, True, 10.0) == ''
     assert readiness.words(robots, True, True, 10.0 + LIMIT) == (
-        'Ready: 1 robot. Not ready, because they do not report: b. The fleet is stopped: '
-        'press Go on.')
+        'Ready: 1 robot. Not ready: b (place unknown). The fleet is stopped: press Go on.')
