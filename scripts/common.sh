@@ -82,6 +82,33 @@ die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 # operating_system: prints the id and the version of the system, such as "debian 12"
 operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
 
+# with_progress LOG COMMAND...: appends the output of a command to LOG, and meanwhile shows the last line of LOG and the time:
+# on a terminal in one line that changes, else in a line every 15 s. The command stays in the foreground, so Ctrl-C ends it.
+with_progress() {
+  local log="$1" status=0; shift
+  _tell_progress "$log" $$ &
+  local teller=$!
+  "$@" >>"$log" 2>&1 || status=$?
+  kill "$teller" 2>/dev/null || true
+  wait "$teller" 2>/dev/null || true
+  [ ! -t 1 ] || printf '\r%80s\r' ''
+  return "$status"
+}
+
+# _tell_progress LOG SCRIPT: tells until it is ended, or until the process SCRIPT has ended.
+_tell_progress() {
+  local began=$SECONDS told=0 last
+  while sleep 1 && kill -0 "$2" 2>/dev/null; do
+    last="$(tail -n 1 "$1" | tr -cd '[:print:]' | cut -c1-65)"
+    if [ -t 1 ]; then
+      printf '\r   %4d s  %-65s' "$((SECONDS - began))" "$last"
+    elif ((SECONDS - began >= told + 15)); then
+      told=$((SECONDS - began))
+      printf '   %4d s  %s\n' "$told" "$last"
+    fi
+  done
+}
+
 # prepare PACKAGE_LINE...: installs those of these packages that are missing, and builds the workspace.
 prepare() {
   export PATH="/usr/bin:$PATH"  # ROS needs /usr/bin/python3, even if another python3 comes first in PATH
@@ -119,8 +146,10 @@ install_missing() {
   fi
   mkdir -p "$root/build"
   local log="$root/build/install.log"
-  "${sudo[@]}" apt-get update -q >"$log" 2>&1 || true  # an error here is harmless if the packages can be installed
-  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing >>"$log" 2>&1 ||
+  : >"$log"
+  with_progress "$log" "${sudo[@]}" apt-get update -q || true  # an error here is harmless if the packages can be installed
+  with_progress "$log" "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -q --no-install-recommends $missing ||
     die "packages could not be installed; check the network. $(grep -m1 '^E:' "$log") (whole log: $log)"
 }
 
@@ -143,7 +172,8 @@ _build() {
   local begun="$root/build/.begun" log="$root/build/build.log"
   touch "$begun"
   # without --force-cmake, CMake does not notice a new Python package
-  (cd "$root" && catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3) >"$log" 2>&1 || {
+  : >"$log"
+  with_progress "$log" env -C "$root" catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 || {
     tail -20 "$log" >&2
     die "the build failed; the whole log is $log"
   }

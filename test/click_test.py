@@ -148,21 +148,24 @@ class ClickTest(unittest.TestCase):
 
     def test_one_click_on_a_handle_goes_once_though_rviz_sends_several_events(self):
         def handle_is_ready() -> bool:  # the marker server ignores the first second of a handle
-            self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=3)
+            self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=2)
             return 'stop' in self.sent()
         wait_until(handle_is_ready, 10.0, 'stop')
         for event in (InteractiveMarkerFeedback.MOUSE_DOWN, InteractiveMarkerFeedback.BUTTON_CLICK,
                       InteractiveMarkerFeedback.MOUSE_UP):
             self.handle_event(event, near='24')
         wait_until(lambda: 'goto 24' in self.sent(), 10.0, 'the drive')
-        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=3)
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=2)
         wait_until(lambda: self.sent()[-1] == 'stop', 10.0, 'the stop after the drive')
         self.assertEqual(1, self.sent().count('goto 24'), self.sent())
 
     def test_the_menu_of_a_handle_relocalises_and_stops(self):
-        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
-        self.told('localizeToPoint')
         self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
+        self.told('Does the robot stand at')
+        self.assertEqual([], self.sent())
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
+        self.told('localizeToPoint')
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
         self.told('stop done')
         dock = self.lab.find('16')
         heading = round(dock.theta)
@@ -178,7 +181,7 @@ class ClickTest(unittest.TestCase):
                        for text in self.feedback.messages[self.feedback_before:])
         wait_until(refused, 20.0, 'a refusal')
         self.note_what_was()
-        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='12', menu_entry=3)
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='12', menu_entry=2)
         wait_until(lambda: 'stop' in self.sent(), 10.0, 'stop')
 
     def test_with_allow_takeover_a_click_is_sent_while_a_route_runs(self):
@@ -227,7 +230,8 @@ class ClickTest(unittest.TestCase):
     def localize_is_answered(self, words: str) -> bool:
         """Sets the robot's place to the dock; true if an answer comes, and it has these words."""
         heard = len(self.feedback.messages)
-        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
+        for _ in range(2):  # the first time the node asks whether the robot is there
+            self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
         try:
             answer = self.feedback.wait_for(
                 lambda text: 'Not sent' in text.data or 'localizeToPoint' in text.data, 4.0,

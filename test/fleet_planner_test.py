@@ -224,7 +224,9 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual([0, 0], [one.wait(30) for one in operators])
         self.assertEqual([3, 8], list(self.closed.messages[-1].edges))
         said, _ = self.edge('open', '3').communicate(timeout=30)
-        self.assertEqual('Closed edges: 8\n', said)
+        head, *closed = (line.split() for line in said.splitlines())
+        self.assertEqual(['closed', 'edge'], head[:2])
+        self.assertEqual(['8'], [row[0] for row in closed])
 
     def edge(self, *words: str) -> subprocess.Popen[str]:
         return subprocess.Popen(['rosrun', 'graph_fleet_manager', 'edge', *words],

@@ -28,7 +28,8 @@ from graph_fleet_manager.nodes.rviz.menus import (
     VERTEX_MENU,
     MenuAct,
 )
-from graph_fleet_manager.nodes.rviz.robot_picture import GREY
+from graph_fleet_manager.nodes.rviz.robot_picture import GREY, RED
+from graph_fleet_manager.nodes.rviz.stop_picture import MARGIN
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionStatus
 from omron_ld90.nodes.rviz_view import RvizConfiguration
 from rviz_drawing import drawing
@@ -162,11 +163,13 @@ class FleetByMouse(unittest.TestCase):
         wait_until(lambda: len(self.factory.moved(before)) >= 2, 60.0, 'two robots drive')
         self.press(MenuAct.STOP_ALL, 'Every robot was told to stop')
         self.factory.wait_until_all_stand()
-        self.window.picture('fleet_rviz_stopped')
+        self.window.wait_for_picture('fleet_rviz_stopped', lambda picture: (
+            [] if self.is_framed(picture) else ['the red frame of a stopped fleet']))
         stood = self.factory.places()
         self.press(MenuAct.RESUME_ALL, 'The fleet goes on')
         wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
-        self.window.picture('fleet_rviz_going_on')
+        self.window.wait_for_picture('fleet_rviz_going_on', lambda picture: (
+            ['no red frame'] if self.is_framed(picture) else []))
         known, place = len(self.feedback.messages), self.place_at(self.free_vertex())
         self.choose(lambda: place, VERTEX_MENU, MenuAct.STOP_ALL,
                     lambda: self.was_said('Every robot was told to stop', known))
@@ -253,6 +256,13 @@ class FleetByMouse(unittest.TestCase):
         self.factory.wait_until_all_stand()
         return next(name for name, place in self.factory.places().items()
                     if self.is_clickable(place, 1.5, name))
+
+    def is_framed(self, picture: Image.Image) -> bool:
+        """True if the graph has the red frame of a stopped fleet: its left side is looked at."""
+        places = [vertex.position for vertex in self.factory.graph.vertices.values()]
+        side = (min(x for x, _ in places) - MARGIN,
+                (min(y for _, y in places) + max(y for _, y in places)) / 2.0)
+        return self.painted(picture, side, RED) > 20
 
     def painted(self, picture: Image.Image, place: Place, paint: ColorRGBA) -> int:
         """The number of pixels of about that colour around a place."""

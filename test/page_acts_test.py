@@ -25,7 +25,7 @@ from fleet_support import READY, Factory, Place, Simulators, free_fleet_ports
 from fleet_page.core.acts import ActKind
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionRequest, MissionStatus
 from node_lifecycle.watchdog import STANDSTILL
-from system_support import Recorder, run_cases, wait_until
+from system_support import Recorder, kill_node, run_cases, wait_until
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path('fleet_page'), 'test'))
 from browser import MISSING, Browser  # noqa: E402
@@ -149,10 +149,13 @@ class FleetOnThePage(unittest.TestCase):
     def test_5_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
         self.send(33, 26, 33, 26, robot_type='agv', robot=SECOND)
         self.wait_until_moved(SECOND)
+        self.assertEqual('', self.stop_bar())
         self.window.click('#stop')
         self.wait_until_standing(SECOND)
+        self.the_stop_outlives_restarts()
         self.window.click('#resume')
         self.wait_until_moved(SECOND)
+        self.window.wait(lambda: self.stop_bar() == '', 'no bar any more')
         self.window.picture('system')
         self.window.click('#tab_button_robots')
         self.robot_button(SECOND, ActKind.OUT)
@@ -185,6 +188,26 @@ class FleetOnThePage(unittest.TestCase):
                           if status.level != DiagnosticStatus.OK}, set())
 
     # --- the page --------------------------------------------------------------------------------
+
+    def stop_bar(self) -> str:
+        """The words of the red bar; empty: it is not shown."""
+        return str(self.window.script('''const bar = document.getElementById('stopped');
+            return bar.hidden ? '' : bar.textContent;'''))
+
+    def the_stop_outlives_restarts(self) -> None:
+        """Who has stopped the fleet is told by restarted programs, too."""
+        self.window.wait(lambda: ', by local (page).' in self.stop_bar(), 'the red bar')
+        told = self.stop_bar()
+        kill_node('/path_supervisor')
+        self.factory.state.wait_for(
+            lambda state: state.stop.by == 'local (page)', 30.0,
+            'state of the new fleet manager', len(self.factory.state.messages))
+        kill_node('/fleet_page')
+        wait_until(self.is_served, 40.0, 'the page is back')
+        self.window.open(self.url)
+        self.window.wait(lambda: self.stop_bar() == told, 'the same bar')
+        self.window.picture('stopped_system')
+        self.factory.wait_for_state(SECOND, FleetRobot.BUSY)
 
     def compose(self, *vertices: int, robot: str = '', robot_type: str = '',
                 first_stay: bool = False, priority: int = 0) -> None:

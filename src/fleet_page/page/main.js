@@ -1,7 +1,7 @@
 // The frame of the page: login, tabs, robots, edges, alarms, and the answers to acts.
 import { $, make, showRows } from './dom.js';
 import { all, entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
-import { dateOf, duration, language, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
+import { dateOf, duration, language, momentOf, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
 import { chooseRobot, drawMoving, drawnEdge, framesDrawn, knowsEdge, outageWords, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
@@ -31,6 +31,8 @@ function say(text) {
 
 function showLogin() {
   unfollow();
+  me = { role: null, login: true };
+  showStop();
   $('fleet').hidden = $('alarms').hidden = $('logout').hidden = true;
   $('stop').disabled = $('resume').disabled = true;
   $('login').hidden = false;
@@ -80,6 +82,7 @@ function drawChanges() {
     loadSite().then(() => { siteChanged(); showPlaces(site.vertices); showEdges(); }, () => { shownSite = null; });
   }
   if (!keys || keys.has('closed')) redraw();
+  showStop();
   drawMoving(keys);
   showLink();
 }
@@ -94,6 +97,16 @@ function showLink() {
   if ($('link').textContent !== words) $('link').textContent = words;
   $('link').className = isCut || isDead ? 'bad' : '';
   $('moving').classList.toggle('stale', isCut || isDead);
+}
+
+// The title of the window tells of a stop also in a tab behind others.
+function showStop() {
+  const stop = me.role && entries.get('stop');
+  const words = stop ? [t('stopped'), stop.since ? t('stopped_since', { time: momentOf(stop.since) }) : '', stop.by ? t('stopped_by', stop) : '', stop.why ? t('stopped_why', { why: said(stop.why) }) : '', t('stopped_until')].join('') : '';
+  if ($('stopped').textContent !== words) $('stopped').textContent = words;
+  $('stopped').hidden = !stop;
+  $('resume').classList.toggle('main', Boolean(stop));
+  document.title = stop ? t('title_stopped') : t('title');
 }
 
 function showLists() {
@@ -206,7 +219,7 @@ async function setLanguage(name) {
   await useLanguage(name);
   $('language').value = language;
   for (const element of [$('stop'), $('resume')]) element.title = element.textContent;
-  showLists(); drawMoving(null); showLink();
+  showLists(); drawMoving(null); showLink(); showStop();
 }
 
 async function main() {

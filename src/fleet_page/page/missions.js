@@ -79,7 +79,8 @@ export function showMissions(person, language) {
   const open = missions.filter(mission => OPEN.includes(mission.state)).sort((a, b) => (b.priority || 0) - (a.priority || 0) || a.stamp - b.stamp);
   const ended = missions.filter(mission => !OPEN.includes(mission.state)).reverse().slice(0, 100);
   const now = Date.now() / 1000;
-  showRows($('open'), open.map(mission => ({ ...mission, left: mission.ends_at ? duration(mission.ends_at - now) : '', editing: editing === mission.id })), mission => mission.key, missionRow, language + me.role);
+  const isStopped = Boolean(entries.get('stop'));
+  showRows($('open'), open.map(mission => ({ ...mission, stands: isStopped && mission.state === 'ACTIVE', left: mission.ends_at && !isStopped ? duration(mission.ends_at - now) : '', editing: editing === mission.id })), mission => mission.key, missionRow, language + me.role);
   showRows($('ended'), ended, mission => mission.key, missionRow, language);
 }
 
@@ -102,7 +103,7 @@ function missionRow(mission) {
   const way = (mission.destinations || []).map((vertex, k) => k < mission.reached ? `✓${vertex}` : k === mission.reached && isOpen ? `▶${vertexName(vertex)}` : String(vertex)).join(' → ');
   const words = [mission.robot || mission.wanted_robot || mission.robot_type || t('any'), way,
     mission.left ? t('to_go', { time: mission.left }) : '', mission.priority ? `${t('priority')} ${mission.priority}` : '', mission.by ? t('by', { person: mission.by }) : ''].filter(Boolean).join(' · ');
-  const row = make('li', {}, make('span', { class: ['FAILED', 'REFUSED'].includes(mission.state) ? 'state bad' : 'state' }, t(`mission_${mission.state}`)), ` ${mission.id} · ${words}`,
+  const row = make('li', {}, make('span', { class: ['FAILED', 'REFUSED'].includes(mission.state) ? 'state bad' : 'state' }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ` ${mission.id} · ${words}`,
     mission.reason ? make('p', { class: 'soft' }, said(mission.reason)) : '');
   if (isOpen && me.role !== 'see') {
     const button = (name, kind) => make('button', { 'data-act': kind, onclick: () => act({ act: kind, mission: mission.id }) }, t(name));

@@ -11,7 +11,6 @@ export async function useLanguage(wanted) {
   document.documentElement.lang = language;
   for (const element of document.querySelectorAll('[data-t]')) element.textContent = t(element.dataset.t);
   for (const element of document.querySelectorAll('[data-label]')) element.setAttribute('aria-label', t(element.dataset.label));
-  document.title = t('title');
 }
 
 export function preferred() {
@@ -49,6 +48,11 @@ export function store(name, value) {
 
 export function timeOf(seconds) {
   return new Date(seconds * 1000).toLocaleTimeString(language);
+}
+
+// The time alone for a moment of today.
+export function momentOf(seconds) {
+  return new Date(seconds * 1000).toDateString() === new Date().toDateString() ? timeOf(seconds) : dateOf(seconds);
 }
 
 export function dateOf(seconds) {

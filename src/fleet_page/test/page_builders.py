@@ -16,7 +16,7 @@ from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Ro
 from fleet_page.core.page import Missions, Page
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
-from fleet_page.core.roles import LOCAL, Person, TokenFile, Tokens, load_tokens
+from fleet_page.core.roles import Person, Role, TokenFile, Tokens, load_tokens
 from fleet_page.door.door import Access, Door
 from fleet_page.door.files import CHART, PageFiles
 from fleet_page.door.security import Addresses, certificates_of
@@ -76,13 +76,14 @@ def show_fleet(shown: Page, now: Optional[float] = None) -> None:
     model.graph = graph()
     shown.site.radii = {'agv': 0.4}
     model.site_changed()
-    model.take_robots([robot(), robot('b', state='FAILED', outage='FAILED', mission=None, edge=2,
-                                      waits_for='wheel blocked', destination=0, battery=None)], now)
+    model.take_robots([robot(to_end=90.0), robot(
+        'b', state='FAILED', outage='FAILED', mission=None, edge=2, waits_for='wheel blocked',
+        destination=0, battery=None)], now)
     model.take_places({'a': Place(1.5, 0.0, 0.0), 'b': Place(4.5, 0.0, None)})
     for id, state in ((7, 'ACTIVE'), (8, 'PENDING'), (9, 'SUCCEEDED')):
         model.take_request(request(id))
         shown.take_status(status(id, state, robot='' if state == 'PENDING' else 'a'))
-    shown.take_plans({'a': Plan((1, 2), 1, (now + 5.0, now + 90.0))}, now)
+    shown.take_plans({'a': Plan((1, 2), 1)}, now)
 
 
 class FakeFleet:
@@ -100,9 +101,9 @@ class FakeFleet:
         self.acts.append((act, person))
         return Outcome(True, f'{act.kind.value} was asked', 77 if act.kind is ActKind.SEND else 0)
 
-    def stop(self) -> Outcome:
+    def stop(self, person: str) -> Outcome:
         """The function that `Door` calls."""
-        return self.do(Act(ActKind.STOP), LOCAL)
+        return self.do(Act(ActKind.STOP), Person(person, Role.OPERATE))
 
     @property
     def kinds(self) -> List[ActKind]:

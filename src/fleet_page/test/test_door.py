@@ -208,22 +208,22 @@ def test_a_browser_cannot_say_itself_who_it_is(tmp_path):
 def test_many_who_ask_for_a_stop_at_once_share_one_that_began_after_they_asked():
     begun, may_end = [], threading.Event()
 
-    def stop() -> Outcome:
+    def stop(person: str) -> Outcome:
         begun.append(len(begun))
         may_end.wait(5.0)
         return Outcome(True, f'stop {begun[-1]}')
 
     async def work() -> None:
         stops = Stops(stop)
-        first = asyncio.ensure_future(stops.stop())
+        first = asyncio.ensure_future(stops.stop('anna'))
         await until(lambda: begun == [0])
-        others = [asyncio.ensure_future(stops.stop()) for _ in range(50)]
+        others = [asyncio.ensure_future(stops.stop('anna')) for _ in range(50)]
         others[0].cancel()
         await asyncio.sleep(0)
         may_end.set()
         assert (await first).text == 'stop 0'
         assert {outcome.text for outcome in await asyncio.gather(*others[1:])} == {'stop 1'}
-        assert (await stops.stop()).text == 'stop 2'
+        assert (await stops.stop('anna')).text == 'stop 2'
         stops.close()
     asyncio.run(work())
 
@@ -232,9 +232,9 @@ def test_a_stop_that_fails_once_can_be_asked_again():
     outcomes = iter([Outcome(False, 'no robot'), Outcome(True, 'stopped')])
 
     async def work() -> None:
-        stops = Stops(lambda: next(outcomes))
-        assert not (await stops.stop()).ok
-        assert (await stops.stop()).ok
+        stops = Stops(lambda person: next(outcomes))
+        assert not (await stops.stop('anna')).ok
+        assert (await stops.stop('anna')).ok
         stops.close()
     asyncio.run(work())
 

@@ -19,7 +19,7 @@ from fleet_page.core.acts import Outcome  # noqa: E402
 from fleet_page.door.process import DoorError, DoorProcess, DoorSettings  # noqa: E402
 
 
-def stop() -> Outcome:
+def stop(person: str) -> Outcome:
     return Outcome(True, f'stopped in process {os.getpid()}, whose arguments are none of a node')
 
 

@@ -1,12 +1,16 @@
 """The content of the page, made from the fleet manager's messages."""
 from page_builders import graph, page, request, robot, show_fleet, status
 
+from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import Place, Plan
+from fleet_page.core.fleet import Place
 from fleet_page.core.fleet_model import FleetModel
+from fleet_page.core.readiness import LIMIT, Readiness
+
+STOP = FleetStop(StopCause.PERSON, 'anna (page)', 90.0)
 
 
 def test_a_fleet_manager_that_falls_silent_counts_as_dead_with_the_time_of_its_last_word():
@@ -17,6 +21,17 @@ def test_a_fleet_manager_that_falls_silent_counts_as_dead_with_the_time_of_its_l
     model.tick(104.0)
     assert model.live.get('fleet') == {'alive': False, 'heard': 100.0}
     assert model.live.get('robot:a')
+
+
+def test_a_stop_is_shown_until_the_fleet_goes_on_also_if_the_fleet_manager_dies():
+    model = FleetModel()
+    model.show_stop(STOP)
+    model.take_robots([robot()], 100.0)
+    model.tick(200.0)
+    assert model.live.get('stop') == {
+        'cause': 'PERSON', 'by': 'anna (page)', 'since': 90.0, 'why': ''}
+    model.show_stop(NOT_STOPPED)
+    assert model.live.get('stop') is None
 
 
 def test_a_robot_without_a_location_stands_where_its_edge_says():
@@ -71,13 +86,21 @@ def test_a_mission_of_before_the_start_is_found_in_the_journal():
     assert model.unknown == {7}
 
 
-def test_the_plan_tells_when_the_last_destination_is_reached():
-    model = FleetModel()
-    model.graph = graph()
+def test_the_end_of_a_mission_is_when_the_fleet_manager_expects_it():
+    model, key = FleetModel(), 'mission:7:7000000000'
     model.take_request(request(7, 2, 3))
     model.take_status(status(7))
-    model.take_plans({'a': Plan((1, 2, 3), 1, (10.0, 20.0, 30.0))})
-    assert model.live.get('mission:7:7000000000')['ends_at'] == 20
+    model.take_robots([robot(to_end=60.0)], 1000.0)
+    assert model.live.get(key)['ends_at'] == 1060
+    before = model.live.revision
+    model.take_robots([robot(to_end=58.0)], 1003.0)
+    assert model.live.revision == before, 'a change of 1 s is noise'
+    model.take_robots([robot(to_end=80.0)], 1004.0)
+    assert model.live.get(key)['ends_at'] == 1084
+    model.take_robots([robot()], 1005.0)
+    assert 'ends_at' not in model.live.get(key)
+    model.take_robots([robot(to_end=5.0, mission=8)], 1006.0)
+    assert 'ends_at' not in model.live.get(key), 'the robot serves another mission'
 
 
 def test_only_the_last_ended_missions_stay(monkeypatch):
@@ -128,3 +151,21 @@ def test_an_act_that_was_not_done_says_so_in_the_audit_list(tmp_path):
     shown.take_status(status(7, not_done='modify', reason='the graph has no vertex 99'))
     other, row = shown.records.audit(9)
     assert not row['ok'] and row['outcome'] == 'the graph has no vertex 99' and other['ok']
+
+
+def test_a_start_tells_once_that_all_robots_are_ready():
+    readiness = Readiness()
+    assert readiness.words([robot('a', state='OFFLINE'), robot('b')], True, False, 10.0) == ''
+    assert readiness.words([], True, False, 11.0) == ''
+    assert readiness.words([robot('a'), robot('b', state='OFF_GRAPH')], True, False, 11.5) == ''
+    robots = [robot('a'), robot('b', state='IDLE'), robot('c', state='ABSENT')]
+    assert readiness.words(robots, False, False, 12.0) == '', 'the graph is being surveyed'
+    assert readiness.words(robots, True, False, 12.5) == 'Ready: 2 robots.'
+    assert readiness.words(robots, True, False, 13.0) == ''
+
+
+def test_a_robot_that_is_not_ready_is_named_after_a_while():
+    readiness, robots = Readiness(), [robot('a'), robot('b', state='UNKNOWN')]
+    assert readiness.words(robots, True, True, 10.0) == ''
+    assert readiness.words(robots, True, True, 10.0 + LIMIT) == (
+        'Ready: 1 robot. Not ready: b (place unknown). The fleet is stopped: press Go on.')

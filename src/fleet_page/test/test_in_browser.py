@@ -10,6 +10,11 @@ pytest.importorskip('aiohttp')
 from browser import Browser, ServedPage, needs_browser  # noqa: E402
 from page_builders import TOKENS, robot, status  # noqa: E402
 
+from fleet_core.supervision.fleet_stop import (  # noqa: E402
+    NOT_STOPPED,
+    FleetStop,
+    StopCause,
+)
 from fleet_page.core.acts import ActKind  # noqa: E402
 from fleet_page.core.fleet import Place  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
@@ -75,6 +80,76 @@ def test_the_stop_button_stops(window, served):
     window.wait(lambda: 'stop was asked' in window.text('#said'))
     window.click('#resume')
     asked(window, served, ActKind.RESUME)
+
+
+BAR = 'THE FLEET IS STOPPED since '
+
+
+def stopped_words(window):
+    """The words of the red bar; empty: it is not shown."""
+    return window.script('''const bar = document.getElementById('stopped');
+        return bar.hidden ? '' : bar.textContent;''')
+
+
+def stop_the_fleet(window, served, by='anna (page)', why=''):
+    served.do(lambda: served.page.model.show_stop(
+        FleetStop(StopCause.PERSON, by, time.time(), why)))
+    window.wait(lambda: BAR in stopped_words(window), 'the bar')
+
+
+def test_a_stopped_fleet_says_so_until_it_goes_on(window, served):
+    assert stopped_words(window) == '' and window.driver.title == 'Fleet'
+    stop_the_fleet(window, served)
+    assert ', by anna (page). It stands until a person presses Go on.' in stopped_words(window)
+    assert window.driver.title == 'STOPPED – Fleet'
+    window.wait(lambda: 'stands, the fleet is stopped 7' in window.text('#open'), 'the mission')
+    assert 'to go' not in window.text('#open') and 'under way' not in window.text('#open')
+    window.picture('stopped')
+    window.click('#resume')
+    asked(window, served, ActKind.RESUME)
+    assert stopped_words(window), 'the answer of a request is not yet the state of the fleet'
+    served.do(lambda: served.page.model.show_stop(NOT_STOPPED))
+    window.wait(lambda: stopped_words(window) == '' and window.driver.title == 'Fleet')
+    window.wait(lambda: 'under way 7' in window.text('#open'))
+
+
+def test_the_stop_is_told_after_a_reload_and_in_a_second_window_and_while_the_manager_is_dead(
+        window, served):
+    stop_the_fleet(window, served)
+    window.driver.refresh()
+    window.wait(lambda: 'by anna (page)' in stopped_words(window), 'the bar after a reload')
+    other = Browser()
+    try:
+        other.open(served.url)
+        other.wait(lambda: stopped_words(other) == stopped_words(window), 'the bar')
+        assert other.driver.title == 'STOPPED – Fleet'
+    finally:
+        other.close()
+    served.die()
+    window.wait(lambda: 'does not answer' in window.text('#link'))
+    assert 'by anna (page)' in stopped_words(window)
+
+
+@pytest.mark.parametrize('width, height', [(390, 844), (1400, 900)])
+@pytest.mark.parametrize('theme', ['light', 'dark'])
+def test_the_bar_of_a_stop_stays_in_view_in_german_too(window, served, width, height, theme):
+    why = 'ld90_3 was stopped by a command that bypassed the fleet manager'
+    window.resize(width, height)
+    window.script("localStorage.setItem('language', 'de'); localStorage.setItem('theme', "
+                  'arguments[0])', theme)
+    try:
+        window.driver.refresh()
+        served.do(lambda: served.page.model.show_stop(
+            FleetStop(StopCause.BYPASSED, '', 1700000000.0, why)))
+        window.wait(lambda: 'DIE FLOTTE IST ANGEHALTEN seit' in stopped_words(window))
+        assert 'ld90_3 wurde durch einen Befehl angehalten' in stopped_words(window)
+        window.script('scrollTo(0, document.documentElement.scrollHeight)')
+        window.picture(f'stopped_{theme}_{width}')
+        box = window.script("return document.getElementById('stopped').getBoundingClientRect()")
+        assert 0 <= box['top'] < box['bottom'] < height and box['left'] >= 0
+        assert box['right'] <= width
+    finally:
+        window.script('localStorage.clear()')
 
 
 def test_a_stop_does_not_wait_for_pages_of_the_same_browser_that_follow_the_fleet(window, served):

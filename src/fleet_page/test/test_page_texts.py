@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from page_builders import PAGE_FOLDER
 
+from fleet_core.supervision.fleet_view import RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ActKind
 from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES
@@ -93,3 +94,8 @@ def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
 def test_every_outage_is_told_in_every_language(outage):
     assert TABLES['en'][f'outage_{outage.name}'] == outage.value
     assert TABLES['de'][f'outage_{outage.name}'] != outage.value
+
+
+@pytest.mark.parametrize('state', RobotState)
+def test_a_robots_state_has_the_same_words_everywhere(state):
+    assert TABLES['en'][f'robot_{state.name}'] == state.words

@@ -47,7 +47,7 @@ def test_a_plan_says_how_much_of_it_is_released():
     drives = [msg.PlannedDrive(1, Time(1), Time(2), True),
               msg.PlannedDrive(-2, Time(2), Time(3), False)]
     plan = messages.plans_of(msg.FleetPlan(plans=[msg.RobotPlan('a', drives)]))['a']
-    assert plan.edges == (1, -2) and plan.released == 1 and plan.ends == (2.0, 3.0)
+    assert plan.edges == (1, -2) and plan.released == 1
 
 
 def test_a_grid_becomes_walls():
@@ -137,11 +137,12 @@ def test_robots_and_fleet_are_asked_by_their_services(commands, monkeypatch, kin
                                                       answer):
     called = []
     monkeypatch.setattr(rospy, 'wait_for_service', lambda *_: None)
-    monkeypatch.setattr(rospy, 'ServiceProxy', lambda name, of: called.append((name, of)) or (
+    monkeypatch.setattr(rospy, 'ServiceProxy', lambda name, of, headers: called.append(
+        (name, of, headers['requested_by'])) or (
         lambda *_: answer(False, 'it stands in the way')))
     robot = '' if kind is ActKind.RESUME else 'a'
     outcome = commands.do(Act(kind, robot=robot), ANNA)
-    assert called == [(service, type_)]
+    assert called == [(service, type_, 'anna (page)')]
     assert not outcome.ok and outcome.text == 'it stands in the way'
 
 
@@ -152,10 +153,10 @@ def test_a_name_that_is_no_robot_calls_no_service(commands, monkeypatch, name):
 
 
 def test_a_stop_that_did_not_work_is_told_with_its_reason(monkeypatch):
-    def stop() -> str:
+    def stop(requested_by: str) -> str:
         raise fleet_stop.CommandError('NO ROBOT WAS TOLD TO STOP')
     monkeypatch.setattr(fleet_stop, 'stop', stop)
-    outcome = fleet_stop.stop_fleet()
+    outcome = fleet_stop.stop_fleet('anna')
     assert not outcome.ok and 'NO ROBOT' in outcome.text
 
 

@@ -104,16 +104,20 @@ def stored_status(request_id: int, stamp: Optional[rospy.Time] = None,
         return None
 
 
-def call(service: str, kind: Type[Any] = Trigger, *arguments: Any, wait: float = WAIT) -> str:
+def call(service: str, kind: Type[Any] = Trigger, *arguments: Any, wait: float = WAIT,
+         requested_by: str = '') -> str:
     """Calls a service whose answer has the fields of Trigger, and returns the answer's message.
 
-    wait -- s to wait for the service
+    wait         -- s to wait for the service
+    requested_by -- the person or program that calls, for the records of the fleet manager; it goes
+                    into the header of the connection, because a Trigger has no field for it
 
     Raises ServiceSilent and ServiceRefused.
     """
     try:
         rospy.wait_for_service(service, wait)
-        answer = rospy.ServiceProxy(service, kind)(*arguments)
+        answer = rospy.ServiceProxy(service, kind, headers={
+            'requested_by': requested_by} if requested_by else None)(*arguments)
     except (rospy.ROSException, rospy.ServiceException) as error:
         raise ServiceSilent(f'{service} does not answer ({error})') from None
     if not answer.success:

@@ -5,6 +5,7 @@ import os
 import tempfile
 from typing import Callable, Iterable, Mapping, Optional
 
+from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.missions import Mission
 from trajectory_graph import Graph
@@ -18,8 +19,9 @@ class _CountingJournal(Journal):
     def store(self, missions: Iterable[Mission] = (),
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
               values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None) -> None:
-        super().store(missions, robots, values, graph, stays)
+              stays: Optional[Mapping[int, float]] = None,
+              stop: Optional[FleetStop] = None) -> None:
+        super().store(missions, robots, values, graph, stays, stop)
         self.commits += 1
 
 

@@ -13,6 +13,7 @@ from fleet_core.interlocking.conformance import Conformance, Invariant
 from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.route_master import RouteMaster
 from fleet_core.interlocking.route_record import RouteRecord
+from fleet_core.supervision.fleet_stop import StopCause
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
@@ -90,5 +91,5 @@ def test_a_site_that_checks_itself_stops_the_fleet(monkeypatch: pytest.MonkeyPat
     master: RouteMaster = supervisor.robots['a'].master
     master.extend([7])
     fleet.run(0.5)
-    assert supervisor.is_stopped
+    assert supervisor.is_stopped and supervisor.stop.cause is StopCause.DEFECT
     assert any('An error of the fleet manager: a: ' in note for note in fleet.notes)

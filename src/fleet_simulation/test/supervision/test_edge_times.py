@@ -25,13 +25,13 @@ def nominal(kind, edge):
 
 def learned(*seconds, table=None):
     """The learned times after these drives of edge 1 and one tick of the clock."""
-    times = table or EdgeTimes()
+    times = table or EdgeTimes(nominal)
     for edge in (2, 3):
         for _ in range(ENOUGH):
             times.learn('agv', Driven(edge, NOMINAL))
     for each in seconds:
         times.learn('agv', Driven(1, each))
-    times.renew(nominal, PERIOD)
+    times.renew(PERIOD)
     return times
 
 
@@ -93,15 +93,15 @@ def test_small_changes_are_not_worth_a_new_table():
     before = times.table
     for _ in range(9):
         times.learn('agv', Driven(1, 4.1))
-    assert not times.renew(nominal, 3.0 * PERIOD) and times.table is before
+    assert not times.renew(3.0 * PERIOD) and times.table is before
 
 
 def test_tables_come_seldom():
     times = learned(4.0, 4.0, 4.0)
     for _ in range(9):
         times.learn('agv', Driven(1, 9.0))
-    assert not times.renew(nominal, 1.5 * PERIOD)
-    assert times.renew(nominal, 2.0 * PERIOD) and times.table['agv', 1] == 9.0
+    assert not times.renew(1.5 * PERIOD)
+    assert times.renew(2.0 * PERIOD) and times.table['agv', 1] == 9.0
 
 
 def test_what_is_slow_everywhere_makes_no_unknown_edge_look_fast():

@@ -18,6 +18,7 @@ from fleet_builders import AGV, corridor
 from fleet_core.geometry.areas import Area
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_master import Located, Lost, Memory
+from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_core.supervision.history import history
 from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import (
@@ -259,11 +260,24 @@ def test_each_change_keeps_who_requested_it(path):
     journal.close()
 
 
+def test_a_stop_of_a_version_without_records_still_holds(path):
+    write_0_2(path)
+    database = sqlite3.connect(path)
+    database.execute("INSERT INTO value VALUES ('fleet_is_stopped', 1)")
+    database.commit()
+    database.close()
+    for _ in range(2):
+        journal = Journal(path)
+        assert journal.stop() == FleetStop(StopCause.UNKNOWN)
+        journal.close()
+
+
 @pytest.mark.parametrize('change, says', [
     ('ALTER TABLE mission ADD COLUMN colour TEXT', 'colour'),
     ('PRAGMA user_version = 99', 'version 99'),
     ("UPDATE robot SET memory = '{}'", 'cannot be read'),
-    ("UPDATE mission SET state = 77", 'cannot be read')])
+    ("UPDATE mission SET state = 77", 'cannot be read'),
+    ("INSERT INTO stop VALUES (1, '{}')", 'cannot be read')])
 def test_a_file_of_an_unknown_layout_is_refused_in_one_sentence(path, change, says):
     write_0_2(path)
     Journal(path).close()

@@ -1,6 +1,8 @@
 """A supervised fleet of simulated AGVs: missions are served however late robots are."""
 from __future__ import annotations
 
+import re
+import time
 from dataclasses import replace
 
 import pytest
@@ -10,6 +12,7 @@ from fleet_core.interlocking.changes import Changes
 from fleet_core.interlocking.reports import Report
 from fleet_core.supervision.assumptions import WorldView
 from fleet_core.supervision.duties import WINDOW
+from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.fleet_view import (
     RobotState,
     plan_progress,
@@ -521,3 +524,70 @@ def test_to_look_only_at_robots_with_news_gives_the_same_orders(seed, monkeypatc
         orders.append([(sent.robot, sent.order.number, sent.order.edges, sent.repeated)
                        for sent in fleet.sent])
     assert orders[0] == orders[1]
+
+
+STOP = FleetStop(StopCause.PERSON, 'anna (page)', 1700000000.0)
+
+
+def test_who_stopped_the_fleet_and_when_is_known_until_it_goes_on():
+    """A second stop, a restart and another graph do not change who has stopped it, and since when.
+    """
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.request(1, 3, robot='a')
+    fleet.run(2.0)
+    assert fleet.supervisor.stop == NOT_STOPPED
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now, STOP))
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now, FleetStop(StopCause.PERSON, 'boris', 1.8e9)))
+    for _ in range(2):
+        assert fleet.supervisor.stop == STOP
+        fleet.run(3.0)
+        fleet.restart()
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    assert fleet.supervisor.stop == NOT_STOPPED
+    fleet.restart()
+    assert fleet.supervisor.stop == NOT_STOPPED
+    fleet.run_until_done(1)
+
+
+@pytest.mark.parametrize('stop, words', [
+    (NOT_STOPPED, ''),
+    (FleetStop(StopCause.UNKNOWN), 'The fleet is stopped.'),
+    (FleetStop(StopCause.PERSON, 'anna', 1e9),
+     'The fleet is stopped since 2001-09-09 TIME, by anna.'),
+    (FleetStop(StopCause.DEFECT, '', 1e9 + 7e8, 'an error'),
+     'The fleet is stopped since TIME: an error.')])
+def test_a_stop_is_told_in_a_sentence_with_the_date_if_it_was_another_day(stop, words, monkeypatch):
+    monkeypatch.setenv('TZ', 'UTC')
+    time.tzset()
+    told = re.sub(r'\d\d:\d\d:\d\d', 'TIME', stop.words(1e9 + 7e8 + 60.0))
+    monkeypatch.undo()
+    time.tzset()
+    assert told == words
+
+
+@pytest.mark.parametrize('busy', [True, False])
+def test_an_emergency_stop_is_told_as_long_as_it_is_pressed(busy):
+    """Also after a stop and a resume of the fleet: the robot does not count as well for a moment.
+    """
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    if busy:
+        fleet.request(1, 4, robot='a')
+    fleet.run(2.0)
+    fleet.agvs['a'].emergency = True
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.STOPPED)
+
+    def stays_told(seconds):
+        for _ in range(int(seconds * 10)):
+            fleet.run(0.1)
+            view = robot_views(fleet.supervisor, fleet.now)[0]
+            assert (view.state, view.outage) == (RobotState.STOPPED, Outage.STOPPED)
+    stays_told(3.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    stays_told(3.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    assert fleet.supervisor.who_goes_on == 'The fleet goes on, except a: emergency stop.'
+    stays_told(15.0)
+    fleet.agvs['a'].emergency = False
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].works)
+    if busy:
+        fleet.run_until_done(1)

@@ -6,6 +6,7 @@ from itertools import groupby
 from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 from fleet_core.supervision.early_stop import EarlyStop
+from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_core.supervision.missions import Command, Mission, MissionState, Request
 from fleet_core.supervision.outbox import AGAIN
 from fleet_simulation.virtual_fleet import STEP, Crash
@@ -397,7 +398,8 @@ class Chaos:
             for name, robot in fleet.supervisor.robots.items())
         fleet.hangs = True
         if is_stopped:
-            fleet.network.to_robots += EarlyStop(ROBOTS).stop(fleet.now)
+            fleet.network.to_robots += EarlyStop(ROBOTS).stop(
+                fleet.now, FleetStop(StopCause.PERSON))
         self.run(2.0)
         fleet.hangs = False
         if is_killed:

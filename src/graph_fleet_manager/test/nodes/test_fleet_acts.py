@@ -8,6 +8,7 @@ import pytest
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
+from graph_fleet_manager.commands.fleet_client import requested_by
 from graph_fleet_manager.nodes import fleet_acts
 from graph_fleet_manager.nodes.rviz.menus import EDGE_MENU, ROBOT_MENU, MenuAct, Subject
 from itrci_nav_msgs.msg import EdgeCommand
@@ -19,16 +20,16 @@ from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
     (MenuAct.IN, '/a/join_fleet', Trigger)])
 def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service, kind):
     called, said = [], queue.Queue()
-    monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
-    monkeypatch.setattr(fleet_acts.rospy, 'wait_for_service', lambda *_: None)
+    monkeypatch.setattr(rospy, 'Publisher', lambda *_, **__: None)
+    monkeypatch.setattr(rospy, 'wait_for_service', lambda *_: None)
 
-    def proxy(*of):
-        called.append(of)
+    def proxy(*of, headers):
+        called.append((*of, headers['requested_by']))
         return lambda: DeclareAbsentResponse(True, 'a: done.')
-    monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', proxy)
+    monkeypatch.setattr(rospy, 'ServiceProxy', proxy)
     fleet_acts.FleetActs(said.put).act(act, Subject(robot='a'))
     assert said.get(timeout=10.0) == 'a: done.'
-    assert called == [(service, kind)] and act in ROBOT_MENU
+    assert called == [(service, kind, requested_by('RViz'))] and act in ROBOT_MENU
 
 
 @pytest.mark.parametrize('answer, expected', [
@@ -38,9 +39,9 @@ def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service
      f'{MenuAct.RESUME_ALL.value}: NOT DONE: the fleet was stopped again meanwhile')])
 def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected):
     said = queue.Queue()
-    monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: None)
-    monkeypatch.setattr(fleet_acts.rospy, 'wait_for_service', lambda *_: None)
-    monkeypatch.setattr(fleet_acts.rospy, 'ServiceProxy', lambda *_: lambda: answer)
+    monkeypatch.setattr(rospy, 'Publisher', lambda *_, **__: None)
+    monkeypatch.setattr(rospy, 'wait_for_service', lambda *_: None)
+    monkeypatch.setattr(rospy, 'ServiceProxy', lambda *_, **__: lambda: answer)
     fleet_acts.FleetActs(said.put).act(MenuAct.RESUME_ALL, Subject())
     assert said.get(timeout=10.0) == expected
 
@@ -60,8 +61,8 @@ class Publisher:
 
 
 def menu(monkeypatch, publisher: Publisher, said: List[str], *closed: int) -> fleet_acts.FleetActs:
-    monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: publisher)
-    monkeypatch.setattr(fleet_acts.rospy.Time, 'now', lambda: rospy.Time(5))
+    monkeypatch.setattr(rospy, 'Publisher', lambda *_, **__: publisher)
+    monkeypatch.setattr(rospy.Time, 'now', lambda: rospy.Time(5))
     acts = fleet_acts.FleetActs(said.append)
     acts.closed = frozenset(closed)
     return acts

@@ -1,13 +1,18 @@
 """The command `fleet` prints the state of each robot, and declares robots absent."""
 from __future__ import annotations
 
+import json
+import math
+
+import genpy
 import pytest
 
 from fleet_core.supervision.fleet_view import RobotState
 from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.fleet_client import name_problem
-from itrci_nav_msgs.msg import FleetRobot, FleetState, SymbolicPose
+from graph_fleet_manager.commands.tables import as_json
+from itrci_nav_msgs.msg import FleetRobot, FleetState, FleetStop, SymbolicPose
 from itrci_nav_msgs.srv import DeclareAbsent
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 
@@ -17,14 +22,15 @@ def test_every_state_has_its_word(state):
     robot = FleetRobot(name='a', type='agv', state=int(state),
                        outage_code=FleetRobot.OUTAGE_SILENT)
     line = fleet._listed(FleetState(robots=[robot]), None).splitlines()[1]
-    assert line.split('agv')[1].strip().startswith(state.name.lower().replace('_', ' '))
+    assert line.split('agv')[1].strip().startswith(state.words)
 
 
-def test_below_the_table_it_says_how_each_robot_without_work_comes_back():
+def test_below_its_row_it_says_how_each_robot_without_work_comes_back():
     robots = [FleetRobot(name='a'), FleetRobot(
-        name='b', state=FleetRobot.TAKEN_OVER, outage_code=FleetRobot.OUTAGE_TOO_NEAR)]
+        name='b', state=FleetRobot.TAKEN_OVER, outage_code=FleetRobot.OUTAGE_TOO_NEAR,
+        waits_for='it is too near')]
     assert fleet._listed(FleetState(robots=robots), None).splitlines()[3:] == [
-        'b: When they are apart, bring it back with `fleet in b`.']
+        '    It is too near. When they are apart, bring it back with `fleet in b`.']
 
 
 @pytest.mark.parametrize(('edge', 'place'), [(10, 'edge 7 at 50 %'), (-11, 'edge -7 at 17 %')])
@@ -34,6 +40,53 @@ def test_a_robot_on_a_section_is_listed_on_the_drawn_edge(edge, place):
     robots = [FleetRobot(name='a', pose=SymbolicPose(edge, 50.0))]
     assert place in fleet._listed(FleetState(robots=robots), graph)
     assert f'edge {edge} at 50 %' in fleet._listed(FleetState(robots=robots), None)
+
+
+def test_a_robot_at_the_end_of_an_edge_is_listed_at_its_vertex():
+    graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 6.0, 0.0, 0.0)], [Edge(7, 1, 2)])
+    for edge, percentage, vertex in ((7, 100.0, 2), (-7, 100.0, 1), (7, 0.0, 1)):
+        robots = [FleetRobot(name='a', pose=SymbolicPose(edge, percentage))]
+        assert f'vertex {vertex} ' in fleet._listed(FleetState(robots=robots), graph)
+
+
+STOP = FleetStop(FleetStop.PERSON, 'anna@desk (fleet)', genpy.Time(1000), '')
+
+
+def test_a_stopped_fleet_is_told_first():
+    lines = fleet._listed(FleetState(robots=[FleetRobot(name='a')], stop=STOP), None).splitlines()
+    assert lines[0].startswith('The fleet is stopped since 1970')
+    assert lines[0].endswith('by anna@desk (fleet). `fleet resume` lets it go on.')
+    assert lines[1].startswith('robot')
+
+
+LONG = 'a_robot_of_the_long_hall_17'
+
+
+@pytest.mark.parametrize('robot', [
+    FleetRobot(name=LONG, type=LONG, state=FleetRobot.OUT_OF_SERVICE, has_mission=True,
+               request_id=2 ** 31 - 1, destination=123456, pose=SymbolicPose(-123456, 55.0),
+               battery=1.0, waits_for=LONG * 20),
+    FleetRobot(name=LONG, type=LONG, state=FleetRobot.OFFLINE, seen=genpy.Time(1),
+               outage_code=FleetRobot.OUTAGE_SILENT, pose=SymbolicPose(1, 50.0))])
+def test_the_table_fits_a_terminal(robot, monkeypatch):
+    monkeypatch.setattr(fleet.rospy.Time, 'now', lambda: genpy.Time(100_000_000))
+    listed = fleet._listed(FleetState(robots=[robot, FleetRobot(name='b')]), None)
+    assert max(map(len, listed.splitlines())) <= 100
+    assert listed.splitlines()[1].startswith(LONG[:8])
+
+
+def test_programs_get_all_fields_as_json():
+    robot = FleetRobot(name=LONG, type='agv', state=FleetRobot.BUSY, has_mission=True, request_id=7,
+                       pose=SymbolicPose(-7, 25.0), seen=genpy.Time(5), battery=math.nan,
+                       destination=3, to_destination=12.0, to_end=math.nan, waits_for='b')
+    told = json.loads(as_json(fleet._values(FleetState(robots=[robot], stop=STOP), None)))
+    assert told == {
+        'stop': {'cause': 'PERSON', 'by': 'anna@desk (fleet)', 'since': 1000.0, 'why': ''},
+        'robots': [{'robot': LONG, 'type': 'agv', 'state': 'BUSY', 'outage': None, 'edge': -7,
+                    'fraction': 0.25, 'place': 'edge -7 at 25 %', 'seen': 5.0, 'battery': None,
+                    'mission': 7, 'destination': 3, 'to_destination': 12.0, 'to_end': None,
+                    'waits_for': 'b'}]}
+    assert fleet._values(FleetState(), None) == {'stop': None, 'robots': []}
 
 
 @pytest.fixture

@@ -7,7 +7,10 @@ import pytest
 from fleet_builders import corridor
 from visualization_msgs.msg import Marker
 
+from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from graph_fleet_manager.nodes.rviz import stop_picture
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.menus import BUTTON, BUTTON_ABOVE
 from graph_fleet_manager.nodes.rviz.picture import PictureChanges
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
@@ -20,6 +23,7 @@ from graph_fleet_manager.nodes.rviz.robot_picture import (
     robot_markers,
     words_of,
 )
+from graph_fleet_manager.nodes.rviz.stop_picture import stop_markers
 from itrci_nav_msgs.msg import (
     FleetPlan,
     FleetRobot,
@@ -105,6 +109,19 @@ def test_its_label_stands_beside_it_in_its_hue():
     above, below = (named(drawn(robot(), side), 'names')[0] for side in (0, 1))
     assert above.pose.position.y > HERE.y + 0.4 > HERE.y - 0.4 > below.pose.position.y
     assert above.color == below.color == drawing.own_colour(3, WORDS_SATURATION)
+
+
+def test_a_stop_is_a_red_frame_and_words_that_stay_above_the_buttons():
+    stop = FleetStop(StopCause.PERSON, 'anna (page)', 1e9)
+    frame, words = stop_markers(GRAPH, stop, 1e9 + 60.0)
+    assert frame.color == words.color == RED
+    assert min(point.x for point in frame.points) < 0.0 < 6.0 < max(p.x for p in frame.points)
+    assert 'The fleet is stopped since' in ' '.join(words.text.split())
+    assert 'by anna (page).' in ' '.join(words.text.split())
+    lines = len(words.text.splitlines())
+    assert words.pose.position.y - stop_picture.TEXT_HEIGHT * lines / 2.0 > (
+        max(vertex.y for vertex in GRAPH.vertices.values()) + BUTTON_ABOVE + BUTTON[1] / 2.0)
+    assert stop_markers(GRAPH, NOT_STOPPED, 1e9) == []
 
 
 def plan(*drives):

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 
 import genpy
 import pytest
@@ -12,11 +13,14 @@ from std_srvs.srv import TriggerRequest
 
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.early_stop import EarlyStop
+from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_simulation.virtual_fleet import route_order
+from graph_fleet_manager.messages.missions import state_message, stop_of
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
+from itrci_nav_msgs.msg import FleetStop as FleetStopMessage
 from itrci_nav_msgs.srv import GetMissionStatusRequest
 from route_protocol.master import REPEAT
 from world.supervised_fleet import SupervisedFleet
@@ -34,8 +38,8 @@ class Services:
         monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 60.0)
         self.gate = StopGate()
         fleet_services.FleetServices(robots, self.gate, self.loop,
-                                     lambda now: (' Early.', self.early.stop(now)),
-                                     self.past.append)
+                                     lambda now, stop: (' Early.', self.early.stop(now, stop)),
+                                     lambda _, stop: self.past.append(stop))
 
     def call(self, name, supervisor=None, hangs=False, request=None):
         """The answer, and the actions for the supervisor's thread."""
@@ -57,6 +61,9 @@ class Services:
 @pytest.fixture
 def services(monkeypatch):
     return Services(monkeypatch)
+
+
+STOP = FleetStop(StopCause.PERSON, 'anna', 1e9)
 
 
 def stops_of(actions):
@@ -84,6 +91,37 @@ def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
     services.call('/resume_fleet')
     assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, or its disk '
                       'cannot be written: see /diagnostics']
+
+
+def request_from(**header):
+    request = TriggerRequest()
+    request._connection_header = header
+    return request
+
+
+@pytest.mark.parametrize('header, by', [
+    ({'callerid': '/rosservice'}, '/rosservice'), ({}, ''),
+    ({'callerid': '/fleet_stop', 'requested_by': 'anna (page)'}, 'anna (page)'),
+    ({'callerid': 300 * 'x' + '\n'}, 256 * 'x')])
+def test_who_stops_the_fleet_is_recorded_by_the_header_of_the_call(services, header, by):
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    services.call('/stop_fleet', fleet.supervisor, request=request_from(**header))
+    stop = fleet.supervisor.stop
+    assert (stop.cause, stop.by) == (StopCause.PERSON, by)
+    assert abs(stop.since - time.time()) < 60.0
+    message = state_message((), stop, None, genpy.Time(1))
+    told = stop_of(message.stop)
+    assert (told.by, told.since) == (by, pytest.approx(stop.since))
+    assert stop_of(state_message((), NOT_STOPPED, None, genpy.Time(1)).stop) == NOT_STOPPED
+
+
+def test_a_cause_of_a_later_version_is_a_stop():
+    assert stop_of(FleetStopMessage(cause=99)) == FleetStop(StopCause.UNKNOWN)
+
+
+@pytest.mark.parametrize('cause', StopCause)
+def test_the_causes_have_the_numbers_of_the_message(cause):
+    assert getattr(FleetStopMessage, cause.name) == cause
 
 
 def resumed(fleet):
@@ -144,13 +182,13 @@ def test_a_resume_after_which_the_fleet_was_stopped_again_is_not_done(services):
 def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
     early = EarlyStop(['a'])
     assert early.due(0.0) == () and not early.hand_over()
-    order, = early.stop(10.0)
+    order, = early.stop(10.0, STOP)
     assert early.due(10.0 + REPEAT / 2) == ()
     again, = early.due(10.0 + REPEAT)
     assert (again.robot, again.order) == (order.robot, order.order)
     assert order.order.number == 0 and order.edges == ()
     assert again.repeated and not order.repeated
-    assert early.hand_over() and not early.hand_over()
+    assert early.hand_over() == STOP and early.hand_over() is None
     assert early.due(99.0) == ()
 
 
@@ -160,8 +198,8 @@ def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.disk.journal.store(values={'fleet_is_stopped': 1})
-    fleet.agvs['a'].receive(route_order(EarlyStop('a').stop(0.0)[0].order))
+    fleet.journal.store(stop=STOP)
+    fleet.agvs['a'].receive(route_order(EarlyStop('a').stop(0.0, STOP)[0].order))
     fleet.restart()
     if not dies:
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
@@ -184,7 +222,7 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
 
 
 def stop_past(fleet):
-    for order in EarlyStop(['a', 'b']).stop(0.0):
+    for order in EarlyStop(['a', 'b']).stop(0.0, STOP):
         fleet.agvs[order.robot].receive(route_order(order.order))
 
 
@@ -199,6 +237,8 @@ def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
     travelled = fleet.agvs['a'].travelled
     fleet.run(8.0)
     assert fleet.supervisor.is_stopped and fleet.agvs['a'].travelled == travelled
+    stop = fleet.supervisor.stop
+    assert stop.cause is StopCause.BYPASSED and 'was stopped by a command' in stop.why
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run_until_done(2)
     fleet.restart()

@@ -57,15 +57,16 @@ def no_master(monkeypatch, tmp_path):
 def test_the_master_tells_where_the_fleet_manager_is(monkeypatch):
     manager = FleetManager(STOPPED)
     monkeypatch.setattr(MasterApi, 'service_uri', lambda *_: manager.address)
-    assert stop.stop() == 'Every robot was told to stop.'
+    assert stop.stop('anna') == 'Every robot was told to stop.'
     assert manager.asked['service'] == '/stop_fleet'
     assert manager.asked['md5sum'] == Trigger._md5sum
+    assert manager.asked['requested_by'] == 'anna'
 
 
 @pytest.mark.parametrize('name', ['localhost', '127.0.0.1', socket.gethostname()])
 def test_without_a_master_the_fleet_manager_of_this_computer_is_asked(monkeypatch, name):
     stop_address.note(f'http://{name}:1', FleetManager(STOPPED).address)
-    told = stop.stop()
+    told = stop.stop('anna')
     assert told.endswith('The fleet manager was asked directly. Every robot was told to stop.')
     assert 'refused' in told, 'the log must have a warning'
 
@@ -73,7 +74,7 @@ def test_without_a_master_the_fleet_manager_of_this_computer_is_asked(monkeypatc
 def test_also_if_the_name_of_this_computer_has_no_address(monkeypatch):
     monkeypatch.setattr(socket, 'gethostname', lambda: 'no-such-computer.invalid')
     stop_address.note('http://no-such-computer.invalid:1', FleetManager(STOPPED).address)
-    assert stop.stop().endswith('Every robot was told to stop.')
+    assert stop.stop('anna').endswith('Every robot was told to stop.')
 
 
 def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the_stop(monkeypatch):
@@ -81,7 +82,7 @@ def test_a_master_that_has_forgotten_the_fleet_manager_does_not_keep_it_from_the
         raise NoAnswer('no provider')
     monkeypatch.setattr(MasterApi, 'service_uri', unknown)
     stop_address.note('http://127.0.0.1:1', FleetManager(STOPPED).address)
-    assert stop.stop().endswith('(no provider). The fleet manager was asked directly. '
+    assert stop.stop('anna').endswith('(no provider). The fleet manager was asked directly. '
                                 'Every robot was told to stop.')
 
 
@@ -89,7 +90,7 @@ def test_the_fleet_manager_of_another_master_is_left_alone(monkeypatch):
     manager = FleetManager(STOPPED)
     stop_address.note('http://127.0.0.1:2', manager.address)
     with pytest.raises(CommandProblem, match='NO ROBOT WAS TOLD TO STOP: .*on this computer[.]'):
-        stop.stop()
+        stop.stop('anna')
     assert not manager.asked
 
 
@@ -99,7 +100,7 @@ def test_a_fleet_manager_that_hangs_or_is_another_program_is_no_end_of_waiting(
         answer, header, words):
     stop_address.note('http://127.0.0.1:1', FleetManager(answer, header).address)
     with pytest.raises(CommandProblem, match=words) as failure:
-        stop.stop()
+        stop.stop('anna')
     assert failure.value.status == WRONG
 
 
@@ -107,7 +108,7 @@ def test_a_stop_that_is_not_done_says_so():
     answer = TriggerResponse(False, 'the disk hangs')
     stop_address.note('http://127.0.0.1:1', FleetManager(answer).address)
     with pytest.raises(CommandProblem, match='the disk hangs') as failure:
-        stop.stop()
+        stop.stop('anna')
     assert failure.value.status == NOT_DONE
 
 
@@ -115,7 +116,7 @@ def test_a_stop_that_is_not_done_says_so():
 def test_a_damaged_file_is_no_crash(noted):
     stop_address.note('http://127.0.0.1:1', noted)
     with pytest.raises(CommandProblem, match='NO ROBOT'):
-        stop.stop()
+        stop.stop('anna')
 
 
 # -- without a fleet manager that answers ---------------------------------------------------------
@@ -162,7 +163,7 @@ def hung(monkeypatch):
 
 
 def test_the_command_stops_the_robots_itself_where_the_fleet_manager_hangs(hung):
-    told = stop.stop()
+    told = stop.stop('anna')
     assert 'does not answer' in told and 'this command told the robots to stop: a, b.' in told
     assert sorted(Route.routes) == ['/a/target_route', '/b/target_route']
     for route in Route.routes.values():
@@ -173,18 +174,18 @@ def test_the_command_stops_the_robots_itself_where_the_fleet_manager_hangs(hung)
 
 def test_the_robots_of_the_fleet_alone_are_told_where_they_are_known(hung, monkeypatch):
     monkeypatch.setattr(direct_stop, '_fleet', lambda: ['b'])
-    assert 'told the robots to stop: b.' in stop.stop()
+    assert 'told the robots to stop: b.' in stop.stop('anna')
     assert list(Route.routes) == ['/b/target_route']
 
 
 def test_a_robot_that_is_not_connected_is_named(hung, monkeypatch):
     monkeypatch.setattr(Route, 'connected', ('/a/target_route',))
     with pytest.raises(CommandProblem, match='to stop: a[.] .*NOT TOLD.* b: press') as failure:
-        stop.stop()
+        stop.stop('anna')
     assert failure.value.status == NOT_DONE
 
 
 def test_where_no_robot_is_connected_none_was_told(hung, monkeypatch):
     monkeypatch.setattr(Route, 'connected', ())
     with pytest.raises(CommandProblem, match='NO ROBOT WAS TOLD TO STOP'):
-        stop.stop()
+        stop.stop('anna')

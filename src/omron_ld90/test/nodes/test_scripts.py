@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import pty
 import re
 import shutil
 import socket
@@ -141,6 +142,35 @@ def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
         ['bash', '-c', f'. {tmp_path}/scripts/common.sh; _newer_than {stamp}'], text=True,
         stdout=subprocess.PIPE, check=True).stdout.split()
     assert newer == ([str(tmp_path / file)] if is_built else [])
+
+
+def progress_of(tmp_path, output):
+    """Begins a command that waits after its first line, with its progress on `output`."""
+    os.mkfifo(tmp_path / 'go_on')
+    command = f'echo Unpacking python3-x; read -r word <{tmp_path}/go_on; exit 3'
+    return subprocess.Popen(
+        ['bash', '-c', f'. {ROOT}/scripts/common.sh; : >{tmp_path}/log; '
+         f'with_progress {tmp_path}/log bash -c "$1" || exit $?', 'bash', command], stdout=output)
+
+
+def test_a_step_that_takes_its_time_shows_how_far_it_is_on_a_terminal(tmp_path):
+    ours, theirs = pty.openpty()
+    script = progress_of(tmp_path, theirs)
+    os.close(theirs)
+    shown = b''
+    while b's  Unpacking python3-x' not in shown:
+        shown += os.read(ours, 1000)
+    (tmp_path / 'go_on').write_text('word\n')
+    assert script.wait(20) == 3, 'the exit status is that of the command'
+    os.close(ours)
+    assert b'\n' not in shown, 'it is one line that changes'
+    assert (tmp_path / 'log').read_text() == 'Unpacking python3-x\n'
+
+
+def test_a_short_step_shows_nothing_where_there_is_no_terminal(tmp_path):
+    script = progress_of(tmp_path, subprocess.PIPE)
+    (tmp_path / 'go_on').write_text('word\n')
+    assert script.communicate(timeout=20)[0] == b'' and script.returncode == 3
 
 
 @pytest.mark.parametrize('name', ['site_fleet.map', 'site_graph.png'])

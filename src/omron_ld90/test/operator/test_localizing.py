@@ -4,7 +4,12 @@ from __future__ import annotations
 import pytest
 
 from omron_arcl import parse_line
-from omron_ld90.operator.localizing import SCORE_WITHIN, LocalizingWatch
+from omron_ld90.operator.localizing import (
+    ASKED_FOR,
+    SCORE_WITHIN,
+    LocalizeQuestion,
+    LocalizingWatch,
+)
 from omron_ld90.operator.notices import NoticeSeverity
 
 PLACE = (1.0, 2.0)
@@ -51,3 +56,19 @@ def test_without_a_score_the_answer_is_not_green(localizing):
 
 def test_a_score_that_nobody_awaits_is_no_answer():
     assert LocalizingWatch().observe(parse_line('LocalizationScore: 0.06')) is None
+
+
+def test_a_place_is_taken_only_if_it_is_chosen_twice_in_time():
+    question = LocalizeQuestion()
+    assert not question.is_confirmed(PLACE, 100.0)
+    assert question.is_confirmed(PLACE, 100.0 + ASKED_FOR)
+    assert not question.is_confirmed(PLACE, 101.0 + ASKED_FOR), 'each time it is asked anew'
+    assert not question.is_confirmed((9.0, 9.0), 102.0 + ASKED_FOR), 'another place'
+    assert not question.is_confirmed((9.0, 9.0), 103.0 + 2.0 * ASKED_FOR), 'too late'
+
+
+def test_another_act_between_ends_the_question():
+    question = LocalizeQuestion()
+    question.is_confirmed(PLACE, 100.0)
+    question.forget()
+    assert not question.is_confirmed(PLACE, 101.0)

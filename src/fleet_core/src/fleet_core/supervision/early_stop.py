@@ -7,9 +7,10 @@ hung and was killed, its successor stops the fleet when robots report such an ep
 from __future__ import annotations
 
 from math import inf
-from typing import Iterable, List, Sequence
+from typing import Iterable, List, Optional, Sequence
 
 from fleet_core.supervision.actions import SendRoute
+from fleet_core.supervision.fleet_stop import FleetStop
 from route_protocol.master import REPEAT, Order
 
 STOP = Order(0, 0, 0, ())
@@ -21,26 +22,28 @@ class EarlyStop:
 
     def __init__(self, robots: Iterable[str]) -> None:
         self._robots = tuple(robots)
-        self._is_stopping = False
+        self._stop: Optional[FleetStop] = None
         self._sent = -inf
 
-    def stop(self, now: float) -> List[SendRoute]:
+    def stop(self, now: float, stop: FleetStop) -> List[SendRoute]:
         """Begins to stop all robots. Returns the orders to send; `now` in s, monotonic."""
-        self._is_stopping, self._sent = True, now
+        self._stop, self._sent = self._stop or stop, now
         return self._orders(repeated=False)
 
     def due(self, now: float) -> Sequence[SendRoute]:
         """The orders to repeat at `now`, for robots that were not connected yet; empty if none."""
-        if not self._is_stopping or now - self._sent < REPEAT:
+        if self._stop is None or now - self._sent < REPEAT:
             return ()
         self._sent = now
         return self._orders(repeated=True)
 
-    def hand_over(self) -> bool:
-        """Ends the repetition, because a supervisor takes over. Returns whether it must stop the
-        fleet."""
-        is_stopped, self._is_stopping = self._is_stopping, False
-        return is_stopped
+    def hand_over(self) -> Optional[FleetStop]:
+        """Ends the repetition, because a supervisor takes over.
+
+        Returns the stop for which it must stop the fleet; None: there was none.
+        """
+        stop, self._stop = self._stop, None
+        return stop
 
     def _orders(self, repeated: bool) -> List[SendRoute]:
         return [SendRoute(robot, STOP, repeated) for robot in self._robots]

@@ -65,23 +65,47 @@ class EdgeTimer:
 
 
 class EdgeTimes:
-    """The times learned so far. Planner and assignment use `table`."""
+    """The times learned so far. Planner and assignment use `table`, people are told `expected`.
 
-    def __init__(self) -> None:
+    nominal -- seconds for a robot type's name and signed edge, by length and speed
+    """
+
+    def __init__(self, nominal: Callable[[str, int], float]) -> None:
+        self._nominal = nominal
         self.table: Times = MappingProxyType({})
         self._driven: Dict[Tuple[str, int], Deque[float]] = {}
+        self._usual: Dict[str, float] = {}
         self._looked = -inf
 
     def learn(self, kind: str, driven: Driven) -> None:
         """A robot of this type has driven an edge."""
         if driven.seconds > 0.0:
             self._driven.setdefault((kind, driven.edge), deque(maxlen=KEPT)).append(driven.seconds)
+            self._usual.pop(kind, None)
 
-    def renew(self, nominal: Callable[[str, int], float], now: float) -> bool:
-        """Makes a new table if the times have changed enough. Returns whether it did.
+    def usual(self, kind: str) -> float:
+        """The time that robots of a type need for the edges that they drove, by the nominal one.
 
-        nominal -- seconds for a robot type's name and signed edge, by length and speed
+        It is 1 until ENOUGH edges were driven.
         """
+        if kind not in self._usual:
+            found = {key: times for key, times in self._driven.items()
+                     if key[0] == kind and self._nominal(*key) < inf}
+            enough = sum(map(len, found.values())) >= ENOUGH
+            self._usual[kind] = sum(map(median, found.values())) / sum(
+                self._nominal(*key) for key in found) if enough else 1.0
+        return self._usual[kind]
+
+    def expected(self, kind: str, edge: int) -> float:
+        """Seconds that a robot of this type is expected to need for a signed edge."""
+        driven = self._driven.get((kind, edge), ())
+        if len(driven) >= ENOUGH:
+            return median(driven)
+        return self.usual(kind) * self._nominal(kind, edge)
+
+    def renew(self, now: float) -> bool:
+        """Makes a new table if the times have changed enough. Returns whether it did."""
+        nominal = self._nominal
         if now - self._looked < PERIOD:
             return False
         self._looked = now

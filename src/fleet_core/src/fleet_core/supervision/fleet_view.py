@@ -15,6 +15,7 @@ from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.restoring import RemovedRobot
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.supervisor import Supervisor
+from fleet_core.supervision.time_to_go import UNKNOWN, TimeToGo, time_to_go
 
 
 class RobotState(IntEnum):
@@ -32,7 +33,14 @@ class RobotState(IntEnum):
     ABSENT = 9
     UNKNOWN = 10
 
+    @property
+    def words(self) -> str:
+        """The state as people read it, on the page, in RViz and in `fleet list`."""
+        return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
+
+_WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
+          RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
     Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
     Outage.LOST_LINK: RobotState.OFFLINE, Outage.DEAF: RobotState.OFFLINE,
@@ -50,6 +58,7 @@ class RobotView:
     battery     -- state of charge; NaN: unknown
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
+    to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
     """
 
     name: str
@@ -62,6 +71,7 @@ class RobotView:
     mission: Optional[int]
     destination: Optional[int]
     waits_for: str
+    to_go: TimeToGo = UNKNOWN
 
 
 class DriveView(NamedTuple):
@@ -98,7 +108,15 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
-                     _waits_for(robot, errand, supervisor, now))
+                     _waits_for(robot, errand, supervisor, now), _to_go(
+                         robot, errand, supervisor, now))
+
+
+def _to_go(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> TimeToGo:
+    if errand.duty is Duty.IDLE:
+        return UNKNOWN
+    return time_to_go(robot, errand.mission, supervisor.plan_executor.plan,
+                      supervisor.networks.edge_times, now)
 
 
 def _removed_view(robot: RemovedRobot) -> RobotView:

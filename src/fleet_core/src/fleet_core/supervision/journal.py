@@ -28,6 +28,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_master import Located, Lost, Memory
+from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop
 from fleet_core.supervision.journal_database import (
     JournalDatabase,
     JournalError,
@@ -41,7 +42,6 @@ from json_records import from_json, to_json
 from route_protocol.master import MasterState, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
-STOPPED = 'fleet_is_stopped'  # name of the number that says whether the fleet is stopped
 _LONGEST_NUMBER = 30  # number of characters in the file beside the journal
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
 """The states of missions that have not ended, in SQL."""
@@ -71,7 +71,7 @@ class Journal:
         self._file = JournalDatabase(path)
         self._db = self._file.database
         try:
-            self.graph(), self.robots(), self.missions()
+            self.graph(), self.robots(), self.missions(), self.stop()
         except (KeyError, ValueError, TypeError) as error:
             self.close()
             raise UnknownLayout(path, f'an entry cannot be read ({error!r})') from None
@@ -92,7 +92,8 @@ class Journal:
     def store(self, missions: Iterable[Mission] = (),
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
               values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None) -> None:
+              stays: Optional[Mapping[int, float]] = None,
+              stop: Optional[FleetStop] = None) -> None:
         """Stores all given data on the disk in one transaction.
 
         missions -- the missions that have changed
@@ -100,6 +101,7 @@ class Journal:
         values   -- numbers by name
         graph    -- the graph to which the robots' data refer
         stays    -- by the serial of a mission, how long ago (s) it began to stay where it is
+        stop     -- whether the fleet is stopped; None: as before
 
         Raises JournalUnavailable; then nothing is stored.
         """
@@ -119,6 +121,8 @@ class Journal:
                 self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
             for name, number in (values or {}).items():
                 self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
+            if stop is not None:
+                self._run('INSERT OR REPLACE INTO stop VALUES (1, ?)', (json.dumps(to_json(stop)),))
 
     def _write_mission(self, mission: Mission) -> None:
         """Stores the mission as it is now, and the change in the history."""
@@ -166,6 +170,11 @@ class Journal:
         """A stored number; 0: there is none."""
         row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
         return int(row[0]) if row else 0
+
+    def stop(self) -> FleetStop:
+        """Whether the fleet is stopped, with author, time and reason."""
+        row = self._run('SELECT record FROM stop').fetchone()
+        return from_json(FleetStop, json.loads(row[0])) if row else NOT_STOPPED
 
     def number_beside(self) -> int:
         """The number in the file beside the journal; 0: there is none; -1: it cannot be read."""

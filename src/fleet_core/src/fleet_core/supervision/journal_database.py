@@ -36,6 +36,11 @@ _MIGRATIONS: Tuple[str, ...] = (
     CREATE INDEX mission_by_change ON mission (changed);
     ''', '''
     ALTER TABLE change ADD COLUMN requested_by TEXT NOT NULL DEFAULT '';
+    ''', '''
+    CREATE TABLE stop (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
+    INSERT INTO stop SELECT 1, '{"cause": 4, "by": "", "since": 0.0, "why": ""}' FROM value
+        WHERE name = 'fleet_is_stopped' AND number <> 0;
+    DELETE FROM value WHERE name = 'fleet_is_stopped';
     ''')
 """Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
@@ -43,7 +48,7 @@ LAYOUT: Dict[str, Tuple[str, ...]] = {
                 'changed'),
     'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
-    'graph': ('one', 'elements')}
+    'graph': ('one', 'elements'), 'stop': ('one', 'record')}
 """The columns of each table of the newest version."""
 
 

@@ -21,7 +21,7 @@ class Networks:
         self.nominal = RoadNetwork(graph, (), fleet.dock_approach)
         self.network = self.nominal
         """The network with learned times."""
-        self.edge_times = EdgeTimes()
+        self.edge_times = EdgeTimes(self._nominal_time)
         self._types = {kind.name: kind for kind in fleet.types}
         self._rate = rate
 
@@ -42,7 +42,7 @@ class Networks:
             self.edge_times.learn(robot.type.name, driven._replace(
                 seconds=driven.seconds * self._rate))
         robot.driven.clear()
-        if self.edge_times.renew(self._nominal_time, now):
+        if self.edge_times.renew(now):
             self._renew()
 
     def _renew(self) -> None:

@@ -11,6 +11,7 @@ from typing import Dict, List, Mapping, Optional, Set
 
 from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
 from fleet_core.supervision.actions import Action, Note, SendRoute, TellStatus
+from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.mission_book import MissionBook
@@ -37,6 +38,7 @@ class Outbox:
         self._interlocking = interlocking
         self._stale: Set[str] = set()
         self._values: Dict[str, int] = {}
+        self._stop: Optional[FleetStop] = None
         self._graph: Optional[Graph] = None
         self._try_at = self._stored_at = -inf
         self._is_sending = False
@@ -71,6 +73,10 @@ class Outbox:
     def value_changed(self, name: str, number: int) -> None:
         """A number is to be stored."""
         self._values[name] = number
+
+    def stop_changed(self, stop: FleetStop) -> None:
+        """The fleet was stopped, or goes on."""
+        self._stop = stop
 
     def graph_changed(self, graph: Graph) -> None:
         """From now on the stored data of robots refer to this graph."""
@@ -109,7 +115,8 @@ class Outbox:
 
     @property
     def _is_anything_new(self) -> bool:
-        return bool(self._stale or self._values or self._graph or self._book.is_changed)
+        return bool(self._stale or self._values or self._graph or self._stop
+                    or self._book.is_changed)
 
     def _store(self, now: float) -> None:
         if now < self._try_at or not (self.trouble or self._is_anything_new):
@@ -120,7 +127,7 @@ class Outbox:
         try:
             self._journal.store(missions, {name: self._memory(name)
                                            for name in sorted(self._stale)}, values, self._graph,
-                                stays)
+                                stays, self._stop)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
             self._interlocking.trouble = self.trouble
@@ -133,7 +140,7 @@ class Outbox:
         self._interlocking.stored(self._stale)
         self._stale.clear()
         self._values.clear()
-        self._graph = None
+        self._graph = self._stop = None
         self._book.stored()
         for mission in missions:
             self.put(TellStatus(mission.status))

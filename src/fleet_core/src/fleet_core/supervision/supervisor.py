@@ -27,7 +27,8 @@ from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargeQueue
 from fleet_core.supervision.duties import Errand, errand_of
-from fleet_core.supervision.journal import STOPPED, Journal
+from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
 from fleet_core.supervision.mission_book import MissionBook
@@ -121,7 +122,8 @@ class Supervisor:
         else:
             journal.store(values={RUN_NUMBER: self._run.draw()})
         self._outages = OutageWatch(self.book, self.robots, self._out)
-        if journal.value(STOPPED):
+        self.stop = journal.stop()
+        if self.stop.is_in_force:
             self._close_gate()
             self._halt(robot for robot in self.robots.values() if not robot.is_halted)
         if not is_same:
@@ -293,7 +295,8 @@ class Supervisor:
             return
         self._out.note(f'{robot.name} was stopped by a command that bypassed the fleet manager. '
                        'The whole fleet is stopped until you resume it.', True)
-        self._stop()
+        self._stop(self._stop_now(StopCause.BYPASSED, f'{robot.name} was stopped by a command '
+                                  'that bypassed the fleet manager'))
 
     def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
         """A robot shows an order that the journal does not have: the journal is an older one."""
@@ -360,7 +363,8 @@ class Supervisor:
             self._out.note(f'An error of the fleet manager: {violation}. The whole fleet is '
                            'stopped. Please report it, with this log and the journal.', True)
         if not self.is_stopped:
-            self._stop()
+            self._stop(self._stop_now(StopCause.DEFECT, f'an error of the fleet manager: '
+                                      f'{violations[0]}'))
         return [*actions, *self._out.take(now)]
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
@@ -428,14 +432,23 @@ class Supervisor:
         """Robots whose place is unknown. While there is one, nothing is granted."""
         return self.interlocking.unknown_robots
 
-    def stop_fleet(self, now: float) -> List[Action]:
-        """Sends an empty route to each robot at once, with or without a planner."""
-        self._stop()
+    def stop_fleet(self, now: float, stop: Optional[FleetStop] = None) -> List[Action]:
+        """Sends an empty route to each robot at once, with or without a planner.
+
+        stop -- author and time of the stop; None: no author is named, and it is now
+        """
+        self._stop(stop or self._stop_now(StopCause.PERSON))
         return self._actions(now)
 
-    def _stop(self) -> None:
+    def _stop_now(self, cause: StopCause, why: str = '') -> FleetStop:
+        return FleetStop(cause, since=self._journal.milliseconds() / 1000.0, why=why)
+
+    def _stop(self, stop: FleetStop) -> None:
+        """Stops all robots. A further stop keeps the record of the first one."""
         self._close_gate()
-        self._out.value_changed(STOPPED, 1)
+        if not self.stop.is_in_force:
+            self.stop = stop
+            self._out.stop_changed(stop)
         self._halt(self.robots.values())
         self._out.send()
 
@@ -462,7 +475,8 @@ class Supervisor:
         if not self.gate.open(self.gate.ticket if ticket is None else ticket):
             return 'the fleet was stopped again meanwhile', self._actions(now)
         self.interlocking.is_stopped = False
-        self._out.value_changed(STOPPED, 0)
+        self.stop = NOT_STOPPED
+        self._out.stop_changed(NOT_STOPPED)
         self._go_on(now)
         return '', self._actions(now)
 

@@ -29,6 +29,7 @@ class Robot:
     seen     -- time of its last report, s since 1970; 0: never
     battery  -- charge, 0..1; None: unknown
     mission  -- request id; None: it has no mission
+    to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
     """
 
     name: str
@@ -42,18 +43,15 @@ class Robot:
     mission: Optional[int]
     destination: int
     waits_for: str
+    to_end: Optional[float] = None
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The next edges of a robot, with signed ids. The first `released` edges are released.
-
-    ends -- planned time at the end of each edge, s since 1970
-    """
+    """The next edges of a robot, with signed ids. The first `released` edges are released."""
 
     edges: Tuple[int, ...]
     released: int
-    ends: Tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
-Keys of the live state: `fleet`, `site`, `closed`, `favourites`, `robot:NAME`, `pose:NAME`,
+Keys of the live state: `fleet`, `stop`, `site`, `closed`, `favourites`, `robot:NAME`, `pose:NAME`,
 `plan:NAME`, `mission:ID:STAMP`.
 """
 from __future__ import annotations
@@ -9,6 +9,7 @@ import math
 from dataclasses import asdict
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
+from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.fleet import (
     OPEN_STATES,
@@ -27,6 +28,8 @@ MOST_ENDED = 200      # most ended missions on the page
 MOST_REQUESTS = 6000  # most requests that are remembered for their missions
 LONGEST_STEP = 5.0    # m between two poses; a longer step is not counted as driven
 LONGEST_GAP = 2.0     # s between two states that are counted at most
+LEAST_CHANGE = 2.0    # s by which the expected end of a mission must change to be shown
+SMALL_PART = 0.1      # the same, as a part of the time to go
 
 Key = Tuple[int, int]
 
@@ -44,13 +47,14 @@ class FleetModel:
         """Missions that ended since the start, by state."""
         self.distance: Dict[str, float] = {}
         """The m that each robot has driven since the start."""
-        self._plans: Dict[str, Plan] = {}
+        self._ends: Dict[Key, float] = {}
         self._requests: Dict[Key, MissionRequest] = {}
         self._sums: Dict[str, Sums] = {}
         self._edge_waiting: Dict[int, float] = {}
         self._heard: Optional[float] = None
         self.site_revision = 0
         self.live.put('fleet', {'alive': False, 'heard': None})
+        self.live.put('stop', None)
         self.live.put('closed', [])
 
     # -- the site ---------------------------------------------------------------------------------
@@ -86,7 +90,31 @@ class FleetModel:
                 place = self._place_on_graph(robot)
                 if place is not None:
                     self._show_place(name, place)
+        self._expect_ends(now)
         self.tick(now)
+
+    def _expect_ends(self, now: float) -> None:
+        """Notes when each mission under way ends. Small changes would only be noise."""
+        for key, status in self.missions.items():
+            robot = self.robots.get(status.robot)
+            if status.state not in OPEN_STATES or robot is None or robot.mission != status.id:
+                continue
+            before = self._ends.get(key)
+            if robot.to_end is None:
+                changed = self._ends.pop(key, None) is not None
+            else:
+                end = now + robot.to_end
+                changed = before is None or (
+                    abs(end - before) > max(LEAST_CHANGE, SMALL_PART * robot.to_end))
+                if changed:
+                    self._ends[key] = end
+            if changed:
+                self._show_mission(key)
+
+    def show_stop(self, stop: FleetStop) -> None:
+        """Shows whether the fleet is stopped, also while the fleet manager does not answer."""
+        self.live.put('stop', {'cause': stop.cause.name, 'by': stop.by, 'since': stop.since,
+                               'why': stop.why} if stop.is_in_force else None)
 
     def take_places(self, places: Mapping[str, Place]) -> None:
         """Takes the poses of robots."""
@@ -149,12 +177,8 @@ class FleetModel:
 
     def take_plans(self, plans: Mapping[str, Plan]) -> None:
         """Takes the plans of all robots."""
-        self._plans = dict(plans)
         self.live.replace('plan:', {name: [list(plan.edges), plan.released]
                                     for name, plan in plans.items() if plan.edges})
-        for key, status in self.missions.items():
-            if status.robot and status.state in OPEN_STATES:
-                self._show_mission(key)
 
     def take_request(self, request: MissionRequest) -> None:
         """Takes the request of a mission. It may come before or after its first status."""
@@ -202,6 +226,7 @@ class FleetModel:
         ended = [key for key, known in self.missions.items() if known.state not in OPEN_STATES]
         for old in ended[:-MOST_ENDED]:
             del self.missions[old]
+            self._ends.pop(old, None)
             self.live.remove(_name_of(old))
 
     def _show_mission(self, key: Key) -> None:
@@ -213,26 +238,10 @@ class FleetModel:
             values.update(destinations=list(request.destinations), priority=request.priority,
                           wanted_robot=request.robot, robot_type=request.robot_type,
                           by=request.requested_by)
-            end = self._ends_at(status, request)
-            if end is not None:
+            end = self._ends.get(key)
+            if end is not None and status.state == 'ACTIVE':
                 values['ends_at'] = round(end)
         self.live.put(_name_of(key), values)
-
-    def _ends_at(self, status: MissionStatus, request: MissionRequest) -> Optional[float]:
-        """The time at which the plan reaches the last destination, without stays; None: never."""
-        plan = self._plans.get(status.robot)
-        left = list(request.destinations[status.reached:])
-        if plan is None or self.graph is None or status.state not in OPEN_STATES:
-            return None
-        for edge, end in zip(plan.edges, plan.ends):
-            if abs(edge) not in self.graph.edges:
-                return None
-            vertex = self.graph.end_vertex(edge).id
-            while left and left[0] == vertex:
-                left.pop(0)
-            if not left:
-                return end
-        return None
 
 
 def _name_of(key: Key) -> str:
@@ -242,7 +251,7 @@ def _name_of(key: Key) -> str:
 def _robot_values(robot: Robot) -> Dict[str, Any]:
     """A robot as browsers get it. Values that change with each report are omitted or rounded."""
     values = asdict(robot)
-    for name in ('name', 'edge', 'fraction', 'seen'):
+    for name in ('name', 'edge', 'fraction', 'seen', 'to_end'):
         del values[name]
     values['battery'] = None if robot.battery is None else round(robot.battery, 2)
     if robot.state in ('OFFLINE', 'ABSENT', 'UNKNOWN', 'OUT_OF_SERVICE'):

@@ -24,6 +24,8 @@ def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
         lines.extend((f'# HELP {name} {words}', f'# TYPE {name} {kind}', *samples))
     family('fleet_manager_up', 'gauge', '1 while the fleet manager publishes its state.',
            [f'fleet_manager_up {int(bool(fleet.get("alive")))}'])
+    family('fleet_stopped', 'gauge', '1 while the fleet is stopped.',
+           [f'fleet_stopped {int(model.live.get("stop") is not None)}'])
     family('fleet_robots', 'gauge', 'Robots by state.', (
         f'fleet_robots{{state="{state}"}} {of_robots[state]}' for state in ROBOT_STATES))
     family('fleet_missions', 'gauge', 'Open missions by state.', (

@@ -45,7 +45,7 @@ class Access:
 class Door:
     """The routes and sessions in front of the page's process. One event loop uses it."""
 
-    def __init__(self, access: Access, files: PageFiles, stop: Callable[[], Outcome],
+    def __init__(self, access: Access, files: PageFiles, stop: Callable[[str], Outcome],
                  worker: Worker) -> None:
         self._access, self._files, self._worker = access, files, worker
         self._stops = Stops(stop)
@@ -228,7 +228,7 @@ class Door:
     async def _stop(self, person: Person) -> Outcome:
         """Stops the fleet and reports it, even if the browser does not wait for it."""
         asked = time.time()
-        outcome = await self._stops.stop()
+        outcome = await self._stops.stop(person.name)
         _LOG.info('%s stopped the fleet: %s', person.name, outcome.text)
         self._worker.report({'person': person.name, 'time': asked, 'ok': outcome.ok,
                              'text': outcome.text})

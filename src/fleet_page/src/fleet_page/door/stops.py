@@ -12,26 +12,27 @@ class Stops:
     """Stops the fleet in a thread of its own.
 
     A stop that begins after a request serves this request, so any number of requests needs at most
-    two stops: the one that runs, and the next.
+    two stops: the one that runs, and the next. That one has the name of its first requester.
     """
 
-    def __init__(self, stop: Callable[[], Outcome]) -> None:
+    def __init__(self, stop: Callable[[str], Outcome]) -> None:
         self._stop = stop
         self._thread = concurrent.futures.ThreadPoolExecutor(1, 'stop')
         self._running: Optional[asyncio.Future[Outcome]] = None
         self._next: Optional[asyncio.Future[Outcome]] = None
 
-    async def stop(self) -> Outcome:
-        """Returns the outcome of a stop that began after this call."""
+    async def stop(self, person: str) -> Outcome:
+        """Returns the outcome of a stop that began after this call of a person."""
         if self._next is None:
-            self._next = asyncio.ensure_future(self._after(self._running))
+            self._next = asyncio.ensure_future(self._after(self._running, person))
         return await asyncio.shield(self._next)
 
-    async def _after(self, before: Optional[asyncio.Future[Outcome]]) -> Outcome:
+    async def _after(self, before: Optional[asyncio.Future[Outcome]], person: str) -> Outcome:
         if before is not None:
             await asyncio.wait([before])
         self._running, self._next = self._next, None
-        return await asyncio.get_event_loop().run_in_executor(self._thread, self._stop)
+        return await asyncio.get_event_loop().run_in_executor(
+            self._thread, self._stop, person)
 
     def close(self) -> None:
         """Begins no further stop."""

@@ -36,7 +36,7 @@ class FleetCommands:
 
     def do(self, act: Act, person: Person) -> Outcome:
         """Carries out an act for a person, and returns its outcome."""
-        by = f'{person.name} (page)'
+        by = by_page(person.name)
         try:
             if act.kind is ActKind.SEND:
                 return self._send(act, by)
@@ -73,4 +73,9 @@ class FleetCommands:
             return Outcome(False, f'There is no robot {act.robot}.')
         name, kind = _SERVICES[act.kind]
         arguments = (by,) if kind is DeclareAbsent else ()
-        return Outcome(True, call(name.format(act.robot), kind, *arguments))
+        return Outcome(True, call(name.format(act.robot), kind, *arguments, requested_by=by))
+
+
+def by_page(person: str) -> str:
+    """The requester of an act that a person does on the page, as the fleet manager records it."""
+    return f'{person} (page)'

@@ -47,6 +47,7 @@ from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import Act
 from fleet_page.core.page import Page
+from fleet_page.core.readiness import Readiness
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
 from fleet_page.core.site import WrongMap
@@ -56,6 +57,7 @@ from fleet_page.nodes import messages
 from fleet_page.nodes.fleet_commands import FleetCommands
 from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
 from fleet_page.web.server import WebServer, serve
+from graph_fleet_manager.messages.missions import stop_of
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
@@ -114,10 +116,11 @@ class FleetPageNode:
             raise ConfigurationError(str(error)) from None
         threading.Thread(target=self._end_with_door, name='door', daemon=True).start()
         asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
-        self._subscribers = self._subscribe(parameter('~map_topic', '/fleet/map'))
         shown = 'localhost' if is_loopback(settings.listen) else settings.listen
-        rospy.loginfo('The fleet is shown at %s://%s:%d', 'https' if settings.is_secure else 'http',
-                      shown, settings.port)
+        self._address = f'{"https" if settings.is_secure else "http"}://{shown}:{settings.port}'
+        self._readiness, self._is_surveyed = Readiness(), False
+        self._subscribers = self._subscribe(parameter('~map_topic', '/fleet/map'))
+        rospy.loginfo('The fleet is shown at %s', self._address)
 
     def close(self) -> None:
         """Ends all connections."""
@@ -192,6 +195,7 @@ class FleetPageNode:
 
     def _on_parking(self, message: ParkingPlaces) -> None:
         self._page.site.parking = frozenset(message.vertices)
+        self._is_surveyed = True
         self._page.model.site_changed()
 
     def _on_docks(self, message: DockingPoints) -> None:
@@ -207,7 +211,14 @@ class FleetPageNode:
         self._page.model.site_changed()
 
     def _on_state(self, message: FleetState) -> None:
+        self._page.model.show_stop(stop_of(message.stop))
         self._page.model.take_robots(map(messages.robot_of, message.robots), time.time())
+        ready = self._readiness.words(
+            self._page.model.robots.values(), self._is_surveyed,
+            stop_of(message.stop).is_in_force, time.monotonic())
+        if ready:
+            rospy.loginfo('%s Open %s, click destinations on the map, and press Send.', ready,
+                          self._address)
 
     def _on_poses(self, message: FleetPoses) -> None:
         self._page.model.take_places(messages.places_of(message))

@@ -36,7 +36,7 @@ def robot_of(message: msg.FleetRobot) -> Robot:
         _finite(message.pose.percentage, 0.0) / 100.0, message.seen.to_sec(),
         message.battery if math.isfinite(message.battery) else None,
         message.request_id if message.has_mission else None, message.destination,
-        message.waits_for)
+        message.waits_for, message.to_end if math.isfinite(message.to_end) else None)
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, Place]:
@@ -49,8 +49,7 @@ def places_of(message: msg.FleetPoses) -> Dict[str, Place]:
 def plans_of(message: msg.FleetPlan) -> Dict[str, Plan]:
     """The plan of each robot, by name. Released edges come first."""
     return {plan.robot: Plan(tuple(drive.edge_id for drive in plan.drives),
-                             sum(drive.released for drive in plan.drives),
-                             tuple(drive.end.to_sec() for drive in plan.drives))
+                             sum(drive.released for drive in plan.drives))
             for plan in message.plans}
 
 

@@ -4,7 +4,7 @@ Exit status 0: done; 1: wrong input, or no fleet manager.
 """
 from __future__ import annotations
 
-from typing import Iterable, List, Optional, Sequence
+from typing import Any, Dict, Iterable, List, Optional, Sequence
 
 import rospy
 
@@ -17,6 +17,7 @@ from graph_fleet_manager.commands.fleet_client import (
     first_message,
     run,
 )
+from graph_fleet_manager.commands.tables import WIDTH, as_json, offer_json, table
 from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from trajectory_graph import Graph
@@ -35,7 +36,7 @@ def _edge(arguments: List[str]) -> int:
     parser = Parser('edge', description='Closes edges of the graph to all robots, or opens them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
-    commands.add_parser('list', help='the edges that are closed')
+    offer_json(commands.add_parser('list', help='the edges that are closed'))
     for name, what in (('close', 'closes these edges; a robot to which one was granted drives to '
                                  'its end'),
                        ('open', 'lets robots use these edges again')):
@@ -50,9 +51,28 @@ def _edge(arguments: List[str]) -> int:
         command = EdgeCommand(edges=asked_edges(graph, options.edges),
                               requested_by=rospy.get_name(), command=_CODES[options.command])
         told = _carried_out(command, in_force)
-    closed = sorted(drawn_ids(graph, told.edges))
-    print('Closed edges: ' + (', '.join(map(str, closed)) or 'none'))
+    is_json = options.command == 'list' and options.json
+    closed = _closed(graph, told.edges)
+    print(as_json({'closed': closed}) if is_json else _listed(closed))
     return OK
+
+
+def _closed(graph: Graph, edges: Iterable[int]) -> List[Dict[str, Any]]:
+    """The closed edges, as the user has drawn them: id, vertices at the ends, and length in m."""
+    found = []
+    for id in sorted(drawn_ids(graph, edges)):
+        sections = [section for section in graph.sections[id] if section in graph.edges]
+        found.append({'edge': id, 'from': graph.start_vertex(sections[0]).id,
+                      'to': graph.end_vertex(sections[-1]).id,
+                      'length': sum(graph.curve(section).length for section in sections)})
+    return found
+
+
+def _listed(closed: List[Dict[str, Any]]) -> str:
+    rows = [('closed edge', 'from', 'to', 'length'), *(
+        (str(one['edge']), str(one['from']), str(one['to']), f'{one["length"]:.1f} m')
+        for one in closed)]
+    return table(rows, WIDTH) if closed else 'No edge is closed.'
 
 
 def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import List, Optional, Sequence
+import textwrap
+import time
+from typing import Any, Dict, List, Optional, Sequence
 
 import rospy
 
@@ -17,20 +19,29 @@ from graph_fleet_manager.commands.fleet_client import (
     TopicListener,
     call,
     connect,
+    requested_by,
     run,
-    table,
 )
 from graph_fleet_manager.commands.stop import stop
-from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE
+from graph_fleet_manager.commands.tables import (
+    WIDTH,
+    as_json,
+    offer_json,
+    stop_values,
+    table_with_notes,
+)
+from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE, stop_of
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from itrci_nav_msgs.srv import DeclareAbsent
 from trajectory_graph import Graph
-from trajectory_graph.drawn_names import place_name
+from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
 
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
-_STATES = {int(state): state.name.lower().replace('_', ' ') for state in RobotState}
+_NAMES = {int(state): state.name for state in RobotState}
+_AT_VERTEX = 0.01     # share of an edge at its ends that counts as the vertex
+_STATES = {int(state): state.words for state in RobotState}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -42,7 +53,8 @@ def _fleet(arguments: List[str]) -> int:
     parser = Parser('fleet', description='Lists the robots of the fleet, and stops them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
-    commands.add_parser('list', help='every robot: state, place, battery, mission, reason to wait')
+    offer_json(commands.add_parser(
+        'list', help='every robot: state, place, battery, mission, reason to wait'))
     commands.add_parser('stop', help='stops every robot at once')
     commands.add_parser('resume', help='releases the stop: every robot may drive again')
     for name, what in (('out', 'stops a robot and takes it out of service'),
@@ -57,12 +69,13 @@ def _fleet(arguments: List[str]) -> int:
     if options.command == 'absent' and bool(options.robots) == options.unseen:
         absent.error('name the robots, or give --unseen')
     if options.command == 'stop':
-        print(stop())
+        print(stop(requested_by('fleet')))
         return OK
     connect('fleet_command')
     if options.command == 'list':
         graphs = TopicListener('/graph', GraphMessage)
-        print(_listed(TopicListener('/fleet_state', FleetState).last(), _graph(graphs)))
+        state, graph = TopicListener('/fleet_state', FleetState).last(), _graph(graphs)
+        print(as_json(_values(state, graph)) if options.json else _listed(state, graph))
     elif options.command == 'resume':
         print(call('/resume_fleet'))
     elif options.command == 'absent':
@@ -110,8 +123,9 @@ def _graph(graphs: TopicListener) -> Optional[Graph]:
 
 
 def _listed(state: FleetState, graph: Optional[Graph]) -> str:
-    """The table of all robots, and below it how those without work come back."""
-    rows = [('robot', 'type', 'state', 'place', 'battery', 'mission', 'to', 'waits for')]
+    """The table of all robots, and below each why it waits, or how it comes back."""
+    head = ('robot', 'type', 'state', 'place', 'battery', 'mission', 'to')
+    rows, notes = [], []
     for robot in state.robots:
         place = _place(robot, graph) if robot.pose.edge_id else 'off the graph'
         name = _STATES.get(robot.state, str(robot.state))
@@ -122,17 +136,50 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
         rows.append((robot.name, robot.type, name, place,
                      '-' if math.isnan(robot.battery) else f'{100.0 * robot.battery:.0f} %',
                      str(robot.request_id) if robot.has_mission else '-',
-                     str(robot.destination or '-'), robot.waits_for))
-    ways_back = []
-    for robot in state.robots:
+                     str(robot.destination or '-')))
+        notes.append(_note(robot))
+    listed = table_with_notes(head, rows, notes)
+    told = stop_of(state.stop).words(time.time())
+    if not told:
+        return listed
+    return '\n'.join((*textwrap.wrap(f'{told} `fleet resume` lets it go on.', WIDTH), listed))
+
+
+def _note(robot: FleetRobot) -> str:
+    outage = OUTAGE_OF_CODE.get(robot.outage_code)
+    if outage is not None:
+        why = f'{robot.waits_for}. ' if robot.waits_for else ''
+        return f'{why[:1].upper()}{why[1:]}{outage.way_back(robot.name)}'
+    return f'waits for: {robot.waits_for}' if robot.waits_for else ''
+
+
+def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
+    """All that `fleet list` knows, as values for JSON. Times are s since 1970, or s to go."""
+    def known(number: float) -> Optional[float]:
+        return number if math.isfinite(number) else None
+
+    def one(robot: FleetRobot) -> Dict[str, Any]:
         outage = OUTAGE_OF_CODE.get(robot.outage_code)
-        if outage is not None:
-            ways_back.append(f'{robot.name}: {outage.way_back(robot.name)}')
-    return '\n'.join((table(rows), *ways_back))
+        edge = robot.pose.edge_id
+        return {'robot': robot.name, 'type': robot.type,
+                'state': _NAMES.get(robot.state, str(robot.state)),
+                'outage': outage.name if outage else None,
+                'edge': edge or None, 'fraction': robot.pose.percentage / 100.0 if edge else None,
+                'place': _place(robot, graph) if edge else None,
+                'seen': robot.seen.to_sec() or None, 'battery': known(robot.battery),
+                'mission': robot.request_id if robot.has_mission else None,
+                'destination': robot.destination or None,
+                'to_destination': known(robot.to_destination), 'to_end': known(robot.to_end),
+                'waits_for': robot.waits_for}
+    return {'stop': stop_values(stop_of(state.stop)), 'robots': list(map(one, state.robots))}
 
 
 def _place(robot: FleetRobot, graph: Optional[Graph]) -> str:
     edge, fraction = robot.pose.edge_id, robot.pose.percentage / 100.0
-    if graph is None:
+    if graph is None or abs(edge) not in graph.edges:
         return f'edge {edge} at {100.0 * fraction:.0f} %'
+    if fraction <= _AT_VERTEX:
+        return vertex_name(graph, graph.start_vertex(edge).id)
+    if fraction >= 1.0 - _AT_VERTEX:
+        return vertex_name(graph, graph.end_vertex(edge).id)
     return place_name(graph, edge, fraction)

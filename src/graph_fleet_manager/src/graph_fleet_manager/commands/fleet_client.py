@@ -1,6 +1,9 @@
 """The ROS side that commands share: the connection to the master, topics, services and errors."""
 from __future__ import annotations
 
+import getpass
+import os
+import platform
 import socket
 import sys
 import threading
@@ -125,21 +128,24 @@ def name_problem(host: str) -> str:
     return ''
 
 
-def call(service: str, kind: Type[Any] = Trigger) -> str:
+def call(service: str, kind: Type[Any] = Trigger, *arguments: Any) -> str:
     """Calls a service whose answer has the fields of Trigger. Returns the message of the answer.
 
     Raises CommandProblem if the service does not answer or does not succeed.
     """
     try:
-        return fleet_requests.call(service, kind, wait=PATIENCE)
+        return fleet_requests.call(service, kind, *arguments, wait=PATIENCE,
+                                   requested_by=requested_by('fleet'))
     except ServiceSilent as error:
         raise CommandProblem(f'The service {error}: is the fleet manager running?') from None
     except ServiceRefused as reason:
         raise CommandProblem(str(reason), NOT_DONE) from None
 
 
-def table(rows: Sequence[Sequence[str]]) -> str:
-    """Rows as text with aligned columns."""
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    return '\n'.join('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
-                     for row in rows)
+def requested_by(command: str) -> str:
+    """The user and the computer that request, for the records of the fleet manager."""
+    try:
+        user = getpass.getuser()
+    except (KeyError, OSError):  # a user without a name, as in containers
+        user = str(os.getuid())
+    return f'{user}@{platform.node()} ({command})'

@@ -11,13 +11,11 @@ from __future__ import annotations
 
 import argparse
 import csv
-import getpass
 import os
-import platform
 import sys
 import time
 from datetime import datetime
-from typing import List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence
 
 import rosgraph
 import rospkg
@@ -34,14 +32,20 @@ from graph_fleet_manager.commands.fleet_client import (
     connect,
     connected_sender,
     first_message,
+    requested_by,
     run,
-    table,
 )
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
-from graph_fleet_manager.messages.missions import is_about
+from graph_fleet_manager.commands.tables import (
+    as_json,
+    offer_json,
+    stop_values,
+    table,
+    table_with_notes,
+)
+from graph_fleet_manager.messages.missions import is_about, stop_of
 from itrci_nav_msgs.msg import (
-    FleetPlan,
     FleetState,
     MissionCommand,
     MissionRequest,
@@ -64,9 +68,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _mission(arguments: List[str]) -> int:
     word = arguments[0] if arguments else ''
     if word == 'list':
-        _options('list', 'lists all open missions', arguments)
+        options = _options('list', 'lists all open missions', arguments)
         connect('mission_command')
-        return _list()
+        return _list(options.json)
     if word == 'history':
         return _history(arguments)
     if word in _CHANGES:
@@ -78,6 +82,8 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
     parser = Parser(f'mission {name}', description=what)
     if name in _CHANGES:
         parser.add_argument('id', type=int, help='id of the mission')
+    if name == 'list':
+        offer_json(parser)
     if name == 'modify':
         parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                             help='the new destinations, in order, without dwells: id of a vertex, '
@@ -114,22 +120,13 @@ def _send(arguments: List[str]) -> int:
     given = {} if options.id is None else {'request_id': options.id}
     request = mission_request(
         destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
-        dwell=dwells, requested_by=_requested_by(), **given)
+        dwell=dwells, requested_by=requested_by('mission'), **given)
     listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
         raise CommandProblem(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
     return _follow(request, status, listener, graph) if options.wait else OK
-
-
-def _requested_by() -> str:
-    """The user and the computer that request, for the records."""
-    try:
-        user = getpass.getuser()
-    except (KeyError, OSError):  # a user without a name, as in containers
-        user = str(os.getuid())
-    return f'{user}@{platform.node()} (mission)'
 
 
 def _graph() -> Graph:
@@ -173,17 +170,15 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
     """Shows the progress of a mission until it ends. Returns the exit status."""
     destinations = list(request.destination_vertices_id)
     states = TopicListener('/fleet_state', FleetState)
-    plans = TopicListener('/fleet_plan', FleetPlan)
     state: Optional[FleetState] = None
-    plan: Optional[FleetPlan] = None
     line = ProgressLine()
     id = status.request_id
     watch = MissionWatch(request, status, listener, ask_for(request))
     try:
         while MissionState(status.state).is_open:
-            state, plan = (states.unread() or [state])[-1], (plans.unread() or [plan])[-1]
+            state = (states.unread() or [state])[-1]
             about = (status.state, status.robot, status.destinations_reached, status.reason)
-            line.show(line_of(status, destinations, state, plan, graph), about)
+            line.show(line_of(status, destinations, state, graph), about)
             status = watch.wait(0.5)
     except KeyboardInterrupt:
         line.end()
@@ -201,22 +196,46 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
 # -- listing and changing -------------------------------------------------------------------------
 
 
-def _list() -> int:
+def _list(is_json: bool) -> int:
     listener = TopicListener('/mission_status', MissionStatus)
     deadline = time.monotonic() + PATIENCE
-    state = TopicListener('/fleet_state', FleetState)
-    state.last()  # the fleet manager runs, so it sends the open missions to this new subscriber
+    # The fleet manager runs, so it sends the open missions to this new subscriber.
+    stop = stop_of(TopicListener('/fleet_state', FleetState).last().stop)
     quiet = time.monotonic() + 1.0
     while time.monotonic() < min(quiet, deadline):
         listener.wait(quiet - time.monotonic())
         time.sleep(0.02)
     latest = {status.request_id: status for status in listener.unread()}
-    rows = [('mission', 'state', 'robot', 'reached', 'reason')]
-    rows += [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
-              str(s.destinations_reached), s.reason) for s in latest.values()
-             if MissionState(s.state).is_open]
-    print(table(rows) if len(rows) > 1 else 'There are no open missions.')
+    missions = [s for s in latest.values() if MissionState(s.state).is_open]
+    if is_json:
+        print(as_json({'stop': stop_values(stop), 'missions': list(map(_values, missions))}))
+        return OK
+    if stop.is_in_force:
+        print(stop.words(time.time()))
+    print(_listed(missions) if missions else 'There are no open missions.')
     return OK
+
+
+def _listed(missions: Sequence[MissionStatus]) -> str:
+    rows = [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
+             str(s.destinations_reached), _clock(s.request_stamp.to_sec())) for s in missions]
+    return table_with_notes(('mission', 'state', 'robot', 'reached', 'requested'), rows,
+                            [s.reason for s in missions])
+
+
+def _values(status: MissionStatus) -> Dict[str, Any]:
+    return {'mission': status.request_id, 'state': MissionState(status.state).name,
+            'robot': status.robot or None, 'destinations_reached': status.destinations_reached,
+            'reason': status.reason, 'requested': status.request_stamp.to_sec() or None}
+
+
+def _clock(seconds: float) -> str:
+    """A time of day, with the date if it is not today; '-' for a request without a stamp."""
+    if not seconds:
+        return '-'
+    moment = datetime.fromtimestamp(seconds)
+    form = '%H:%M:%S' if moment.date() == datetime.now().date() else '%Y-%m-%d %H:%M:%S'
+    return moment.strftime(form)
 
 
 def _change(word: str, arguments: List[str]) -> int:
@@ -225,7 +244,7 @@ def _change(word: str, arguments: List[str]) -> int:
     listener = TopicListener('/mission_status', MissionStatus)
     commands = connected_sender(MissionCommand)
     message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
-                             requested_by=_requested_by())
+                             requested_by=requested_by('mission'))
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)

@@ -1,11 +1,12 @@
 """The progress of a mission as a line of text: destination, position, time left, reason to wait."""
 from __future__ import annotations
 
+import math
 import sys
 import time
 from typing import Any, List, Optional, TextIO, Tuple
 
-from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionStatus
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus
 from node_program.inert_text import return_to_line_begin
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name
@@ -14,7 +15,7 @@ EVERY = 5.0  # s between two lines if the output is no terminal and nothing chan
 
 
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
-            plan: Optional[FleetPlan], graph: Graph) -> str:
+            graph: Graph) -> str:
     """One line about the progress of a mission."""
     if status.state == MissionStatus.PENDING:
         return f'waiting: {status.reason}' if status.reason else 'accepted'
@@ -28,9 +29,8 @@ def line_of(status: MissionStatus, destinations: List[int], state: Optional[Flee
     if robot is not None:
         if robot.pose.edge_id:
             words.append(place_name(graph, robot.pose.edge_id, robot.pose.percentage / 100.0))
-        seconds = _time_to_go(robot, destinations[reached], plan, graph)
-        if seconds is not None:
-            words.append(f'{seconds:.0f} s to go')
+        if math.isfinite(robot.to_destination):
+            words.append(f'{robot.to_destination:.0f} s to go')
         if robot.waits_for:
             words.append(f'waits for {robot.waits_for}' if status.reason == '' else status.reason)
     return ', '.join(words)
@@ -40,23 +40,6 @@ def _robot(state: Optional[FleetState], status: MissionStatus) -> Optional[Fleet
     robots = [] if state is None else state.robots
     return next((robot for robot in robots if robot.name == status.robot
                  and robot.request_id == status.request_id), None)
-
-
-def _time_to_go(robot: FleetRobot, destination: int, plan: Optional[FleetPlan],
-                graph: Graph) -> Optional[float]:
-    """The planned seconds from the robot's position to a destination; None if not planned."""
-    plans = [] if plan is None else plan.plans
-    drives: List[Any] = next((p.drives for p in plans if p.robot == robot.name), [])
-    if not drives:
-        return None
-    first = drives[0]
-    driven = robot.pose.percentage / 100.0 if robot.pose.edge_id == first.edge_id else 0.0
-    here = first.start.to_sec() + driven * (first.end - first.start).to_sec()
-    for drive in drives:
-        if (abs(drive.edge_id) in graph.edges
-                and graph.end_vertex(drive.edge_id).id == destination):
-            return float(max(drive.end.to_sec() - here, 0.0))
-    return None
 
 
 class ProgressLine:

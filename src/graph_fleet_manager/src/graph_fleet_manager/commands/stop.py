@@ -32,8 +32,11 @@ class NoStop(Exception):
     """
 
 
-def stop() -> str:
-    """Stops every robot. Returns a text for the person; raises CommandProblem if it fails."""
+def stop(requested_by: str) -> str:
+    """Stops every robot. Returns a text for the person; raises CommandProblem if it did not work.
+
+    requested_by -- the person or program that stops the fleet, for the record
+    """
     master_uri = rosgraph.get_master_uri()
     sources: Tuple[Tuple[str, Callable[[str], str]], ...] = (
         ('', _told_by_master), ('The fleet manager was asked directly. ', _noted_here))
@@ -45,7 +48,7 @@ def stop() -> str:
             if address in asked:
                 continue
             asked.append(address)
-            answer = call(address)
+            answer = call(address, requested_by)
         except NoStop as trouble:
             troubles.append(str(trouble))
             continue
@@ -89,7 +92,7 @@ def _noted_here(master_uri: str) -> str:
     return address
 
 
-def call(address: str) -> TriggerResponse:
+def call(address: str, requested_by: str) -> TriggerResponse:
     """Calls the service at an address (rosrpc://host:port), with a timeout.
 
     Raises NoStop if no answer comes.
@@ -98,7 +101,8 @@ def call(address: str) -> TriggerResponse:
         host, port = parse_rosrpc_uri(address)
         with socket.create_connection((host, port), PATIENCE) as connection:
             rosgraph.network.write_ros_handshake_header(connection, {
-                'service': SERVICE, 'md5sum': Trigger._md5sum, 'callerid': '/fleet_stop'})
+                'service': SERVICE, 'md5sum': Trigger._md5sum, 'callerid': '/fleet_stop',
+                'requested_by': requested_by})
             header = rosgraph.network.read_ros_handshake_header(connection, io.BytesIO(), 4096)
             if 'error' in header:
                 raise ValueError(header['error'])

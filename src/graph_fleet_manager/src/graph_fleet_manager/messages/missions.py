@@ -2,12 +2,13 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
 
 import genpy
 
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import ME
+from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_core.supervision.fleet_view import DriveView, RobotView
 from fleet_core.supervision.missions import (
     MissionState,
@@ -52,6 +53,15 @@ def request_of(message: msg.MissionRequest) -> Request:
 def person_of(text: str) -> str:
     """The name of the person who requests, shortened and with printable characters only."""
     return _words(text[:_LONGEST_NAME])
+
+
+def caller_of(request: Any) -> str:
+    """The person or program that calls a service whose request has no field for it.
+
+    The header of the connection names it (`requested_by`), or else the node.
+    """
+    header: Dict[str, str] = getattr(request, '_connection_header', None) or {}
+    return person_of(header.get('requested_by') or header.get('callerid', ''))
 
 
 def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
@@ -103,10 +113,24 @@ def route_message(order: Order, stamp: genpy.Time) -> msg.TargetRoute:
         msg.TargetRoute(), order.sent_by(ME if order.number else '', stamp.to_nsec()))
 
 
-def state_message(robots: Iterable[RobotView], moment: Moment,
-                  now: genpy.Time) -> msg.FleetState:
-    """The state of all robots as a message; `now` is its stamp."""
-    message = msg.FleetState(robots=[
+def stop_message(stop: FleetStop) -> msg.FleetStop:
+    """Whether the fleet is stopped, as a message."""
+    return msg.FleetStop(int(stop.cause), stop.by, genpy.Time.from_sec(stop.since), stop.why)
+
+
+def stop_of(message: msg.FleetStop) -> FleetStop:
+    """Whether the fleet is stopped. A cause that this version does not know is UNKNOWN."""
+    cause = next((cause for cause in StopCause if cause == message.cause), StopCause.UNKNOWN)
+    return FleetStop(cause, message.by, message.since.to_sec(), message.why)
+
+
+def state_message(robots: Iterable[RobotView], stop: FleetStop, moment: Moment,
+                  now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
+    """The state of the fleet and of all robots as a message; `now` is its stamp.
+
+    rate -- factor by which simulated robots are faster than the clock
+    """
+    message = msg.FleetState(stop=stop_message(stop), robots=[
         msg.FleetRobot(
             name=robot.name, type=robot.type, state=int(robot.state),
             outage_code=_OUTAGES[robot.outage],
@@ -114,6 +138,7 @@ def state_message(robots: Iterable[RobotView], moment: Moment,
             seen=moment(robot.seen) if math.isfinite(robot.seen) else genpy.Time(0),
             battery=robot.battery, has_mission=robot.mission is not None,
             request_id=robot.mission or 0, destination=robot.destination or 0,
+            to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
             waits_for=robot.waits_for)
         for robot in robots])
     message.header.stamp = now

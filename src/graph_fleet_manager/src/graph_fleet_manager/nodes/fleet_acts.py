@@ -4,11 +4,11 @@ from __future__ import annotations
 import threading
 from typing import Any, Callable, Dict, FrozenSet, Type
 
-import rospy
 from std_srvs.srv import Trigger
 
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
 from graph_fleet_manager.commands.command_line import CommandProblem
+from graph_fleet_manager.commands.fleet_client import requested_by
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import MenuAct, Subject
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
@@ -25,7 +25,7 @@ class FleetActs:
     """Carries out the entries of menus. `say` is called with a sentence about each result."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
-        self._say = say
+        self._say, self._by = say, requested_by('RViz')
         self.robots: Dict[str, FleetRobot] = {}
         self.closed: FrozenSet[int] = frozenset()
         self.chosen = ''
@@ -66,7 +66,7 @@ class FleetActs:
             self._close(act, subject.edge)
 
     def _request(self, vertex: int, robot: str) -> None:
-        request = mission_request([vertex], robot=robot, requested_by=rospy.get_name())
+        request = mission_request([vertex], robot=robot, requested_by=self._by)
         self._requests.send(request)
         self._say(f'{robot or "A robot"} is sent to vertex {vertex}, '
                   f'as mission {request.request_id}')
@@ -77,7 +77,7 @@ class FleetActs:
             self._say(f'{name} has no mission')
             return
         self._commands.send(MissionCommand(
-            request_id=robot.request_id, command=_COMMANDS[act], requested_by=rospy.get_name()))
+            request_id=robot.request_id, command=_COMMANDS[act], requested_by=self._by))
         self._say(f'{act.value}: {name}, mission {robot.request_id}')
 
     def _close(self, act: MenuAct, edge: int) -> None:
@@ -85,7 +85,7 @@ class FleetActs:
         if not edges:
             self._say('No edge is closed')
             return
-        command = EdgeCommand(edges=sorted(edges), requested_by=rospy.get_name(), command=(
+        command = EdgeCommand(edges=sorted(edges), requested_by=self._by, command=(
             EdgeCommand.CLOSE if act is MenuAct.CLOSE else EdgeCommand.OPEN))
         self._edges.send(command)
         self._say(f'{"Closed" if act is MenuAct.CLOSE else "Opened"}: '
@@ -93,13 +93,13 @@ class FleetActs:
 
     def _stop(self) -> None:
         try:
-            self._say(stop())
+            self._say(stop(self._by))
         except CommandProblem as error:
             self._say(f'{MenuAct.STOP_ALL.value}: NOT DONE: {error}')
 
     def _call(self, service: str, kind: Type[Any], act: MenuAct) -> None:
         try:
-            self._say(call(service, kind) or f'{act.value}: done')
+            self._say(call(service, kind, requested_by=self._by) or f'{act.value}: done')
         except ServiceSilent as error:
             self._say(f'{act.value}: NOT DONE, {error}')
         except ServiceRefused as reason:

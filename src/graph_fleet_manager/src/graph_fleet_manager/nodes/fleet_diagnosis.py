@@ -40,7 +40,7 @@ def _summary(supervisor: Supervisor, views: Sequence[RobotView]) -> Tuple[int, s
         return DiagnosticStatus.ERROR, ('no mission is accepted and no robot gets anything new to '
                                         f'drive: {supervisor.trouble}')
     if supervisor.is_stopped:
-        return DiagnosticStatus.WARN, 'the fleet is stopped'
+        return DiagnosticStatus.WARN, supervisor.stop.words(time.time()).rstrip('.')
     plan, no_plan = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
     if no_plan:
         return DiagnosticStatus.WARN, f'there is no plan: {no_plan}'

@@ -13,9 +13,10 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.actions import Action
+from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.supervisor import Supervisor
-from graph_fleet_manager.messages.missions import person_of, status_message
+from graph_fleet_manager.messages.missions import caller_of, person_of, status_message
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from itrci_nav_msgs.srv import (
     DeclareAbsent,
@@ -44,13 +45,13 @@ class FleetServices:
     """
 
     def __init__(self, robots: Iterable[str], gate: StopGate, events: SupervisorEvents,
-                 stop_early: Callable[[float], Tuple[str, Sequence[Action]]],
-                 past: Callable[[float], None]) -> None:
+                 stop_early: Callable[[float, FleetStop], Tuple[str, Sequence[Action]]],
+                 past: Callable[[float, FleetStop], None]) -> None:
         self._gate, self._events, self._stop_early, self._past = gate, events, stop_early, past
         self._robots = frozenset(robots)
         self._services: List[rospy.Service] = [
             rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
-                '/stop_fleet', self.stop(request))),
+                _requested('/stop_fleet', request), self.stop(request))),
             rospy.Service('/resume_fleet', Trigger, self._resume),
             rospy.Service('/get_mission_status', GetMissionStatus, self._mission_status)]
         for robot in robots:
@@ -79,19 +80,20 @@ class FleetServices:
             False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
                    'manager, and at its log'))
 
-    def stop(self, _: TriggerRequest) -> TriggerResponse:
+    def stop(self, request: TriggerRequest) -> TriggerResponse:
         """Stops all robots, even while the supervisor is busy."""
         self._gate.close()
+        stop = FleetStop(StopCause.PERSON, caller_of(request), time.time())
 
         def early(now: float) -> Tuple[TriggerResponse, Sequence[Action]]:
-            warning, actions = self._stop_early(now)
+            warning, actions = self._stop_early(now, stop)
             return TriggerResponse(True, f'Every robot was told to stop.{warning}'), actions
 
-        done = self._answer(lambda supervisor, now: ('', supervisor.stop_fleet(now)),
+        done = self._answer(lambda supervisor, now: ('', supervisor.stop_fleet(now, stop)),
                             'Every robot was told to stop.', STOP_PATIENCE, early, lasts=True)
         if done is not None:
             return done
-        self._past(time.monotonic())
+        self._past(time.monotonic(), stop)
         return TriggerResponse(True, 'Every robot was told to stop directly, because the fleet '
                                      'manager hangs: look at its disk and its log.')
 
@@ -101,7 +103,8 @@ class FleetServices:
 
         def resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
             return supervisor.resume_fleet(now, ticket)
-        return self._called('/resume_fleet', resume, lambda supervisor: supervisor.who_goes_on)
+        return self._called(_requested('/resume_fleet', request), resume,
+                            lambda supervisor: supervisor.who_goes_on)
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
         """The stored status of a mission. Raises ServiceException if it cannot be read now."""
@@ -162,6 +165,12 @@ class FleetServices:
                 return None
         return TriggerResponse(False, f'begun, but not done within {patience:.0f} s: look at its '
                                       'disk and its log')
+
+
+def _requested(service: str, request: TriggerRequest) -> str:
+    """The name of a service with the person or program that calls it, for the log."""
+    by = caller_of(request)
+    return f'{service}, requested by {by}' if by else service
 
 
 def _logged(service: str, answer: TriggerResponse) -> TriggerResponse:

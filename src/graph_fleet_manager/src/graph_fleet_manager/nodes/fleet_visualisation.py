@@ -21,11 +21,13 @@ Parameters
 from __future__ import annotations
 
 import threading
+import time
 from typing import Dict, FrozenSet, List, Optional
 
 import rospy
 from visualization_msgs.msg import Marker, MarkerArray
 
+from graph_fleet_manager.messages.missions import stop_of
 from graph_fleet_manager.nodes.fleet_acts import FleetActs
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
@@ -39,6 +41,7 @@ from graph_fleet_manager.nodes.rviz.robot_picture import (
     place_on_graph,
     robot_markers,
 )
+from graph_fleet_manager.nodes.rviz.stop_picture import stop_markers
 from graph_fleet_manager.nodes.rviz.true_places import TruePlaces
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
@@ -186,6 +189,7 @@ class FleetVisualisation:
                 markers += robot_markers(
                     robot, self._numbers[robot.name], places[robot.name], labels[robot.name],
                     self._label_places.side(robot.name), robot.name == self._acts.chosen)
+        markers += stop_markers(graph, stop_of(state.stop), time.time())
         self._pictures['robots'].show(markers)
         return places
 

@@ -49,7 +49,7 @@ from fleet_core.interlocking.conformance import Conformance
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.early_stop import EarlyStop
-from fleet_core.supervision.journal import STOPPED
+from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.missions import Change, Command, RequestRefused
 from fleet_core.supervision.outbox import AGAIN
@@ -110,7 +110,7 @@ class PathSupervisor:
         self._poses = FleetPosesTopic(robots)
         self._services = FleetServices(
             robots, self._gate, self._events, self._stop_early,
-            lambda now: self._topics.do(EarlyStop(robots).stop(now)))
+            lambda now, stop: self._topics.do(EarlyStop(robots).stop(now, stop)))
         _note_stop_address()
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
@@ -160,15 +160,16 @@ class PathSupervisor:
                 finally:
                     os._exit(1)
 
-    def _stop_early(self, now: float) -> Tuple[str, Sequence[Action]]:
+    def _stop_early(self, now: float, stop: FleetStop) -> Tuple[str, Sequence[Action]]:
         """Stops all robots before there is a supervisor. Returns a warning and the orders."""
         trouble = self._file.trouble
         try:
-            if self._file.journal is not None:
-                self._file.journal.store(values={STOPPED: 1})
+            journal = self._file.journal
+            if journal is not None and not journal.stop().is_in_force:
+                journal.store(stop=stop)
         except JournalUnavailable as unavailable:
             trouble = unavailable.reason
-        return f' {not_stored(trouble)}' if trouble else '', self._early.stop(now)
+        return f' {not_stored(trouble)}' if trouble else '', self._early.stop(now, stop)
 
     def _tell_open(self, publish: TellStatuses) -> None:
         def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
@@ -231,8 +232,9 @@ class PathSupervisor:
         self._begin_at = math.inf
         self._supervisor = supervisor
         self._services.offer_removed(supervisor.removed)
-        is_stopped = self._early.hand_over() or (self._gate.is_closed and not supervisor.is_stopped)
-        stopping = supervisor.stop_fleet(now) if is_stopped else ()
+        stop = self._early.hand_over()
+        is_stopped = stop or (self._gate.is_closed and not supervisor.is_stopped)
+        stopping = supervisor.stop_fleet(now, stop) if is_stopped else ()
         self._events.begin()
         return [*stopping, *supervisor.close_edges(self._closed, now)]
 

@@ -69,7 +69,7 @@ from omron_ld90.operator.goal_clicks import (
     resolve_click,
     targets_of,
 )
-from omron_ld90.operator.localizing import Judged, LocalizingWatch
+from omron_ld90.operator.localizing import ASKED_FOR, Judged, LocalizeQuestion, LocalizingWatch
 from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
@@ -119,7 +119,7 @@ class GoalSender:
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
         self._given: Dict[int, Given] = {}  # commands under way, by number
-        self._localizing = LocalizingWatch()
+        self._localizing, self._question = LocalizingWatch(), LocalizeQuestion()
         self._count = 0
         self._heading: Optional[float] = None  # degrees
 
@@ -221,7 +221,9 @@ class GoalSender:
         with self._lock:
             if action is HandleAction.LOCALIZE and target:
                 self._localize(target)
-            elif action is HandleAction.GO and target:
+                return
+            self._question.forget()
+            if action is HandleAction.GO and target:
                 self._drive_to(target)
             elif action is HandleAction.STOP:
                 self._give(COMMANDS[action], None)
@@ -234,6 +236,12 @@ class GoalSender:
             self._feedback.say(
                 NoticeSeverity.BAD,
                 f'Which way does the robot face at {target}? Use 2D Pose Estimate.', target.place)
+            return
+        if not self._rule.refusal() and not self._question.is_confirmed(
+                target.place, time.monotonic()):
+            self._feedback.say(
+                NoticeSeverity.INFO, f'Does the robot stand at {target}? If it does, choose "'
+                f'{HandleAction.LOCALIZE.value}" once more within {ASKED_FOR:.0f} s.', target.place)
             return
         self._drive(f'{LOCALIZE} {millimetres(target.x)} {millimetres(target.y)} '
                     f'{round(heading)}', target)

@@ -1,4 +1,4 @@
-"""Judges by the robot's score whether it was localized where a person said that it is."""
+"""Localizes a robot where a person says that it is: asks first, and judges by the robot's score."""
 from __future__ import annotations
 
 from typing import NamedTuple, Optional, Tuple
@@ -9,6 +9,8 @@ from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 
 LOW_SCORE = 0.2   # 0 to 1; below it the scan does not fit the map, so the place is wrong
 SCORE_WITHIN = 5.0  # s within which a robot reports its score: it does so with each status
+
+ASKED_FOR = 15.0  # s for which a question is open
 
 Place = Tuple[float, float]
 """x, y in m, in the map."""
@@ -27,6 +29,28 @@ class _Awaited(NamedTuple):
     words: str
     place: Optional[Place]
     since: float
+
+
+class LocalizeQuestion:
+    """Asks once before a robot is localized. With a wrong pose it would drive into things."""
+
+    def __init__(self) -> None:
+        self._asked: Optional[Tuple[Place, float]] = None
+
+    def is_confirmed(self, place: Place, now: float) -> bool:
+        """Returns whether the person has chosen this place a second time; `now` in s.
+
+        The first time, the question is open from now on.
+        """
+        asked, self._asked = self._asked, (place, now)
+        if asked is None or asked[0] != place or now - asked[1] > ASKED_FOR:
+            return False
+        self._asked = None
+        return True
+
+    def forget(self) -> None:
+        """The person has done something else."""
+        self._asked = None
 
 
 class LocalizingWatch:

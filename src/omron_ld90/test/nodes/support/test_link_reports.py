@@ -30,6 +30,8 @@ def topic(monkeypatch) -> Topic:
     monkeypatch.setattr(rospy, 'on_shutdown', lambda _: None)
     monkeypatch.setattr(link_reports, 'Periodic', lambda *_: None)
     monkeypatch.setattr(rospy.Time, 'now', staticmethod(lambda: rospy.Time(100)))
+    monkeypatch.setattr(link_reports, 'PATIENCE', 0.0)
+    monkeypatch.setattr(link_reports, 'SETTLED', 0.0)
     return published
 
 
@@ -75,24 +77,67 @@ def test_a_link_that_stays_as_it_is_is_logged_once(logged):
         for phase, reason in ((LinkPhase.CONNECTING, 'connecting'),
                               (LinkPhase.DISCONNECTED, 'connection refused')):
             reporter.report(Link(phase, ROBOT, reason))
+            reporter._repeat()
     assert logged == [f'Link "commands" to {ROBOT} is down: connection refused.']
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
     assert logged[1:] == [f'Link "commands" to {ROBOT} is up.']
 
 
-def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
-    """A user who presses Ctrl-C gets no warning about a link."""
+REFUSED = Link(LinkPhase.DISCONNECTED, ROBOT, 'connection refused')
+
+
+def test_while_the_programs_of_a_start_begin_a_robot_that_was_not_reached_is_no_warning(
+        logged, monkeypatch):
+    monkeypatch.setattr(link_reports, 'PATIENCE', 1000.0)
+    reporter = LinkReporter(LinkState.COMMANDS)
+    for link in (REFUSED, Link(LinkPhase.CONNECTING, ROBOT, 'connecting')):
+        reporter.report(link)
+        reporter._repeat()
+    assert logged == [] and diagnosis(reporter).level == DiagnosticStatus.WARN
+    monkeypatch.setattr(link_reports.time, 'monotonic', lambda: reporter._began + 1001.0)
+    for _ in range(2):
+        reporter._repeat()
+    assert logged == [f'Link "commands" to {ROBOT} is down: connection refused.']
+
+
+def test_what_a_start_does_not_mend_is_told_at_once(logged, monkeypatch):
+    monkeypatch.setattr(link_reports, 'PATIENCE', 1000.0)
+    reporter = LinkReporter(LinkState.COMMANDS)
+    reporter.report(Link(LinkPhase.WRONG_PASSWORD, ROBOT, 'wrong password'))
+    reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    reporter.report(REFUSED)
+    reporter._repeat()
+    assert [line.split(': ')[-1] for line in logged] == [
+        'wrong password.', f'Link "commands" to {ROBOT} is up.', 'connection refused.']
+
+
+def test_a_link_that_was_lost_for_a_moment_is_told_before_it_is_up_again(logged, monkeypatch):
+    monkeypatch.setattr(link_reports, 'SETTLED', 1000.0)
+    reporter = LinkReporter(LinkState.COMMANDS)
+    for link in (Link(LinkPhase.CONNECTED, ROBOT), REFUSED, Link(LinkPhase.CONNECTED, ROBOT)):
+        reporter.report(link)
+        reporter._repeat()
+    assert [line.split(' is ')[-1] for line in logged] == [
+        'up.', 'down: connection refused.', 'up.']
+
+
+def test_a_link_that_the_ending_node_closes_is_no_news(monkeypatch):
+    """A user who presses Ctrl-C gets no message about a link."""
     said: List[str] = []
     warned: List[str] = []
     monkeypatch.setattr(rospy, 'loginfo', lambda text, *arguments: said.append(text % arguments))
     monkeypatch.setattr(link_reports, 'warn', lambda _, text: warned.append(text))
     reporter = LinkReporter(LinkState.OUTGOING)
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'connection reset'))
+    reporter._repeat()
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'the simulator has ended'))
     monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() becomes true later
+    reporter._repeat()
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'closed by us'))
+    reporter._repeat()
     assert warned == [f'Link "outgoing" to {ROBOT} is down: connection reset.']
-    assert said[1:] == [f'Link "outgoing" to {ROBOT} is closed, because this node ends.']
+    assert said == [f'Link "outgoing" to {ROBOT} is up.']
 
 
 def test_the_diagnosis_is_an_error_unless_it_is_connected(logged):

@@ -9,6 +9,7 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 from visualization_msgs.msg import Marker
 
+from fleet_core.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot
 from rviz_drawing import drawing
 from rviz_drawing.label_places import Label
@@ -20,12 +21,7 @@ LIFETIME = 3.0  # s after which RViz removes the markers, so that none stay when
 TEXT_HEIGHT = 0.42
 LONGEST_TEXT = 120  # characters
 WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
-_WORDS: Dict[int, str] = {
-    FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
-    FleetRobot.STOPPED: 'emergency stop', FleetRobot.TAKEN_OVER: 'taken over',
-    FleetRobot.FAILED: 'failed', FleetRobot.OFF_GRAPH: 'off the graph',
-    FleetRobot.OUT_OF_SERVICE: 'out of service', FleetRobot.ABSENT: 'absent',
-    FleetRobot.UNKNOWN: 'place unknown'}
+_WORDS: Dict[int, str] = {int(state): state.words for state in RobotState}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
 #: States for which no reason is shown beside the word.
@@ -87,7 +83,7 @@ def words_of(robot: FleetRobot, now: float) -> str:
     charge = '' if math.isnan(robot.battery) else f'  {100.0 * robot.battery:.0f} %'
     doing = _WORDS.get(robot.state, '')
     if robot.state == FleetRobot.BUSY:
-        doing = f'to {robot.destination}' if robot.destination else 'driving'
+        doing = f'to {robot.destination}' if robot.destination else doing
     elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing]

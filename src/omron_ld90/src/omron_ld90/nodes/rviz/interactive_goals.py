@@ -44,10 +44,11 @@ class HandleAction(enum.Enum):
 
 LEFT_CLICK = {TargetKind.GOAL: HandleAction.GO, TargetKind.DOCK: HandleAction.DOCK}
 MENUS = {
-    TargetKind.GOAL: (HandleAction.GO, HandleAction.LOCALIZE, HandleAction.STOP),
-    TargetKind.DOCK: (HandleAction.DOCK, HandleAction.UNDOCK, HandleAction.LOCALIZE,
-                      HandleAction.STOP),
+    TargetKind.GOAL: (HandleAction.GO, HandleAction.STOP, HandleAction.LOCALIZE),
+    TargetKind.DOCK: (HandleAction.DOCK, HandleAction.UNDOCK, HandleAction.STOP,
+                      HandleAction.LOCALIZE),
 }
+"""Localizing comes last, apart from driving: chosen by a slip, it gives the robot a wrong pose."""
 ROBOT_MENU = (HandleAction.STOP, HandleAction.DOCK, HandleAction.UNDOCK)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, NamedTuple, Optional
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -29,6 +29,8 @@ _STATES: Dict[LinkPhase, int] = {
 }
 _WORDS = {**{state: phase.value for phase, state in _STATES.items()},
           LinkState.MISCONFIGURED: 'misconfigured'}
+PATIENCE = 15.0  # s after the start in which a robot that was not reached yet is no trouble
+SETTLED = 0.8    # s after which a lost link is told: at Ctrl-C, a simulator may end before the node
 REPEATED = 1.0  # s between two messages about a link that has not changed
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
 
@@ -75,6 +77,13 @@ def _publisher() -> rospy.Publisher:
     return rospy.Publisher('link_state', LinkState, queue_size=5, latch=True, tcp_nodelay=True)
 
 
+class _Lost(NamedTuple):
+    """A link that is down, and the time (monotonic, s) from which on the log tells it."""
+
+    link: Link
+    due: float
+
+
 class LinkReporter:
     """Reports one link: pass `report` as on_link, and call `line` for every received line.
 
@@ -91,6 +100,8 @@ class LinkReporter:
         self._last_reported: Optional[Link] = None
         self._since = rospy.Time.now()
         self._connections = 0
+        self._began = time.monotonic()
+        self._awaited: Optional[_Lost] = None
         self._last_line: Optional[float] = None
         self._lines = 0
         self._counted = (time.monotonic(), 0)
@@ -105,6 +116,14 @@ class LinkReporter:
         with self._lock:
             if self._message is not None:
                 self._publisher.publish(self._message)
+        awaited = self._awaited
+        if awaited is not None and time.monotonic() >= awaited.due:
+            self._log_change(awaited.link)
+
+    @property
+    def _is_beginning(self) -> bool:
+        """Whether the robot was not reached yet, and the nodes of a normal start still begin."""
+        return not self._connections and time.monotonic() - self._began < PATIENCE
 
     def report(self, link: Link) -> None:
         """Takes and publishes a change of the link."""
@@ -119,17 +138,26 @@ class LinkReporter:
             self._publisher.publish(message)
         if link.connected:
             self._connections += 1
-        if link.phase in _LASTING and link != self._last_reported:
-            self._last_reported = link
-            if link.connected:
-                rospy.loginfo('Link "%s" to %s is up.', self._name, link.peer)
-                if link.reason:
-                    warn('link', f'Link "{self._name}" to {link.peer}: {link.reason}.')
-            elif rospy.core.is_shutdown_requested():  # is_shutdown() is still False here
-                rospy.loginfo('Link "%s" to %s is closed, because this node ends.', self._name,
-                              link.peer)
-            else:
-                warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
+        awaited = self._awaited
+        if link.phase in _LASTING and (awaited or link != self._last_reported):
+            if link.phase is LinkPhase.DISCONNECTED:
+                if awaited is None:
+                    due = self._began + PATIENCE if self._is_beginning else (
+                        time.monotonic() + SETTLED)
+                    self._awaited = _Lost(link, due)
+                return
+            if awaited is not None and self._connections > 1:
+                self._log_change(awaited.link)
+            self._log_change(link)
+
+    def _log_change(self, link: Link) -> None:
+        self._last_reported, self._awaited = link, None
+        if link.connected:
+            rospy.loginfo('Link "%s" to %s is up.', self._name, link.peer)
+            if link.reason:
+                warn('link', f'Link "{self._name}" to {link.peer}: {link.reason}.')
+        elif not rospy.core.is_shutdown_requested():  # is_shutdown() is still False at the end
+            warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         """Task for diagnostic_updater."""
@@ -140,6 +168,8 @@ class LinkReporter:
         if link.connected:
             status.summary(DiagnosticStatus.WARN if link.reason else DiagnosticStatus.OK,
                            link.reason or 'connected')
+        elif self._is_beginning and link.phase is not LinkPhase.WRONG_PASSWORD:
+            status.summary(DiagnosticStatus.WARN, f'connecting: {link.reason}')
         else:
             status.summary(DiagnosticStatus.ERROR, f'{link.phase.value}: {link.reason}')
         now = time.monotonic()

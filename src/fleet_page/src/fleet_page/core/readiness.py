@@ -1,0 +1,41 @@
+"""The last line of a start: which robots are ready, so that people know that they may begin."""
+from __future__ import annotations
+
+from typing import Iterable, Optional
+
+from fleet_core.supervision.fleet_view import RobotState
+from fleet_page.core.fleet import Robot
+
+LIMIT = 30.0  # s after the first news of the fleet, within which all robots should be ready
+_READY = ('IDLE', 'BUSY', 'CHARGING')
+_NOT_WANTED = ('ABSENT', 'OUT_OF_SERVICE')  # a person has said so
+
+
+class Readiness:
+    """Tells once that the fleet is ready."""
+
+    def __init__(self) -> None:
+        self._since: Optional[float] = None
+        self._is_told = False
+
+    def words(self, robots: Iterable[Robot], is_surveyed: bool, is_stopped: bool,
+              now: float) -> str:
+        """The sentences that tell it; empty: it is told already, or robots are still awaited.
+
+        is_surveyed -- whether the graph is surveyed, which logs several lines
+        now         -- time of these news, in s
+        """
+        if self._is_told:
+            return ''
+        self._since = now if self._since is None else self._since
+        known = [robot for robot in robots if robot.state not in _NOT_WANTED]
+        awaited = [f'{robot.name} ({RobotState[robot.state].words})' for robot in known
+                   if robot.state not in _READY]
+        if not known or ((awaited or not is_surveyed) and now - self._since < LIMIT):
+            return ''
+        self._is_told = True
+        ready = len(known) - len(awaited)
+        told = f'Ready: {ready} robot{"" if ready == 1 else "s"}.'
+        if awaited:
+            told += f' Not ready: {", ".join(awaited)}.'
+        return told + (' The fleet is stopped: press Go on.' if is_stopped else '')

@@ -1,0 +1,59 @@
+"""The lists of missions and of closed edges fit a terminal; programs get all of them as JSON."""
+from __future__ import annotations
+
+import json
+
+import genpy
+import pytest
+
+from graph_fleet_manager.commands import edge, mission
+from graph_fleet_manager.commands.tables import WIDTH, as_json, table, table_with_notes
+from itrci_nav_msgs.msg import MissionStatus
+from trajectory_graph import Edge, Graph, Vertex, split_edges
+
+WORDS = 'it waits for a robot to be free, and none of the others has enough charge for it. '
+
+
+@pytest.mark.parametrize('length', [1, 30, 200])
+def test_a_table_fits_and_keeps_each_note_whole(length):
+    rows = [('x' * length, 'short', 'y' * 40), ('a', 'b', 'c')]
+    lines = table_with_notes(('one', 'two', 'three'), rows, [WORDS * 3, '']).splitlines()
+    assert max(map(len, lines)) <= WIDTH
+    assert lines[0].split() == ['one', 'two', 'three'] and lines[-1].split() == ['a', 'b', 'c']
+    note = [line for line in lines if line.startswith('    ')]
+    assert ' '.join(' '.join(note).split()) == (WORDS * 3).strip()
+    assert 'short' in lines[1]
+
+
+def test_a_table_without_a_width_cuts_nothing():
+    assert table([('x' * 200, 'y')]) == 'x' * 200 + '  y'
+
+
+def status(**fields):
+    known = {'request_id': 7, 'state': MissionStatus.PENDING, 'reason': WORDS.strip(),
+             'request_stamp': genpy.Time(1000)}
+    return MissionStatus(**{**known, **fields})
+
+
+def test_missions_are_listed_with_the_time_of_their_request_and_the_reason_below():
+    listed = mission._listed([status(), status(request_id=2 ** 31 - 1, reason='', robot='ld90_1',
+                                               state=MissionStatus.ACTIVE,
+                                               request_stamp=genpy.Time(0))]).splitlines()
+    assert listed[0].split() == ['mission', 'state', 'robot', 'reached', 'requested']
+    assert listed[1].split()[:4] == ['7', 'PENDING', '-', '0'] and '1970-01-0' in listed[1]
+    assert listed[2].strip().startswith('it waits for a robot')
+    assert listed[-1].split() == ['2147483647', 'ACTIVE', 'ld90_1', '0', '-']
+    assert json.loads(as_json(mission._values(status()))) == {
+        'mission': 7, 'state': 'PENDING', 'robot': None, 'destinations_reached': 0,
+        'reason': WORDS.strip(), 'requested': 1000.0}
+
+
+def test_a_closed_edge_is_listed_once_as_it_was_drawn():
+    graph = split_edges(Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 6.0, 0.0, 0.0)],
+                              [Edge(7, 1, 2), Edge(8, 2, 1)]), 2.0)
+    closed = edge._closed(graph, graph.whole_edges((7,)))
+    assert closed == [{'edge': 7, 'from': 1, 'to': 2, 'length': pytest.approx(6.0)}]
+    lines = edge._listed(closed).splitlines()
+    assert lines[0].split() == ['closed', 'edge', 'from', 'to', 'length']
+    assert lines[1].split() == ['7', '1', '2', '6.0', 'm']
+    assert edge._listed([]) == 'No edge is closed.'
