@@ -13,10 +13,10 @@ import time
 from itertools import chain
 from random import Random
 from typing import (
+    Any,
     Callable,
     Dict,
     Generic,
-    Iterable,
     List,
     Mapping,
     NamedTuple,
@@ -46,13 +46,15 @@ from fleet_core.supervision.actions import (
     AskPlanner,
     Note,
     SendRoute,
+    SendStep,
     TellStatus,
 )
-from fleet_core.supervision.journal import Journal, RobotMemory
-from fleet_core.supervision.missions import Mission, Status
+from fleet_core.supervision.journal import Journal
+from fleet_core.supervision.missions import Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
+from fleet_simulation.agv.steps import SimulatedSteps
 from route_protocol.master import Order
 from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
@@ -65,11 +67,8 @@ class _CountingJournal(Journal):
 
     commits = 0
 
-    def store(self, missions: Iterable[Mission] = (),
-              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
-              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None) -> None:
-        super().store(missions, robots, values, graph, stays)
+    def store(self, *args: Any, **named: Any) -> None:
+        super().store(*args, **named)
         self.commits += 1
 
 
@@ -226,6 +225,9 @@ class VirtualFleet(Generic[Body]):
         self.statuses: List[Status] = []
         self.notes: List[str] = []
         self.sent: List[SendRoute] = []
+        self.steps: Dict[str, SimulatedSteps] = {}
+        """By robot: the steps that it carries out. A robot that is not in it carries out none."""
+        self._steps_told: Dict[str, Tuple[float, object]] = {}
         self.refused = dict.fromkeys(robots, 0)
         """By robot: number of orders that it refused."""
         self.nearest = math.inf
@@ -306,6 +308,8 @@ class VirtualFleet(Generic[Body]):
         if self.now >= self._looks_at:
             self._looks_at = self.now + self.rhythm.room - _TOGETHER
             self._check_room()
+        for steps in self.steps.values():
+            steps.advance(STEP)
         for name, agv in self.agvs.items():
             if self.silent.get(name, 0.0) <= self.now and self._has_to_tell(name, agv):
                 at = self.now + self.late.get(name, 0.0)
@@ -351,6 +355,7 @@ class VirtualFleet(Generic[Body]):
                 self.do(self.supervisor.report(name, aged, self.now))
             else:
                 self._reports.append((at, name, report))
+        self._report_steps()
         answers, self._answers = self._answers, []
         for at, number, outcome in answers:
             if at <= self.now:
@@ -359,6 +364,17 @@ class VirtualFleet(Generic[Body]):
                 self._answers.append((at, number, outcome))
         self.do(self.supervisor.tick(self.now))
         self._supervising += time.thread_time() - begun - (self._planning_time - planning)
+
+    def _report_steps(self) -> None:
+        """Reports the steps of each robot when they change, and once a second."""
+        for name, steps in self.steps.items():
+            at, news = self._steps_told.get(name, (-math.inf, None))
+            if self.silent.get(name, 0.0) > self.now or (
+                    news == steps.news and self.now < at + 1.0 - _TOGETHER):
+                continue
+            self._steps_told[name] = self.now, steps.news
+            for _ in range(self._copies()):
+                self.do(self.supervisor.step_report(name, steps.report(), self.now))
 
     def _copies(self) -> int:
         if self.random.random() < self.loss:
@@ -406,6 +422,10 @@ class VirtualFleet(Generic[Body]):
                     self.watcher.sends(action)
                 self.sent.append(action)
                 self.to_robots.append(action)
+            elif isinstance(action, SendStep):
+                if self.silent.get(action.robot, 0.0) <= self.now:
+                    for _ in range(self._copies()):
+                        self.steps[action.robot].receive(action.command)
             elif isinstance(action, TellStatus):
                 if self.watcher is not None:
                     self.watcher.tells(action.status)

@@ -36,6 +36,9 @@ _MIGRATIONS: Tuple[str, ...] = (
     CREATE INDEX mission_by_change ON mission (changed);
     ''', '''
     ALTER TABLE change ADD COLUMN requested_by TEXT NOT NULL DEFAULT '';
+    ''', '''
+    CREATE TABLE IF NOT EXISTS work (serial INTEGER PRIMARY KEY, work TEXT NOT NULL);
+    CREATE TABLE IF NOT EXISTS load (robot TEXT PRIMARY KEY, load TEXT NOT NULL);
     ''')
 """Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
@@ -43,7 +46,7 @@ LAYOUT: Dict[str, Tuple[str, ...]] = {
                 'changed'),
     'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
-    'graph': ('one', 'elements')}
+    'graph': ('one', 'elements'), 'work': ('serial', 'work'), 'load': ('robot', 'load')}
 """The columns of each table of the newest version."""
 
 

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set
+from dataclasses import replace
+from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_core.supervision.missions import (
     Acceptance,
@@ -60,6 +61,11 @@ class MissionBook:
         """The open missions that robots serve, by the robot's name."""
         return {name: mission for name, mission in list(self._by_robot.items())
                 if mission.state.is_open}
+
+    def is_open(self, serial: int) -> bool:
+        """Has a mission not ended?"""
+        mission = self._by_serial.get(serial)
+        return mission is not None and mission.state.is_open
 
     def is_pending(self, serial: int) -> bool:
         """Does a mission wait for a robot?"""
@@ -141,18 +147,32 @@ class MissionBook:
             if stays:
                 self.reach(mission)
 
+    def divert(self, mission: Mission, destinations: Tuple[int, ...],
+               dwells: Tuple[float, ...], reached: int) -> None:
+        """Replaces the destinations of a mission. The first `reached` ones are behind it."""
+        mission.request = replace(mission.request, destinations=destinations, dwells=dwells)
+        mission.reached = reached
+        mission.changes += 1
+        self.end_stay(mission)
+
+    def end_stay(self, mission: Mission) -> None:
+        """The mission does not stay any more where it is, and its destination is still to come."""
+        mission.stays_since = None
+        self._begun_stays.discard(mission.serial)
+        self.changed.add(mission.serial)
+
     def stay(self, mission: Mission, now: float) -> None:
         """The mission stays at a destination from now on."""
         mission.stays_since = now
         self._begun_stays.add(mission.serial)
 
     def reach(self, mission: Mission, count: int = 1) -> None:
-        """Counts `count` more destinations as visited."""
+        """Counts `count` more destinations as visited. A mission with steps ends when they have."""
         mission.reached += count
         mission.stays_since = None
         self._begun_stays.discard(mission.serial)
         self.changed.add(mission.serial)
-        if not mission.left:
+        if not mission.left and not mission.request.stops:
             self.set(mission, MissionState.SUCCEEDED)
 
     @property

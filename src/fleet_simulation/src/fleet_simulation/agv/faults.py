@@ -6,6 +6,7 @@ from typing import Callable, Dict, List, NamedTuple, Sequence
 
 from fleet_simulation.agv.vehicle import AgvVehicle
 from route_protocol.order_rules import RouteRefused
+from route_protocol.steps import Word
 from route_protocol.values import Reason, ReasonCode
 from trajectory_graph import UnknownVertex
 
@@ -34,6 +35,7 @@ class Fault(NamedTuple):
 
 
 _SECONDS = Argument('SECONDS', 0.0, 1e6, math.inf)
+_COUNT = Argument('COUNT', 1.0, 1000.0, 1.0)
 
 FAULTS: Dict[str, Fault] = {
     'stall': Fault('brakes and stands still for SECONDS (10); its route stays active',
@@ -59,6 +61,15 @@ FAULTS: Dict[str, Fault] = {
                    lambda vehicle, vertex: vehicle.put_on(int(vertex))),
     'battery': Fault('has PERCENT of charge', [Argument('PERCENT', 0.0, 100.0, math.nan)],
                      lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
+    'step_fails': Fault('the next COUNT (1) steps fail', [_COUNT],
+                        lambda vehicle, count: vehicle.steps.fail_next(Word.FAILED, int(count))),
+    'step_unknown': Fault('the next COUNT (1) steps end, and the AGV cannot tell how', [_COUNT],
+                          lambda vehicle, count: vehicle.steps.fail_next(Word.UNKNOWN,
+                                                                         int(count))),
+    'step_hangs': Fault('the next COUNT (1) steps never end', [_COUNT],
+                        lambda vehicle, count: vehicle.steps.fail_next(Word.RUNNING, int(count))),
+    'step_driver': Fault('the driver of its steps is restarted: what runs is broken off', [],
+                         lambda vehicle: vehicle.steps.restart()),
 }
 
 

@@ -1,6 +1,9 @@
 """The ROS side that commands share: the connection to the master, topics, services and errors."""
 from __future__ import annotations
 
+import getpass
+import os
+import platform
 import socket
 import sys
 import threading
@@ -104,17 +107,26 @@ def name_problem(host: str) -> str:
     return ''
 
 
-def call(service: str, kind: Type[Any] = Trigger) -> str:
+def call(service: str, kind: Type[Any] = Trigger, *arguments: Any) -> str:
     """Calls a service whose answer has the fields of Trigger. Returns the message of the answer.
 
     Raises CommandError if the service does not answer or does not succeed.
     """
     try:
-        return fleet_requests.call(service, kind, wait=PATIENCE)
+        return fleet_requests.call(service, kind, *arguments, wait=PATIENCE)
     except ServiceSilent as error:
         raise CommandError(f'The service {error}: is the fleet manager running?') from None
     except ServiceRefused as reason:
         raise CommandError(str(reason), NOT_DONE) from None
+
+
+def requested_by(command: str) -> str:
+    """The user, the computer and the command that request, for the records."""
+    try:
+        user = getpass.getuser()
+    except (KeyError, OSError):  # a user without a name, as in containers
+        user = str(os.getuid())
+    return f'{user}@{platform.node()} ({command})'
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:

@@ -20,6 +20,8 @@ def line_of(status: MissionStatus, destinations: List[int], state: Optional[Flee
         return f'waiting: {status.reason}' if status.reason else 'accepted'
     if status.state == MissionStatus.PAUSED:
         return f'{status.robot}: paused'
+    if status.state in (MissionStatus.CANCELLING, MissionStatus.NEEDS_PERSON):
+        return f'{status.robot}: {status.reason}'
     robot = _robot(state, status)
     reached, count = status.destinations_reached, len(destinations)
     if reached >= count:
