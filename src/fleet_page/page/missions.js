@@ -4,7 +4,7 @@ import { entries, all } from './server.js';
 import { t, duration, said } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
 
-const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON'];
+const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED'];
 let chosen = []; // {vertex, stay}
 let editing = null, form = null, act = null, me = { role: 'see' };
 

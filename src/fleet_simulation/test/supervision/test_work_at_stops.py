@@ -144,8 +144,9 @@ def test_the_policy_of_a_step_says_what_follows_its_failure(policy, retries, fai
     (StepDecision.FAIL, MissionState.FAILED, [])])
 def test_a_person_answers_a_step_whose_outcome_is_unknown(answer, end, done):
     fleet = WorkingFleet()
-    fleet.steps['a'].fail_next(Word.UNKNOWN, 1)
     fleet.send(1, Stop(3, steps=(Step('step', 60.0, on_failure=Policy.SKIP), Step('next', 60.0))))
+    fleet.run_until(lambda: fleet.steps['a'].running)
+    fleet.steps['a'].restart()
     fleet.run_until_asked(1)
     assert fleet.supervisor.book.find(1).status.asks
     assert 'mission answer 1 retry|skip|fail|done' in fleet.reason(1)

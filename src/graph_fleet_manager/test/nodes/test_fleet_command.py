@@ -8,7 +8,7 @@ from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandError
 from graph_fleet_manager.commands.fleet_client import name_problem
 from itrci_nav_msgs.msg import FleetRobot, FleetState, SymbolicPose
-from itrci_nav_msgs.srv import DeclareAbsent
+from itrci_nav_msgs.srv import DeclareAbsent, SetLoad
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 
 
@@ -41,7 +41,10 @@ def called(monkeypatch):
     """The called services. `gone` is no longer in the fleet file, `near` reports."""
     called = []
 
-    def call(service, kind):
+    def call(service, kind, *arguments):
+        if kind is SetLoad:
+            called.append((service, *arguments[:2]))
+            return 'done'
         assert kind is DeclareAbsent
         called.append(service)
         if service.startswith('/near/'):
@@ -72,6 +75,19 @@ def test_a_robot_that_cannot_be_absent_does_not_keep_the_others(called, capsys):
     assert called == ['/near/declare_absent', '/b/declare_absent']
     said = capsys.readouterr().err
     assert 'switch it off first' in said and "There is no robot 'wrong'; there are: a, b" in said
+
+
+@pytest.mark.parametrize('load, said', [('empty', (False, 0)), ('7', (True, 7))])
+def test_a_person_says_what_a_robot_carries(called, load, said):
+    assert fleet._fleet(['load', 'b', load]) == OK
+    assert called == [('/b/set_load', *said)]
+
+
+@pytest.mark.parametrize('words', [['b'], ['b', 'full'], ['b', '-1']])
+def test_a_load_is_nothing_or_that_of_a_mission(called, words):
+    with pytest.raises(SystemExit) as end:
+        fleet._fleet(['load', *words])
+    assert end.value.code == WRONG and not called
 
 
 @pytest.mark.parametrize('arguments', [[], ['a', '--unseen']])

@@ -5,6 +5,7 @@ import pytest
 from genpy import Time
 
 from fleet_core.supervision.missions import MissionState, RequestRefused, Status, StepAnswer
+from fleet_core.work.dependencies import Dependency, Until
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import (
     Actor,
@@ -81,6 +82,15 @@ def test_a_request_has_stops_or_destinations(more):
 def test_a_stop_with_an_unknown_number_is_refused(stop):
     with pytest.raises(RequestRefused, match='does not exist'):
         request_of(msg.MissionRequest(stops=[stop]))
+
+
+def test_a_request_names_the_missions_that_must_end_first():
+    request = request_of(msg.MissionRequest(destination_vertices_id=[3], after=[
+        msg.MissionDependency(4, msg.MissionDependency.DONE),
+        msg.MissionDependency(5, msg.MissionDependency.ENDED)]))
+    assert request.after == (Dependency(4, Until.DONE), Dependency(5, Until.ENDED))
+    with pytest.raises(RequestRefused, match='does not exist'):
+        request_of(msg.MissionRequest(after=[msg.MissionDependency(4, 9)]))
 
 
 def test_an_answer_names_its_step():

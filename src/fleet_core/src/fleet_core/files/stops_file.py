@@ -33,8 +33,7 @@ from fleet_core.work.stops import (
     When,
     WorkStep,
     WorkStop,
-    WrongStops,
-    check_stops,
+    problem_of,
 )
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
@@ -94,19 +93,14 @@ def _stop(node: yaml.Node, vertex: VertexOf, known: Sequence[str]) -> WorkStop:
         place = vertex(strict_yaml.text(at))
     except ValueError as error:
         raise WrongYaml(str(error), at[1]) from None
-    stop = WorkStop(place, _word(fields, 'kind', StopKind, StopKind.VISIT),
-                tuple(map(_step, _optional_items(fields, 'steps'))),
-                _word(fields, 'if', Condition, Condition.ALWAYS))
-    try:
-        check_stops((stop,), ())
-    except WrongStops as wrong:
-        raise WrongYaml(str(wrong), node) from None
-    return stop
+    return WorkStop(place, _word(fields, 'kind', StopKind, StopKind.VISIT),
+                    tuple(map(_step, _optional_items(fields, 'steps'))),
+                    _word(fields, 'if', Condition, Condition.ALWAYS))
 
 
 def _step(node: yaml.Node) -> WorkStep:
     fields = _fields(node, 'a step', _STEP)
-    return WorkStep(
+    step = WorkStep(
         strict_yaml.text(strict_yaml.field(fields, 'type', node)),
         strict_yaml.real(strict_yaml.field(fields, 'timeout', node)),
         strict_yaml.optional(fields, 'parameters', _parameters, ()),
@@ -118,6 +112,10 @@ def _step(node: yaml.Node) -> WorkStep:
         strict_yaml.optional(fields, 'harmless', strict_yaml.truth, False),
         strict_yaml.optional(fields, 'breakable', strict_yaml.truth, False),
         _word(fields, 'load', LoadEffect, LoadEffect.NONE))
+    problem = problem_of(step)
+    if problem:
+        raise WrongYaml(f'step {step.type[:40]} {problem}', node)
+    return step
 
 
 def _parameters(field: Field) -> Tuple[Tuple[str, str], ...]:

@@ -268,7 +268,7 @@ def read_request(text: str) -> Request:
     stored = json.loads(text)
     values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
-    return from_json(Request, values, added=('requested_by', 'stops', 'on_cancel'))
+    return from_json(Request, values, added=('requested_by', 'stops', 'on_cancel', 'after'))
 
 
 def _graph_text(graph: Graph) -> str:

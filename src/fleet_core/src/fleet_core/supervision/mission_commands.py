@@ -36,7 +36,8 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
     elif command is Command.RESUME:
         if mission.state is not MissionState.PAUSED:
             return f'Mission {mission.request.id} is not paused.'
-        book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
+        waits = MissionState.BLOCKED if mission.request.after else MissionState.PENDING
+        book.set(mission, MissionState.ACTIVE if name else waits)
         if name:
             robots[name].comes_to_rest = False
     elif command is Command.RELEASE:

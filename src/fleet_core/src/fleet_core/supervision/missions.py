@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 
 from fleet_core.fleet import RobotType
+from fleet_core.work.dependencies import Dependency
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import WorkStop, WrongStops, check_stops
 from trajectory_graph import Graph
@@ -26,7 +27,8 @@ class MissionState(IntEnum):
     CANCELLED = 5
     PAUSED = 6
     CANCELLING = 7     # it ends, and its steps end or its load is brought away
-    NEEDS_PERSON = 8   # a step asks, or nobody knows where its load is
+    NEEDS_PERSON = 8   # a step asks, or its load is not where it should be
+    BLOCKED = 9        # it waits for other missions
 
     @property
     def is_open(self) -> bool:
@@ -66,6 +68,7 @@ class Request:
     requested_by -- person or program, for the records; empty: the sender did not give it
     stops      -- the destinations with their steps; empty: nothing is to be done there
     on_cancel  -- stops that may follow a cancellation
+    after      -- missions that must end first; those that have ended are left out
     """
 
     id: int
@@ -78,6 +81,7 @@ class Request:
     requested_by: str = ''
     stops: Tuple[WorkStop, ...] = ()
     on_cancel: Tuple[WorkStop, ...] = ()
+    after: Tuple[Dependency, ...] = ()
 
     def dwell(self, index: int) -> float:
         """Seconds to stay at the destination number `index`."""

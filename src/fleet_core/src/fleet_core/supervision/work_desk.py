@@ -21,6 +21,9 @@ from route_protocol.steps import StepReport
 
 REPEAT = 0.5  # s between two commands for a step that the robot has not shown
 
+_BY: Mapping[Actor, str] = {
+    Actor.ROBOT: '', Actor.PERSON: ' by a person: say `mission answer {} done`',
+    Actor.OUTSIDE: ' by a program: it says `mission answer {} done`'}
 _STATES: Mapping[WorkPhase, MissionState] = {
     WorkPhase.ACTIVE: MissionState.ACTIVE, WorkPhase.CANCELLING: MissionState.CANCELLING,
     WorkPhase.NEEDS_PERSON: MissionState.NEEDS_PERSON, WorkPhase.SUCCEEDED: MissionState.SUCCEEDED,
@@ -351,8 +354,7 @@ def _words(work: Work, load: RobotLoad, name: str, mission: Mission) -> str:
         return (f'its load is {load.state.value}: unload {name}, and say '
                 f'`fleet load {name} empty`')
     running = [f'step {place.step + 1} ({step.type}) of stop {place.stop + 1}'
-               + ('' if step.actor is Actor.ROBOT else
-                  f' by a person: say `mission answer {mission.request.id} done`')
+               f'{_BY[step.actor].format(mission.request.id)}'
                for place, step, own in work.steps if own.state is StepState.RUNNING]
     if running:
         return '; '.join(running)

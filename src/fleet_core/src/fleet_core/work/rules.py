@@ -2,7 +2,7 @@
 
 A step is stored RUNNING under a new key before the robot is told. It is repeated under another key
 only if it is known to have ended without being done, or if a person says so, or if it is harmless.
-If nobody knows whether it has been done, a person is asked. While a step waits for an answer, no
+If it is not known whether it has been done, a person is asked. While a step waits for an answer, no
 other step begins.
 
 The load of a robot counts as unknown from the moment at which a step that takes or gives is
@@ -417,7 +417,7 @@ def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
 
 
 def has_ended(own: StepProgress) -> bool:
-    """Is it known that nobody carries out the last order of this step any more?"""
+    """Is it known that the last order of this step is not carried out any more?"""
     return own.seen is Seen.OVER
 
 

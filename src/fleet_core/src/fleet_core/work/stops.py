@@ -40,7 +40,7 @@ class When(IntEnum):
 
 
 class Actor(IntEnum):
-    """Who carries out a step, as in itrci_nav_msgs/MissionStep."""
+    """The kind of the actor of a step, as in itrci_nav_msgs/MissionStep."""
 
     ROBOT = 0
     PERSON = 1
@@ -130,13 +130,13 @@ def check_stops(stops: Iterable[WorkStop], on_cancel: Iterable[WorkStop]) -> Non
             if len(stop.steps) > MOST_STEPS:
                 raise WrongStops(f'{words} {number} has more than {MOST_STEPS} steps')
             for k, step in enumerate(stop.steps, 1):
-                problem = _problem(step)
+                problem = problem_of(step)
                 if problem:
                     name = ''.join(one if one.isprintable() else '?' for one in step.type[:40])
                     raise WrongStops(f'step {k} ({name}) of {words} {number} {problem}')
 
 
-def _problem(step: WorkStep) -> str:
+def problem_of(step: WorkStep) -> str:
     """Why a step is refused, as the rest of a clause; empty: it is not."""
     texts = (step.type, *(text for pair in step.parameters for text in pair))
     names = [name for name, _ in step.parameters]

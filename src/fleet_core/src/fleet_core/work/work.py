@@ -18,7 +18,7 @@ class Seen(Enum):
 
     NOTHING = 'nothing'   # the robot has not shown it: it may not have received the command yet
     RUNNING = 'running'
-    OVER = 'over'         # it has ended, or nobody can carry it out any more
+    OVER = 'over'         # it has ended, or its actor cannot carry it out any more
 
 
 class Ending(Enum):

@@ -63,7 +63,7 @@ FAULTS: Dict[str, Fault] = {
                      lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
     'step_fails': Fault('the next COUNT (1) steps fail', [_COUNT],
                         lambda vehicle, count: vehicle.steps.fail_next(Word.FAILED, int(count))),
-    'step_unknown': Fault('the next COUNT (1) steps end, and the AGV cannot tell how', [_COUNT],
+    'step_unknown': Fault('the next COUNT (1) steps are done, but the AGV cannot tell', [_COUNT],
                           lambda vehicle, count: vehicle.steps.fail_next(Word.UNKNOWN,
                                                                          int(count))),
     'step_hangs': Fault('the next COUNT (1) steps never end', [_COUNT],

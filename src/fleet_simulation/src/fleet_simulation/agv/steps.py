@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, Tuple
 
 from route_protocol.steps import ActorState, Reaction, StepCode, StepCommand, StepReport, Word
 
@@ -41,6 +41,11 @@ class SimulatedSteps:
     def news(self) -> object:
         """The part of the report that is sent at once when it changes."""
         return self._state.run, self._state.last, self._state.steps
+
+    @property
+    def running(self) -> Tuple[str, ...]:
+        """The types of the steps that are being carried out."""
+        return tuple(step.type for step in self._running.values())
 
     def report(self) -> StepReport:
         """The next report."""
@@ -77,7 +82,7 @@ class SimulatedSteps:
 
     def _end(self, key: int, word: Word) -> None:
         step = self._running.pop(key)
-        if word is Word.DONE:
+        if word in (Word.DONE, Word.UNKNOWN):
             self.done.append(step.type)
         is_wrong = word in (Word.FAILED, Word.UNKNOWN)
         self._state = self._state.end(key, word, StepCode.OTHER if is_wrong else StepCode.NONE,

@@ -48,6 +48,7 @@ from itrci_nav_msgs.msg import (
     FleetPlan,
     FleetState,
     MissionCommand,
+    MissionDependency,
     MissionRequest,
     MissionStatus,
 )
@@ -116,6 +117,10 @@ def _send(arguments: List[str]) -> int:
                              'negative: until mission release')
     parser.add_argument('--stops', metavar='FILE',
                         help='YAML file of stops with steps, in place of VERTEX and --dwell')
+    parser.add_argument('--after', type=int, nargs='+', default=[], metavar='ID',
+                        help='missions that must succeed first')
+    parser.add_argument('--after-end', type=int, nargs='+', default=[], metavar='ID',
+                        help='missions that must end first, in any way')
     parser.add_argument('--id', type=int, help='request id; random if not given')
     parser.add_argument('--wait', action='store_true', help='show the progress until the end')
     options = parser.parse_args(arguments)
@@ -130,6 +135,8 @@ def _send(arguments: List[str]) -> int:
     request = mission_request(
         destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
         dwell=dwells, stops=stop_messages(work.stops), on_cancel=stop_messages(work.on_cancel),
+        after=[*(MissionDependency(id, MissionDependency.DONE) for id in options.after),
+               *(MissionDependency(id, MissionDependency.ENDED) for id in options.after_end)],
         requested_by=requested_by('mission'), **given)
     listener = Listener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)

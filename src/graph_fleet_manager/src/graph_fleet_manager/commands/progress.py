@@ -16,7 +16,7 @@ EVERY = 5.0  # s between two lines if the output is no terminal and nothing chan
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
             plan: Optional[FleetPlan], graph: Graph) -> str:
     """One line about the progress of a mission."""
-    if status.state == MissionStatus.PENDING:
+    if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED):
         return f'waiting: {status.reason}' if status.reason else 'accepted'
     if status.state == MissionStatus.PAUSED:
         return f'{status.robot}: paused'

@@ -17,7 +17,7 @@ from fleet_core.supervision.missions import (
 )
 from fleet_core.supervision.outages import Outage
 from fleet_core.work.stops import dwells_of
-from graph_fleet_manager.messages.stops import WrongStopMessage, stops_of
+from graph_fleet_manager.messages.stops import WrongStopMessage, dependencies_of, stops_of
 from itrci_nav_msgs import msg
 from route_protocol import messages as route_messages
 from route_protocol.master import Order
@@ -48,6 +48,7 @@ def request_of(message: msg.MissionRequest) -> Request:
             raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
     try:
         stops, on_cancel = stops_of(message.stops), stops_of(message.on_cancel)
+        after = dependencies_of(message.after)
     except WrongStopMessage as wrong:
         raise RequestRefused(str(wrong)) from None
     destinations, dwells = tuple(message.destination_vertices_id), tuple(message.dwell)
@@ -57,7 +58,7 @@ def request_of(message: msg.MissionRequest) -> Request:
         destinations, dwells = tuple(stop.place for stop in stops), dwells_of(stops)
     return Request(message.request_id, destinations, message.robot_type, message.robot,
                    message.priority, dwells, message.header.stamp.to_sec(),
-                   person_of(message.requested_by), stops, on_cancel)
+                   person_of(message.requested_by), stops, on_cancel, after)
 
 
 def person_of(text: str) -> str:

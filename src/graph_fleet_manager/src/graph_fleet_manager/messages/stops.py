@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import Iterable, List, Sequence, Tuple
 
 from fleet_core.supervision.missions import StepAnswer
+from fleet_core.work.dependencies import Dependency, Until
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import (
     Actor,
@@ -53,6 +54,15 @@ def _step_message(step: WorkStep) -> msg.MissionStep:
         when=int(step.when), actor=int(step.actor), blocking=int(step.blocking),
         timeout=step.timeout, on_failure=int(step.on_failure), retries=step.retries,
         harmless=step.harmless, breakable=step.breakable, load=int(step.load))
+
+
+def dependencies_of(messages: Iterable[msg.MissionDependency]) -> Tuple[Dependency, ...]:
+    """The missions that must end first. Raises WrongStopMessage."""
+    try:
+        return tuple(Dependency(one.request_id, Until(one.until)) for one in messages)
+    except ValueError as error:
+        raise WrongStopMessage(f'its `after` has a constant that does not exist ({error})'
+                               ) from None
 
 
 def answer_of(message: msg.MissionCommand) -> StepAnswer:
