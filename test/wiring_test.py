@@ -55,6 +55,7 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'leave_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
     'join_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
     'declare_absent': ('itrci_nav_msgs/DeclareAbsent', 'graph_fleet_manager/nodes/fleet_acts.py'),
+    'set_load': ('itrci_nav_msgs/SetLoad', 'graph_fleet_manager/commands/fleet.py'),
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
                            'fleet_requests/__init__.py'),
     'reload_graph': ('std_srvs/Trigger', 'graph_editor/nodes/take_over.py'),
@@ -71,7 +72,8 @@ ELSEWHERE = {
     'robot_host.launch': ('hosted.test', 'hosted')}
 #: Launch files that this test starts, directly or through another one.
 STARTED = {'full_stack.launch', 'robot.launch', 'sim.launch', 'visualisation.launch',
-           'vda5050.launch', 'two_robots.launch', 'fleet_manager.launch', 'edit.launch'}
+           'steps.launch', 'vda5050.launch', 'two_robots.launch', 'fleet_manager.launch',
+           'edit.launch'}
 #: Topics of a fleet manager, which need not run.
 OF_THE_FLEET = ('graph', 'fleet_state', 'mission_status', 'target_route')
 NOT_OURS = ('/rosout', 'body_state_publisher')
@@ -162,10 +164,11 @@ class Wiring(unittest.TestCase):
         return next(wire for wire in found if wire.name == name)
 
     def test_the_full_stack_with_a_fleet_manager(self) -> None:
-        with Launched('full_stack.launch', fleet_manager='true', rviz='false',
+        with Launched('full_stack.launch', fleet_manager='true', steps='true', rviz='false',
                       **ports('arcl_port', 'outgoing_port')):
             found = settled('/omron_ld90/omron_controller', '/omron_ld90/goal_sender',
                             '/omron_ld90/omron_edges_to_vertices', '/path_supervisor',
+                            '/omron_ld90/step_runner',
                             '/path_planner', '/graph_server')
             self.check(found, has_fleet_manager=True)
             route = self.named(found, '/omron_ld90/target_route')

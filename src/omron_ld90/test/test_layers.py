@@ -56,11 +56,13 @@ LAYERS: Dict[str, Layer] = {
     'fleet_core.planning': layer('fleet_core fleet_core.geometry trajectory_graph'),
     'fleet_core.interlocking': layer(
         'fleet_core fleet_core.geometry route_protocol trajectory_graph'),
+    'fleet_core.work': layer('route_protocol'),
     'fleet_core.supervision': layer(
         'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
-        'file_replacement json_records route_protocol trajectory_graph'),
+        'fleet_core.work file_replacement json_records route_protocol trajectory_graph'),
     'fleet_core.files': layer(
-        'fleet_core fleet_core.planning fleet_core.supervision file_replacement trajectory_graph'),
+        'fleet_core fleet_core.planning fleet_core.supervision fleet_core.work file_replacement '
+        'trajectory_graph'),
     'fleet_core.site': layer(
         'fleet_core fleet_core.files fleet_core.planning file_replacement trajectory_graph'),
     'fleet_simulation': layer(
@@ -72,13 +74,14 @@ LAYERS: Dict[str, Layer] = {
     'graph_fleet_manager': layer(),
     'graph_fleet_manager.messages': layer(
         'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
-        'fleet_core.site fleet_core.supervision route_protocol trajectory_graph', ros=True),
+        'fleet_core.site fleet_core.supervision fleet_core.work route_protocol trajectory_graph',
+        ros=True),
     'graph_fleet_manager.multimaster': layer(sockets='*'),
     'graph_fleet_manager.commands': layer(
         'fleet_core fleet_core.files fleet_core.geometry fleet_core.planning '
-        'fleet_core.supervision graph_fleet_manager.messages graph_fleet_manager.multimaster '
-        'file_replacement fleet_requests node_lifecycle node_program trajectory_graph', ros=True,
-        sockets='*'),
+        'fleet_core.supervision fleet_core.work graph_fleet_manager.messages '
+        'graph_fleet_manager.multimaster file_replacement fleet_requests node_lifecycle '
+        'node_program trajectory_graph', ros=True, sockets='*'),
     'graph_fleet_manager.nodes': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
         'fleet_core.supervision fleet_requests fleet_simulation.agv graph_fleet_manager.commands '
@@ -134,7 +137,8 @@ LAYERS: Dict[str, Layer] = {
     'vda5050_vehicle.drivers': layer(
         'route_protocol trajectory_graph vda5050_protocol vda5050_protocol.values'),
     'vda5050_vehicle.core': layer(
-        'json_records vda5050_protocol vda5050_protocol.values vda5050_vehicle.drivers'),
+        'json_records route_protocol vda5050_protocol vda5050_protocol.values '
+        'vda5050_vehicle.drivers'),
     'vda5050_vehicle.nodes': layer(
         'file_replacement graph_topic node_lifecycle route_protocol trajectory_graph '
         'vda5050_mqtt vda5050_protocol vda5050_protocol.values vda5050_vehicle.core '

@@ -3,12 +3,9 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import Callable, Iterable, Mapping, Optional
+from typing import Any, Callable
 
-from fleet_core.supervision.fleet_stop import FleetStop
-from fleet_core.supervision.journal import Journal, RobotMemory
-from fleet_core.supervision.missions import Mission
-from trajectory_graph import Graph
+from fleet_core.supervision.journal import Journal
 
 
 class _CountingJournal(Journal):
@@ -16,12 +13,8 @@ class _CountingJournal(Journal):
 
     commits = 0
 
-    def store(self, missions: Iterable[Mission] = (),
-              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
-              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None,
-              stop: Optional[FleetStop] = None) -> None:
-        super().store(missions, robots, values, graph, stays, stop)
+    def store(self, *given: Any, **named: Any) -> None:
+        super().store(*given, **named)
         self.commits += 1
 
 

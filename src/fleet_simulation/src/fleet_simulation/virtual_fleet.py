@@ -41,12 +41,14 @@ from fleet_core.supervision.actions import (
     AskPlanner,
     Note,
     SendRoute,
+    SendStep,
     TellStatus,
 )
 from fleet_core.supervision.missions import Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
+from fleet_simulation.agv.steps import SimulatedSteps
 from fleet_simulation.virtual_disk import VirtualDisk
 from fleet_simulation.virtual_network import VirtualNetwork
 from fleet_simulation.virtual_planner import VirtualPlanner
@@ -209,6 +211,9 @@ class VirtualFleet(Generic[Body]):
         self.statuses: List[Status] = []
         self.notes: List[str] = []
         self.sent: List[SendRoute] = []
+        self.steps: Dict[str, SimulatedSteps] = {}
+        """By robot: the steps that it carries out. A robot that is not in it carries out none."""
+        self._steps_told: Dict[str, Tuple[float, object]] = {}
         self.refused = dict.fromkeys(robots, 0)
         """By robot: number of orders that it refused."""
         self.nearest = math.inf
@@ -268,6 +273,8 @@ class VirtualFleet(Generic[Body]):
         if self.now >= self._looks_at:
             self._looks_at = self.now + self.rhythm.room - _TOGETHER
             self._check_room()
+        for steps in self.steps.values():
+            steps.advance(STEP)
         for name, agv in self.agvs.items():
             if not self.network.is_silent(name, self.now) and self._has_to_tell(name, agv):
                 told = self.lost.get(name, agv).report(self.now + self.clocks.get(name, 0.0))
@@ -308,10 +315,22 @@ class VirtualFleet(Generic[Body]):
             aged = Report(report, self.now - report.stamp / 1e9)
             self.ages[name] = aged.age
             self.do(self.supervisor.report(name, aged, self.now))
+        self._report_steps()
         for number, outcome in self.planner.arrived_answers(self.now):
             self.do(self.supervisor.plan_made(number, outcome, self.now))
         self.do(self.supervisor.tick(self.now))
         self._supervising += time.thread_time() - begun - (self.planner.spent - planning)
+
+    def _report_steps(self) -> None:
+        """Reports the steps of each robot when they change, and once a second."""
+        for name, steps in self.steps.items():
+            at, news = self._steps_told.get(name, (-math.inf, None))
+            if self.network.is_silent(name, self.now) or (
+                    news == steps.news and self.now < at + 1.0 - _TOGETHER):
+                continue
+            self._steps_told[name] = self.now, steps.news
+            for _ in range(self.network.copies()):
+                self.do(self.supervisor.step_report(name, steps.report(), self.now))
 
     def _deliver(self, order: SendRoute) -> None:
         robot = self.lost.get(order.robot, self.agvs[order.robot])
@@ -340,6 +359,10 @@ class VirtualFleet(Generic[Body]):
                     self.watcher.sends(action)
                 self.sent.append(action)
                 self.network.to_robots.append(action)
+            elif isinstance(action, SendStep):
+                if not self.network.is_silent(action.robot, self.now):
+                    for _ in range(self.network.copies()):
+                        self.steps[action.robot].receive(action.command)
             elif isinstance(action, TellStatus):
                 if self.watcher is not None:
                     self.watcher.tells(action.status)

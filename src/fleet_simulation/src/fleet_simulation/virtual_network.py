@@ -51,7 +51,7 @@ class VirtualNetwork:
             if at > now:
                 self._under_way.append((at, order))
             elif self.hears(order.robot, now):
-                yield from [order] * self._copies()
+                yield from [order] * self.copies()
 
     def is_silent(self, name: str, now: float) -> bool:
         """Returns whether no report comes from a robot now."""
@@ -69,7 +69,7 @@ class VirtualNetwork:
 
     def carry_report(self, name: str, report: RouteReport, now: float) -> None:
         """Sends a robot's report on its way to the supervisor."""
-        self._reports += [(now + self.late.get(name, 0.0), name, report)] * self._copies()
+        self._reports += [(now + self.late.get(name, 0.0), name, report)] * self.copies()
 
     def has_reports(self, now: float) -> bool:
         """Returns whether a report has arrived by now."""
@@ -84,7 +84,8 @@ class VirtualNetwork:
             else:
                 self._reports.append((at, name, report))
 
-    def _copies(self) -> int:
+    def copies(self) -> int:
+        """Returns how many copies of a message arrive: none, one or two."""
         if self._random.random() < self.loss:
             return 0
         return 2 if self._random.random() < self.repeats else 1

@@ -29,6 +29,9 @@ from fleet_core.supervision.journal_database import (
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Acceptance, Mission, MissionState, Request
 from fleet_core.supervision.outages import Outage
+from fleet_core.work.rules import begin
+from fleet_core.work.stops import Condition, LoadEffect, WorkStep, WorkStop
+from fleet_core.work.work import Situation, StepPlace, work_of
 from route_protocol.master import MasterState, Order, Step
 from world.supervised_fleet import SupervisedFleet, blocked
 
@@ -199,6 +202,40 @@ def write_1_0(path: str, memory: dict) -> None:
     db.execute('INSERT OR REPLACE INTO robot VALUES (?, ?)', ('a', json.dumps(memory)))
     db.commit()
     db.close()
+
+
+def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
+    """Version 1.0.0 wrote version 3 of the file, and requests without stops."""
+    journal = Journal(path)
+    journal.store([Mission(3, REQUEST, MissionState.ACTIVE, 'a')])
+    journal.close()
+    db = sqlite3.connect(path)
+    text, = db.execute('SELECT request FROM mission').fetchone()
+    old = {key: value for key, value in json.loads(text).items()
+           if key not in ('stops', 'on_cancel')}
+    db.execute('UPDATE mission SET request = ?', (json.dumps(old),))
+    db.executescript('DROP TABLE work; DROP TABLE load; PRAGMA user_version = 3')
+    db.close()
+    journal = Journal(path)
+    mission, = journal.missions()
+    assert (mission.request, mission.state) == (REQUEST, MissionState.ACTIVE)
+    assert journal.works() == journal.loads() == {}
+
+
+def test_steps_and_loads_come_back(path):
+    step = WorkStep('take', 5.0, (('where', 'left'),), load=LoadEffect.TAKES)
+    stops = (WorkStop(2, steps=(step,)), WorkStop(3))
+    begun = begin(Situation(3, work_of(stops, (WorkStop(1, condition=Condition.LOADED),))),
+                  StepPlace(0, 0), 2 ** 60, 2 ** 61, 10 ** 12)
+    request = replace(REQUEST, stops=stops)
+    journal = Journal(path)
+    journal.store([Mission(3, request)], works={3: begun.work}, loads={'a': begun.load})
+    journal.close()
+    journal = Journal(path)
+    assert (journal.works(), journal.loads()) == ({3: begun.work}, {'a': begun.load})
+    assert journal.missions()[0].request == request
+    journal.store(works={3: None})
+    assert journal.works() == {}
 
 
 def test_a_robot_of_version_1_0_keeps_all_that_it_may_be_on(path):

@@ -13,7 +13,7 @@ from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, Comma
 from graph_fleet_manager.commands.fleet_client import name_problem
 from graph_fleet_manager.commands.tables import as_json
 from itrci_nav_msgs.msg import FleetRobot, FleetState, FleetStop, SymbolicPose
-from itrci_nav_msgs.srv import DeclareAbsent
+from itrci_nav_msgs.srv import DeclareAbsent, SetLoad
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 
 
@@ -94,7 +94,10 @@ def called(monkeypatch):
     """The called services. `gone` is no longer in the fleet file, `near` reports."""
     called = []
 
-    def call(service, kind):
+    def call(service, kind, *arguments):
+        if kind is SetLoad:
+            called.append((service, *arguments[:2]))
+            return 'done'
         assert kind is DeclareAbsent
         called.append(service)
         if service.startswith('/near/'):
@@ -125,6 +128,19 @@ def test_a_robot_that_cannot_be_absent_does_not_keep_the_others(called, capsys):
     assert called == ['/near/declare_absent', '/b/declare_absent']
     said = capsys.readouterr().err
     assert 'switch it off first' in said and "There is no robot 'wrong'; there are: a, b" in said
+
+
+@pytest.mark.parametrize('load, said', [('empty', (False, 0)), ('7', (True, 7))])
+def test_a_person_says_what_a_robot_carries(called, load, said):
+    assert fleet._fleet(['load', 'b', load]) == OK
+    assert called == [('/b/set_load', *said)]
+
+
+@pytest.mark.parametrize('words', [['b'], ['b', 'full'], ['b', '-1']])
+def test_a_load_is_nothing_or_that_of_a_mission(called, words):
+    with pytest.raises(SystemExit) as end:
+        fleet._fleet(['load', *words])
+    assert end.value.code == WRONG and not called
 
 
 @pytest.mark.parametrize('arguments', [[], ['a', '--unseen']])

@@ -116,7 +116,8 @@ def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(mo
         Status(7, MissionState.ACTIVE, stamp=MINE), Command.CANCEL, 'a full disk'), rospy.Time(5))),
     ('cancel', status(MissionState.SUCCEEDED)), ('pause', status(MissionState.PAUSED)),
     ('resume', status(MissionState.PENDING)), ('release', status(MissionState.ACTIVE)),
-    ('modify', status(MissionState.ACTIVE))])
+    ('modify', status(MissionState.ACTIVE)), ('cancel', status(MissionState.CANCELLING)),
+    ('cancel', status(MissionState.NEEDS_PERSON))])
 def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, word, last):
     other = MissionState.PAUSED if word == 'resume' else MissionState.ACTIVE
     is_answered_at_once = word in ('release', 'modify')
@@ -132,6 +133,17 @@ def test_priority_and_destinations_are_changed_on_request_of_a_user(monkeypatch)
            more=('18', '39', '--priority', '-2'))
     assert sent[0].command == MissionCommand.MODIFY and sent[0].priority == -2
     assert list(sent[0].destination_vertices_id) == [18, 39] and '@' in sent[0].requested_by
+
+
+@pytest.mark.parametrize('word', ['retry', 'skip', 'fail', 'done'])
+def test_an_answer_is_for_the_step_that_asks_when_the_person_gives_it(monkeypatch, word):
+    sent = []
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
+    asks = status(MissionState.NEEDS_PERSON)
+    asks.asks = 2 ** 60
+    change(monkeypatch, 'answer', asks, status(MissionState.ACTIVE), more=(word,))
+    assert (sent[0].command, sent[0].step_key) == (MissionCommand.ANSWER, 2 ** 60)
+    assert sent[0].answer == getattr(MissionCommand, word.upper())
 
 
 def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):

@@ -314,7 +314,7 @@ def test_rviz_on_another_computer_speaks_to_a_full_stack():
         '/clicked_point', '/move_base_simple/goal', '/initialpose'}}
 
 
-BRINGUP = ('full_stack', 'multimaster', 'sim', 'two_robots', 'vda5050')
+BRINGUP = ('full_stack', 'multimaster', 'sim', 'steps', 'two_robots', 'vda5050')
 
 
 @pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)

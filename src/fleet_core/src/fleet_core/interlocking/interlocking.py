@@ -48,6 +48,8 @@ class Gate(Enum):
     NOT_READY = 'its last order is not settled yet'
     NOT_CONNECTED = 'its route does not lead there'
     CLOSED_EDGE = 'an edge is closed'
+    AT_WORK = 'it works at a stop'
+    BEFORE_ENTRY = 'a step before the entry has not ended'
     TOO_NEAR = 'it is too near to another robot'
     OCCUPIED = 'another robot may be there'
 
@@ -133,6 +135,10 @@ class Interlocking:
         """Why the journal cannot be written, as a clause; empty: it can be written."""
         self.closed: AbstractSet[int] = frozenset()
         """Ids of the edges onto which no robot may be sent."""
+        self.at_work: AbstractSet[str] = frozenset()
+        """Names of the robots that must stand because of their steps."""
+        self.not_to_enter: Mapping[str, int] = {}
+        """By robot, the vertex that it must not enter before a step has ended."""
         self._geometry, self._clearance = geometry, clearance
         self._robots = robots
         self._conformance = conformance
@@ -415,6 +421,10 @@ def _no_person_is_needed(_: Interlocking, asked: Asked) -> Optional[Refusal]:
     return Refusal(Gate.PERSON, asked.edge) if asked.robot.needs_person else None
 
 
+def _does_not_work(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.AT_WORK, asked.edge) if asked.robot.name in site.at_work else None
+
+
 def _clock_is_right(_: Interlocking, asked: Asked) -> Optional[Refusal]:
     return Refusal(Gate.CLOCK, asked.edge) if asked.robot.master.clock_is_off else None
 
@@ -455,6 +465,13 @@ def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     return Refusal(Gate.CLOSED_EDGE, asked.edge) if closed else None
 
 
+def _stop_may_be_entered(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    place = site.not_to_enter.get(asked.robot.name)
+    ends = place is not None and (
+        asked.robot.master.record.graph.end_vertex(asked.edge).id == place)
+    return Refusal(Gate.BEFORE_ENTRY, asked.edge) if ends else None
+
+
 def _robot_is_clear_of_others(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     others = site.excluding(asked.robot.name)
     return Refusal(Gate.TOO_NEAR, asked.edge, others[0]) if others else None
@@ -466,13 +483,15 @@ def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 GATES: Tuple[Condition, ...] = (
-    _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _clock_is_right,
-    _robot_is_known, _others_are_known, _last_order_is_settled, _robot_is_clear_of_others)
+    _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _does_not_work,
+    _clock_is_right, _robot_is_known, _others_are_known, _last_order_is_settled,
+    _robot_is_clear_of_others)
 """All must be met before a robot is granted anything, also an edge that it holds already."""
 
 LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
 """The gates that do not open with the robot's next report."""
 
-CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _place_is_free)
+CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _stop_may_be_entered,
+                                     _place_is_free)
 """All must be met, in addition, for each edge that a robot is granted."""

@@ -8,6 +8,7 @@ from fleet_core.planning.plan_requests import Times
 from fleet_core.planning.tasks import Obstacle, Task
 from fleet_core.supervision.missions import Status
 from route_protocol.master import Order
+from route_protocol.steps import StepCommand
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,14 @@ class SendRoute:
     def edges(self) -> Tuple[int, ...]:
         """Signed ids of the edges to drive; empty: stop."""
         return self.order.edges
+
+
+@dataclass(frozen=True)
+class SendStep:
+    """Publish a command for a step of a robot."""
+
+    robot: str
+    command: StepCommand
 
 
 @dataclass(frozen=True)
@@ -58,5 +67,5 @@ class Note:
     is_warning: bool = False
 
 
-Action = Union[SendRoute, TellStatus, AskPlanner, Note]
+Action = Union[SendRoute, SendStep, TellStatus, AskPlanner, Note]
 """Any action that the supervisor may request."""

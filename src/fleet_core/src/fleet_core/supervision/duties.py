@@ -22,7 +22,7 @@ class Duty(Enum):
     IDLE = 'idle'        # it makes room if another robot needs its place
     MISSION = 'mission'
     CHARGE = 'charge'
-    STAND = 'stand'      # its mission is paused: it stays where it is
+    STAND = 'stand'      # its mission is paused, or waits for an answer: it stays where it is
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Errand:
 def errand_of(mission: Optional[Mission], dock: Optional[int]) -> Errand:
     """The errand of a robot. A mission comes before charging, unless it is paused."""
     if mission is not None:
-        paused = mission.state is MissionState.PAUSED
-        return Errand(Duty.STAND if paused else Duty.MISSION, mission)
+        stands = mission.state is MissionState.PAUSED or mission.is_held
+        return Errand(Duty.STAND if stands else Duty.MISSION, mission)
     return Errand(Duty.CHARGE, None, dock) if dock is not None else Errand()
 
 

@@ -145,13 +145,16 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return f'the disk: {supervisor.trouble}'
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'
+    if supervisor.desk.waits_for(robot.name, mission):
+        return supervisor.desk.waits_for(robot.name, mission)
     if robot.name in supervisor.charging.waiting:
         return supervisor.charging.waiting[robot.name]
     if errand.duty is Duty.IDLE:
         return ''
     if mission is not None and mission.dwell_until is not None:
         if math.isinf(mission.dwell_until):
-            return 'the release of its mission'
+            return 'the end of its steps' if mission.request.stops else (
+                'the release of its mission')
         return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
     plan, trouble = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
     if trouble and robot.record.is_standing:

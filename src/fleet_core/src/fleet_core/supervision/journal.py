@@ -38,6 +38,7 @@ from fleet_core.supervision.journal_database import (
 from fleet_core.supervision.mission_book import REMEMBERED
 from fleet_core.supervision.missions import Mission, MissionState, Request, Status
 from fleet_core.supervision.outages import Outage
+from fleet_core.work.work import RobotLoad, Work
 from json_records import from_json, to_json
 from route_protocol.master import MasterState, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
@@ -71,7 +72,7 @@ class Journal:
         self._file = JournalDatabase(path)
         self._db = self._file.database
         try:
-            self.graph(), self.robots(), self.missions(), self.stop()
+            self.graph(), self.robots(), self.missions(), self.stop(), self.works(), self.loads()
         except (KeyError, ValueError, TypeError) as error:
             self.close()
             raise UnknownLayout(path, f'an entry cannot be read ({error!r})') from None
@@ -93,7 +94,9 @@ class Journal:
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
               values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
               stays: Optional[Mapping[int, float]] = None,
-              stop: Optional[FleetStop] = None) -> None:
+              stop: Optional[FleetStop] = None,
+              works: Optional[Mapping[int, Optional[Work]]] = None,
+              loads: Optional[Mapping[str, RobotLoad]] = None) -> None:
         """Stores all given data on the disk in one transaction.
 
         missions -- the missions that have changed
@@ -102,6 +105,8 @@ class Journal:
         graph    -- the graph to which the robots' data refer
         stays    -- by the serial of a mission, how long ago (s) it began to stay where it is
         stop     -- whether the fleet is stopped; None: as before
+        works    -- by the serial of a mission, the progress of its steps; None: it has ended
+        loads    -- by name, what a robot carries
 
         Raises JournalUnavailable; then nothing is stored.
         """
@@ -117,6 +122,15 @@ class Journal:
                 else:
                     self._run('INSERT OR REPLACE INTO robot VALUES (?, ?)',
                               (name, _memory_text(memory)))
+            for serial, work in (works or {}).items():
+                if work is None:
+                    self._run('DELETE FROM work WHERE serial = ?', (serial,))
+                else:
+                    self._run('INSERT OR REPLACE INTO work VALUES (?, ?)',
+                              (serial, json.dumps(to_json(work))))
+            for name, load in (loads or {}).items():
+                self._run('INSERT OR REPLACE INTO load VALUES (?, ?)',
+                          (name, json.dumps(to_json(load))))
             if graph is not None:
                 self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
             for name, number in (values or {}).items():
@@ -206,6 +220,16 @@ class Journal:
         return {int(serial): max(now - began, 0.0)
                 for serial, began in self._run('SELECT serial, began FROM stay')}
 
+    def works(self) -> Dict[int, Work]:
+        """By serial, the progress of the steps of each open mission that has steps."""
+        return {int(serial): from_json(Work, json.loads(text))
+                for serial, text in self._run('SELECT serial, work FROM work')}
+
+    def loads(self) -> Dict[str, RobotLoad]:
+        """By name, what each robot carries. A robot that never had a load is not in it."""
+        return {name: from_json(RobotLoad, json.loads(text))
+                for name, text in self._run('SELECT robot, load FROM load')}
+
     def find(self, request: Request) -> Optional[Mission]:
         """The last mission that exactly this request became, however long ago it ended.
 
@@ -253,7 +277,7 @@ def read_request(text: str) -> Request:
     stored = json.loads(text)
     values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
-    return from_json(Request, values, added=('requested_by',))
+    return from_json(Request, values, added=('requested_by', 'stops', 'on_cancel', 'after'))
 
 
 def _graph_text(graph: Graph) -> str:

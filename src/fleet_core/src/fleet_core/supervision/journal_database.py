@@ -41,6 +41,9 @@ _MIGRATIONS: Tuple[str, ...] = (
     INSERT INTO stop SELECT 1, '{"cause": 4, "by": "", "since": 0.0, "why": ""}' FROM value
         WHERE name = 'fleet_is_stopped' AND number <> 0;
     DELETE FROM value WHERE name = 'fleet_is_stopped';
+    ''', '''
+    CREATE TABLE IF NOT EXISTS work (serial INTEGER PRIMARY KEY, work TEXT NOT NULL);
+    CREATE TABLE IF NOT EXISTS load (robot TEXT PRIMARY KEY, load TEXT NOT NULL);
     ''')
 """Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
@@ -48,7 +51,8 @@ LAYOUT: Dict[str, Tuple[str, ...]] = {
                 'changed'),
     'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
-    'graph': ('one', 'elements'), 'stop': ('one', 'record')}
+    'graph': ('one', 'elements'), 'stop': ('one', 'record'), 'work': ('serial', 'work'),
+    'load': ('robot', 'load')}
 """The columns of each table of the newest version."""
 
 

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set
+from dataclasses import replace
+from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_core.supervision.missions import (
     Acceptance,
@@ -14,6 +15,7 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.pending_missions import PendingMissions
+from fleet_core.work.dependencies import Dependency, Until
 
 MOST_OPEN = 5000   # number of open missions; more are a mistake, and would delay what is urgent
 REMEMBERED = 1000  # number of ended missions whose ids are known as repeats
@@ -37,6 +39,7 @@ class MissionBook:
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and published."""
         self._begun_stays: Set[int] = set()
+        self._waiting: Dict[int, Mission] = {}  # missions that wait for others, by serial
         for mission in missions:
             mission.stored = mission.status
             mission.stays_since = (stays or {}).get(mission.serial)
@@ -47,6 +50,8 @@ class MissionBook:
                     self.pending.add(mission)
                 if mission.robot:
                     self._by_robot[mission.robot] = mission
+                if mission.request.after:
+                    self._waiting[mission.serial] = mission
             else:
                 self._ended.append(mission)
 
@@ -60,6 +65,11 @@ class MissionBook:
         """The open missions that robots serve, by the robot's name."""
         return {name: mission for name, mission in list(self._by_robot.items())
                 if mission.state.is_open}
+
+    def is_open(self, serial: int) -> bool:
+        """Has a mission not ended?"""
+        mission = self._by_serial.get(serial)
+        return mission is not None and mission.state.is_open
 
     def is_pending(self, serial: int) -> bool:
         """Does a mission wait for a robot?"""
@@ -93,16 +103,60 @@ class MissionBook:
         acceptance.check(request)
         if len(self._by_serial) >= MOST_OPEN:
             raise RequestRefused(f'{MOST_OPEN} missions are open; cancel some, or wait')
+        request = replace(request, after=self._open_dependencies(request))
         mission = Mission(self._next, request, changed_by=request.requested_by)
         self._next += 1
         self._by_serial[mission.serial] = self._last[request.id] = mission
-        self.pending.add(mission)
+        if request.after:
+            mission.state, mission.reason = MissionState.BLOCKED, _waits_for(request)
+            self._waiting[mission.serial] = mission
+        else:
+            self.pending.add(mission)
         self.changed.add(mission.serial)
         return mission
+
+    def _open_dependencies(self, request: Request) -> Tuple[Dependency, ...]:
+        """The missions for which a request waits, with their serials. Raises RequestRefused.
+
+        All of them were accepted before, so no ring of missions waits for each other.
+        """
+        found: List[Dependency] = []
+        for one in request.after:
+            other = self._last.get(one.mission)
+            if other is None:
+                raise RequestRefused(f'there is no mission {one.mission} after which it could come')
+            if other.state.is_open:
+                found.append(replace(one, serial=other.serial))
+            elif not _is_met(one, other):
+                raise RequestRefused(f'it comes after mission {one.mission}, which has ended: '
+                                     f'{other.state.name}')
+        return tuple(found)
+
+    def _let_follow(self, ended: Mission) -> None:
+        """A mission has ended: missions that wait for it go on, or have failed."""
+        for mission in list(self._waiting.values()):
+            for one in mission.request.after:
+                if one.serial == ended.serial and mission.state.is_open:
+                    self._is_over(mission, one, ended)
+
+    def _is_over(self, mission: Mission, one: Dependency, ended: Mission) -> None:
+        if not _is_met(one, ended):
+            self.set(mission, MissionState.FAILED, f'it comes after mission {one.mission}, which '
+                                                   f'has ended: {ended.state.name}')
+            return
+        after = tuple(other for other in mission.request.after if other != one)
+        mission.request = replace(mission.request, after=after)
+        self.changed.add(mission.serial)
+        if not after:
+            del self._waiting[mission.serial]
+        if mission.state is MissionState.BLOCKED:
+            self.set(mission, MissionState.BLOCKED if after else MissionState.PENDING,
+                     _waits_for(mission.request))
 
     def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
         """Removes a mission that could not be stored. `before` is the last mission with its id."""
         self.changed.discard(mission.serial)
+        self._waiting.pop(mission.serial, None)
         del self._by_serial[mission.serial]
         if mission in self.pending:
             self.pending.remove(mission)
@@ -126,6 +180,9 @@ class MissionBook:
             (self.pending.add if state is MissionState.PENDING else self.pending.remove)(mission)
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
+        if not state.is_open:
+            self._waiting.pop(mission.serial, None)
+            self._let_follow(mission)
 
     def change(self, mission: Mission, change: Change) -> None:
         """Changes the priority, and the destinations from now on."""
@@ -141,18 +198,32 @@ class MissionBook:
             if stays:
                 self.reach(mission)
 
+    def divert(self, mission: Mission, destinations: Tuple[int, ...],
+               dwells: Tuple[float, ...], reached: int) -> None:
+        """Replaces the destinations of a mission. The first `reached` ones are behind it."""
+        mission.request = replace(mission.request, destinations=destinations, dwells=dwells)
+        mission.reached = reached
+        mission.changes += 1
+        self.end_stay(mission)
+
+    def end_stay(self, mission: Mission) -> None:
+        """The mission does not stay any more where it is, and its destination is still to come."""
+        mission.stays_since = None
+        self._begun_stays.discard(mission.serial)
+        self.changed.add(mission.serial)
+
     def stay(self, mission: Mission, now: float) -> None:
         """The mission stays at a destination from now on."""
         mission.stays_since = now
         self._begun_stays.add(mission.serial)
 
     def reach(self, mission: Mission, count: int = 1) -> None:
-        """Counts `count` more destinations as visited."""
+        """Counts `count` more destinations as visited. A mission with steps ends when they have."""
         mission.reached += count
         mission.stays_since = None
         self._begun_stays.discard(mission.serial)
         self.changed.add(mission.serial)
-        if not mission.left:
+        if not mission.left and not mission.request.stops:
             self.set(mission, MissionState.SUCCEEDED)
 
     @property
@@ -183,3 +254,13 @@ class MissionBook:
             old = self._ended.popleft()
             if self._last.get(old.request.id) is old:
                 del self._last[old.request.id]
+
+
+def _is_met(one: Dependency, ended: Mission) -> bool:
+    """Does the end of a mission meet a dependency on it?"""
+    return one.until is Until.ENDED or ended.state is MissionState.SUCCEEDED
+
+
+def _waits_for(request: Request) -> str:
+    ids = ', '.join(str(one.mission) for one in request.after)
+    return f'it waits for the end of mission {ids}' if request.after else ''

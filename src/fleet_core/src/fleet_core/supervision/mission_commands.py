@@ -17,24 +17,33 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.work_desk import WorkDesk
 
 
 def carry_out(command: Command, mission: Mission, book: MissionBook,
-              robots: Mapping[str, ManagedRobot], requested_by: str = '') -> str:
+              robots: Mapping[str, ManagedRobot], desk: WorkDesk,
+              requested_by: str = '') -> str:
     """Cancels, pauses, resumes, or ends a dwell. Returns why it did not; empty: it did."""
     name = mission.robot
     if command is Command.CANCEL:
         by = f' of {requested_by}' if requested_by else ''
-        book.set(mission, MissionState.CANCELLED, f'cancelled on request{by}')
+        reason = f'cancelled on request{by}'
+        if desk.cancel(mission, reason):
+            return ''
+        book.set(mission, MissionState.CANCELLED, reason)
     elif command is Command.PAUSE:
         book.set(mission, MissionState.PAUSED)
     elif command is Command.RESUME:
         if mission.state is not MissionState.PAUSED:
             return f'Mission {mission.request.id} is not paused.'
-        book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
+        waits = MissionState.BLOCKED if mission.request.after else MissionState.PENDING
+        book.set(mission, MissionState.ACTIVE if name else waits)
         if name:
             robots[name].comes_to_rest = False
     elif command is Command.RELEASE:
+        if mission.request.stops:
+            return (f'Mission {mission.request.id} goes on when its steps have ended: nothing to '
+                    'release.')
         if mission.stays_since is None:
             return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
         book.reach(mission)
@@ -50,6 +59,8 @@ def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acce
     A robot that drives to other destinations comes to rest, as for a cancelled mission. Then it
     goes on by a plan for the new destinations.
     """
+    if mission.request.stops and change.destinations:
+        return 'a mission with steps gets no other destinations: cancel it, and send another'
     try:
         acceptance.check_change(mission, change)
     except RequestRefused as refusal:

@@ -29,7 +29,7 @@ def follow(book: MissionBook, robot: ManagedRobot, now: float) -> bool:
     place = robot.position
     if place is not None and place.vertex is not None:
         _visit(book, mission, place.vertex)
-        if mission.state is MissionState.ACTIVE:
+        if mission.state in (MissionState.ACTIVE, MissionState.CANCELLING):
             _dwell(book, mission, place.vertex, now)
     return not mission.state.is_open
 
@@ -54,6 +54,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     """Updates the mission of a robot that cannot work.
 
     - If the robot comes back by itself, the mission waits for it.
+    - If the robot may carry the load of the mission, the mission stays with it.
     - If the robot needs a person, a mission that was not begun goes to another robot. It waits if
       it is for this robot only.
     - If the robot needs a person and the mission was begun, it has failed, because the robot's load
@@ -63,10 +64,12 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     if mission is None or robot.outage is None:
         return
     reason = f'{robot.name}: {robot.why or robot.outage.value}'
-    if not robot.outage.needs_person:
+    if not robot.outage.needs_person or mission.is_bound:
         book.set(mission, mission.state, reason)
     elif mission.reached or mission.stays_since is not None:
         book.set(mission, MissionState.FAILED, reason)
+    elif mission.state is MissionState.CANCELLING:
+        book.set(mission, MissionState.CANCELLED, reason)
     else:
         paused = mission.state is MissionState.PAUSED
         book.set(mission, MissionState.PAUSED if paused else MissionState.PENDING, reason, '')
@@ -83,7 +86,8 @@ def no_longer_possible(book: MissionBook, acceptance: Acceptance) -> Iterator[Tu
             continue
         request = mission.request
         try:
-            acceptance.check(replace(request, destinations=mission.left,
-                                     dwells=request.dwells[mission.reached:]))
+            acceptance.check(replace(request, destinations=mission.left or request.destinations,
+                                     dwells=request.dwells[mission.reached:] if mission.left
+                                     else request.dwells))
         except RequestRefused as refused:
             yield mission, str(refused)

@@ -7,6 +7,9 @@ from enum import IntEnum
 from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 
 from fleet_core.fleet import RobotType
+from fleet_core.work.dependencies import Dependency
+from fleet_core.work.rules import StepDecision
+from fleet_core.work.stops import WorkStop, WrongStops, check_stops
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
@@ -23,11 +26,15 @@ class MissionState(IntEnum):
     REFUSED = 4
     CANCELLED = 5
     PAUSED = 6
+    CANCELLING = 7     # it ends, and its steps end or its load is brought away
+    NEEDS_PERSON = 8   # a step asks, or its load is not where it should be
+    BLOCKED = 9        # it waits for other missions
 
     @property
     def is_open(self) -> bool:
         """Has the mission not ended?"""
-        return self in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED)
+        return self not in (MissionState.SUCCEEDED, MissionState.FAILED, MissionState.REFUSED,
+                            MissionState.CANCELLED)
 
 
 class Command(IntEnum):
@@ -38,6 +45,7 @@ class Command(IntEnum):
     RESUME = 2
     RELEASE = 3
     MODIFY = 4
+    ANSWER = 5   # to a step that asks
 
 
 class CommandCode(IntEnum):
@@ -58,6 +66,9 @@ class Request:
     dwells     -- s to stay at each destination; negative: until released; empty: no stays
     stamp      -- s, when it was sent; 0: the sender did not give it
     requested_by -- person or program, for the records; empty: the sender did not give it
+    stops      -- the destinations with their steps; empty: nothing is to be done there
+    on_cancel  -- stops that may follow a cancellation
+    after      -- missions that must end first; those that have ended are left out
     """
 
     id: int
@@ -68,6 +79,9 @@ class Request:
     dwells: Tuple[float, ...] = ()
     stamp: float = 0.0
     requested_by: str = ''
+    stops: Tuple[WorkStop, ...] = ()
+    on_cancel: Tuple[WorkStop, ...] = ()
+    after: Tuple[Dependency, ...] = ()
 
     def dwell(self, index: int) -> float:
         """Seconds to stay at the destination number `index`."""
@@ -81,7 +95,8 @@ class Request:
         update would repeat missions. If there is a stamp, it tells requests apart, also after
         MODIFY. If there is none, all of the content counts.
         """
-        asked = () if self.stamp else (self.destinations, self.priority, self.dwells)
+        asked = () if self.stamp else (self.destinations, self.priority, self.dwells,
+                                       *((self.stops, self.on_cancel) if self.stops else ()))
         return (self.id, self.stamp, self.robot_type, self.robot, *asked)
 
     def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
@@ -101,11 +116,23 @@ class Change:
 
 
 @dataclass(frozen=True)
+class StepAnswer:
+    """The answer of a person, or of a program, to a step of a mission.
+
+    key -- of the step that the answer is about; 0: the one that asks
+    """
+
+    answer: StepDecision
+    key: int = 0
+
+
+@dataclass(frozen=True)
 class Status:
     """The published status of a request.
 
     stamp        -- s, when the request was sent; it tells requests with the same id apart
     command      -- the command to which `reason` and `command_code` refer; None: none
+    asks         -- key of the step that waits for an answer; 0: none does
     """
 
     request_id: int
@@ -116,6 +143,7 @@ class Status:
     stamp: float = 0.0
     command: Optional[Command] = None
     command_code: CommandCode = CommandCode.NONE
+    asks: int = 0
 
 
 @dataclass
@@ -130,6 +158,9 @@ class Mission:
     changes     -- number of times that it got other destinations; earlier plans are then useless
     stored      -- its status on the disk; None: it is not stored yet
     changed_by  -- name of the giver of changes that are not stored yet; empty: none, or not given
+    is_held     -- its robot stands, because of what the `WorkDesk` knows of its steps
+    is_bound    -- its robot may carry its load, so no other robot may serve it
+    asks        -- key of the step that waits for an answer; 0: none does
     """
 
     serial: int
@@ -142,12 +173,15 @@ class Mission:
     changes: int = 0
     stored: Optional[Status] = None
     changed_by: str = ''
+    is_held: bool = False
+    is_bound: bool = False
+    asks: int = 0
 
     @property
     def status(self) -> Status:
         """The status to be published."""
         return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
-                      self.request.stamp)
+                      self.request.stamp, asks=self.asks)
 
     @property
     def dwell_until(self) -> Optional[float]:
@@ -235,10 +269,25 @@ class Acceptance:
         if request.robot and request.robot_type not in ('', self.robots[request.robot].name):
             raise RequestRefused(f'robot {request.robot} is of type '
                                  f'{self.robots[request.robot].name}, not {request.robot_type}')
+        self._check_stops(request)
         robots = self.robots_for(request)
         if not robots:
             raise RequestRefused('no such robot may be sent to its dock')
         self._check_part(request, robots)
+
+    def _check_stops(self, request: Request) -> None:
+        """Raises RequestRefused for steps, or stops after a cancellation, that cannot be made."""
+        try:
+            check_stops(request.stops, request.on_cancel)
+        except WrongStops as wrong:
+            raise RequestRefused(str(wrong)) from None
+        if request.on_cancel and not request.stops:
+            raise RequestRefused('it has stops after a cancellation, but no stops')
+        part = self.graph.part_of(request.destinations[0])
+        for stop in request.on_cancel:
+            if stop.place not in part:
+                raise RequestRefused(f'no edges lead to vertex {stop.place}, a stop after a '
+                                     'cancellation')
 
     def _check_part(self, request: Request, robots: Iterable[str]) -> None:
         """Raises RequestRefused unless edges connect all destinations and one of the robots."""

@@ -16,6 +16,7 @@ from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.work_desk import WorkDesk
 from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two attempts to write while writing fails
@@ -30,10 +31,11 @@ class Outbox:
     """
 
     def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
-                 everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking) -> None:
+                 everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking,
+                 desk: WorkDesk) -> None:
         self.trouble = ''
         self._journal = journal
-        self._book = book
+        self._book, self._desk = book, desk
         self._robots, self._everywhere = robots, everywhere
         self._interlocking = interlocking
         self._stale: Set[str] = set()
@@ -92,9 +94,10 @@ class Outbox:
         """All actions to be done now, orders to robots first. Their data are on the disk."""
         self._store(now)
         orders = self._orders(now) if self._is_sending else []
+        steps = self._desk.due(now)
         self._is_sending = False
         actions, self._actions = self._actions, []
-        return [*orders, *actions]
+        return [*orders, *steps, *actions]
 
     def take_unless_due_later(self, now: float) -> List[Action]:
         """Like `take`, if nothing is to be stored or orders are to be sent at once.
@@ -116,7 +119,7 @@ class Outbox:
     @property
     def _is_anything_new(self) -> bool:
         return bool(self._stale or self._values or self._graph or self._stop
-                    or self._book.is_changed)
+                    or self._book.is_changed or self._desk.is_changed)
 
     def _store(self, now: float) -> None:
         if now < self._try_at or not (self.trouble or self._is_anything_new):
@@ -124,10 +127,11 @@ class Outbox:
         self._stale.update(self._interlocking.to_store)
         missions, stays = self._book.changes, self._book.new_stays(now)
         values = dict(self._values)
+        works, loads = self._desk.changes
         try:
             self._journal.store(missions, {name: self._memory(name)
                                            for name in sorted(self._stale)}, values, self._graph,
-                                stays, self._stop)
+                                stays, self._stop, works, loads)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
             self._interlocking.trouble = self.trouble
@@ -142,6 +146,7 @@ class Outbox:
         self._values.clear()
         self._graph = self._stop = None
         self._book.stored()
+        self._desk.stored()
         for mission in missions:
             self.put(TellStatus(mission.status))
 

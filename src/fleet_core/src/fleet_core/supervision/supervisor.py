@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from fleet_core.fleet import Fleet
 from fleet_core.interlocking.changes import Changes
@@ -41,6 +41,7 @@ from fleet_core.supervision.missions import (
     Request,
     RequestRefused,
     Status,
+    StepAnswer,
 )
 from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.outage_watch import OutageWatch
@@ -57,7 +58,9 @@ from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.waiting_missions import WaitingMissions
+from fleet_core.supervision.work_desk import WorkDesk
 from route_protocol.messages import WrongReport
+from route_protocol.steps import StepReport
 from route_protocol.values import EpochCause
 from trajectory_graph import Graph
 from trajectory_graph.id_lists import listed
@@ -70,6 +73,7 @@ class Supervisor:
     actions to be carried out. It passes the event to the module that is in charge:
 
     - `book` keeps the missions, and `charging` gives docks to robots.
+    - `desk` leads missions with steps, and keeps the loads of robots.
     - `plan_executor` asks the planner, and requests grants by the plan's order.
     - `interlocking` grants edges, and lets orders out.
 
@@ -106,11 +110,14 @@ class Supervisor:
         self._is_starting = True
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
-        self._waiting = WaitingMissions(self.book, self.robots)
+        self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
+                             journal.milliseconds)
+        self._waiting = WaitingMissions(self.book, self.robots, lambda: self.desk.laden)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
         self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
                                          self._everywhere, conformance, changes.follow())
-        self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking)
+        self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
+                           self.desk)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching, rate)
@@ -185,6 +192,7 @@ class Supervisor:
             return actions
         for mission, before in accepted:
             self.book.withdraw(mission, before)
+            self.desk.withdrawn(mission.serial)
             self._refuse(mission.request, self.trouble)
         return [*actions, *self._out.take(now)]
 
@@ -200,6 +208,8 @@ class Supervisor:
                 self._out.put(TellStatus(ended.status))
                 return None
         mission = self.book.add(request, acceptance)
+        if mission is not None:
+            self.desk.accepted(mission)
         if mission is not None and request.requested_by:
             self._out.note(f'{request.requested_by} requests mission {request.id} to '
                            f'{listed(request.destinations)}.')
@@ -218,8 +228,9 @@ class Supervisor:
         return self._journal.status(request_id, stamp)
 
     def command(self, request_id: int, command: Command, now: float,
-                change: Optional[Change] = None, requested_by: str = '') -> List[Action]:
-        """Cancels, pauses, resumes, ends a dwell, or modifies (by `change`) a mission."""
+                change: Union[None, Change, StepAnswer] = None,
+                requested_by: str = '') -> List[Action]:
+        """Cancels, pauses, resumes or ends a dwell; modifies a mission, or answers its step."""
         if requested_by:
             self._out.note(f'{requested_by} requests {command.name} of mission {request_id}.')
         mission = self.book.find(request_id)
@@ -227,15 +238,15 @@ class Supervisor:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._actions(now)
         before = mission.stored or mission.status
-        if self.trouble and command in (Command.RESUME, Command.RELEASE, Command.MODIFY):
+        if self.trouble and command not in (Command.CANCEL, Command.PAUSE):
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._actions(now)
         if change is None:
             problem = mission_commands.carry_out(command, mission, self.book, self.robots,
-                                                 requested_by)
+                                                 self.desk, requested_by)
         else:
-            refusal = mission_commands.modify(mission, change, self.book, self.acceptance,
-                                              self.robots)
+            refusal = self.desk.answer(mission, change) if isinstance(change, StepAnswer) else (
+                mission_commands.modify(mission, change, self.book, self.acceptance, self.robots))
             problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
             if refusal:
                 self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
@@ -288,6 +299,32 @@ class Supervisor:
         self._separate()
         self._outages.look_at(robot)
         return self._checked(self._out.take_unless_due_later(now), now)
+
+    def step_report(self, name: str, report: StepReport, now: float) -> List[Action]:
+        """Handles a robot's report of its steps."""
+        if self.desk.report(name, report):
+            self._work(now)
+        return self._actions(now)
+
+    def set_load(self, name: str, request_id: Optional[int], now: float,
+                 ) -> Tuple[str, List[Action]]:
+        """A person says what a robot carries: nothing (None), or the load of its mission.
+
+        Also returns why not, as a sentence; empty: done.
+        """
+        if self.trouble:
+            return f'{self.trouble}.', self._actions(now)
+        problem = self.desk.set_load(name, request_id)
+        self._go_on(now)
+        return problem, self._actions(now)
+
+    def _work(self, now: float) -> None:
+        """Lets the work at stops go on, and closes the gates of the robots that must stand."""
+        for name in self.desk.go_on(not (self.is_stopped or self.trouble or self._is_starting)):
+            self._out.robot_changed(name)
+            self._out.send()
+        self.interlocking.at_work = self.desk.at_work
+        self.interlocking.not_to_enter = self.desk.not_to_enter
 
     def _stop_as_well(self, robot: ManagedRobot) -> None:
         """Stops the fleet because a robot got a stop that bypassed the supervisor."""
@@ -554,6 +591,7 @@ class Supervisor:
                 robot.master.halt()  # it does not count the orders of this fleet manager yet
                 self._out.robot_changed(robot.name)
                 self._out.send()
+        self._work(now)
         self._shorten()
         self._outages.look()
         self._believe_journal()

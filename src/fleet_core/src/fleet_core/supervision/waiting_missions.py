@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
+from typing import Callable, Collection, Dict, FrozenSet, List, Mapping, Optional, Tuple
 
 from fleet_core.supervision.assignment import assign
 from fleet_core.supervision.mission_book import MissionBook
@@ -23,8 +23,10 @@ class WaitingMissions:
     others from a robot.
     """
 
-    def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot]) -> None:
-        self._book = book
+    def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
+                 laden: Callable[[], Collection[str]]) -> None:
+        """`laden` returns the robots that carry something, and so begin no mission."""
+        self._book, self._laden = book, laden
         self._robots = robots
         self._short: Dict[int, str] = {}
         self._question: Optional[Tuple[object, ...]] = None
@@ -49,8 +51,9 @@ class WaitingMissions:
         if not pending:
             self._short = {}
             return []
+        laden = self._laden()
         free = {name: robot for name, robot in self._robots.items()
-                if robot.works and name not in busy and robot.is_charged
+                if robot.works and name not in busy and name not in laden and robot.is_charged
                 and (robot.record.held or robot.record.position is not None)}
         question = (pending.changes, *free)
         if question != self._question or now - self._looked >= AGAIN:

@@ -92,9 +92,11 @@ def sender_of(message: Any, own: str) -> str:
 
 def request_of(message: msg.MissionRequest) -> MissionRequest:
     """The request of a mission."""
-    return MissionRequest(message.request_id, message.header.stamp.to_nsec(),
-                          tuple(message.destination_vertices_id), message.robot,
-                          message.robot_type, message.priority, person_of(message.requested_by))
+    destinations = tuple(message.destination_vertices_id) or tuple(
+        stop.vertex for stop in message.stops)
+    return MissionRequest(message.request_id, message.header.stamp.to_nsec(), destinations,
+                          message.robot, message.robot_type, message.priority,
+                          person_of(message.requested_by))
 
 
 def walls_of(message: Any) -> WallMap:

@@ -6,6 +6,7 @@ from typing import Callable, Dict, List, NamedTuple, Sequence
 
 from fleet_simulation.agv.vehicle import AgvVehicle
 from route_protocol.order_rules import RouteRefused
+from route_protocol.steps import Word
 from route_protocol.values import Reason, ReasonCode
 from trajectory_graph import UnknownVertex
 
@@ -34,6 +35,7 @@ class AgvFault(NamedTuple):
 
 
 _SECONDS = FaultArgument('SECONDS', 0.0, 1e6, math.inf)
+_COUNT = FaultArgument('COUNT', 1.0, 1000.0, 1.0)
 
 FAULTS: Dict[str, AgvFault] = {
     'stall': AgvFault('brakes and stands still for SECONDS (10); its route stays active',
@@ -59,6 +61,15 @@ FAULTS: Dict[str, AgvFault] = {
                       lambda vehicle, vertex: vehicle.put_on(int(vertex))),
     'battery': AgvFault('has PERCENT of charge', [FaultArgument('PERCENT', 0.0, 100.0, math.nan)],
                         lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
+    'step_fails': AgvFault('the next COUNT (1) steps fail', [_COUNT],
+                        lambda vehicle, count: vehicle.steps.fail_next(Word.FAILED, int(count))),
+    'step_unknown': AgvFault('the next COUNT (1) steps are done, but the AGV cannot tell', [_COUNT],
+                          lambda vehicle, count: vehicle.steps.fail_next(Word.UNKNOWN,
+                                                                         int(count))),
+    'step_hangs': AgvFault('the next COUNT (1) steps never end', [_COUNT],
+                        lambda vehicle, count: vehicle.steps.fail_next(Word.RUNNING, int(count))),
+    'step_driver': AgvFault('the driver of its steps is restarted: what runs is broken off', [],
+                         lambda vehicle: vehicle.steps.restart()),
 }
 
 

@@ -21,6 +21,7 @@ from fleet_simulation.agv.route_rules import (
     has_just_left,
 )
 from fleet_simulation.agv.speed_limits import DriveLimits, SpeedLimits
+from fleet_simulation.agv.steps import SimulatedSteps
 from route_protocol import vehicle as protocol
 from route_protocol.intake import DueOrder, Intake, NotYet, messages_of
 from route_protocol.order_rules import RouteRefused
@@ -69,6 +70,7 @@ class AgvVehicle:
                  charge: float = 100.0) -> None:
         self.name = name
         self.battery = SimulatedBattery(charge)
+        self.steps = SimulatedSteps(clock)
         self.stamp = 0
         self.emergency = False
         self._draw, self._clock = draw, clock
@@ -169,6 +171,7 @@ class AgvVehicle:
             self.drive.pace = 1.0
         hold = not (self.running or self._driven_by_hand) or self._time < self._stalled_until
         self.drive.advance(seconds, hold, self.emergency)
+        self.steps.advance(seconds)
         self.battery.advance(seconds, not self.drive.at_rest, self.drive.vertex in self._chargers)
         if self.running:
             self._protocol.complete(self._path_begins + self.drive.index - self.state.first)
@@ -198,6 +201,7 @@ class AgvVehicle:
     def join(self) -> None:
         """Is switched on; after `leave` it has no memory of a route."""
         self._silent_until = self._stalled_until = 0.0
+        self.steps.restart()
         self._report_change()
 
     def fail(self, reason: Reason) -> None:

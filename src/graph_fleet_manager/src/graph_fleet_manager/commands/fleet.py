@@ -1,5 +1,5 @@
 """The command `fleet`: lists all robots; stops and resumes them; takes a robot out of service, puts
-it back, and declares it absent.
+it back, declares it absent, and says what it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
 """
@@ -33,7 +33,7 @@ from graph_fleet_manager.commands.tables import (
 from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE, stop_of
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from itrci_nav_msgs.srv import DeclareAbsent
+from itrci_nav_msgs.srv import DeclareAbsent, SetLoad
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
@@ -65,7 +65,13 @@ def _fleet(arguments: List[str]) -> int:
     absent.add_argument('robots', metavar='ROBOT', nargs='*')
     absent.add_argument('--unseen', action='store_true',
                         help='all robots that have never reported')
+    load = commands.add_parser('load', help='says what a robot carries, after a person has looked')
+    load.add_argument('robot', metavar='ROBOT')
+    load.add_argument('load', metavar='empty|MISSION',
+                      help='nothing, or the load of the mission with this id, which it serves')
     options = parser.parse_args(arguments)
+    if options.command == 'load' and not (options.load == 'empty' or options.load.isdecimal()):
+        load.error('say empty, or give the id of a mission')
     if options.command == 'absent' and bool(options.robots) == options.unseen:
         absent.error('name the robots, or give --unseen')
     if options.command == 'stop':
@@ -80,6 +86,11 @@ def _fleet(arguments: List[str]) -> int:
         print(call('/resume_fleet'))
     elif options.command == 'absent':
         return _absent(_unseen() if options.unseen else options.robots)
+    elif options.command == 'load':
+        _check(options.robot)
+        mission = 0 if options.load == 'empty' else int(options.load)
+        print(call(f'/{options.robot}/set_load', SetLoad, options.load != 'empty', mission,
+                   requested_by('fleet')))
     else:
         _check(options.robot)
         print(call(f'/{options.robot}/{"leave" if options.command == "out" else "join"}_fleet'))

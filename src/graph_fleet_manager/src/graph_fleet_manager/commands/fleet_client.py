@@ -143,7 +143,7 @@ def call(service: str, kind: Type[Any] = Trigger, *arguments: Any) -> str:
 
 
 def requested_by(command: str) -> str:
-    """The user and the computer that request, for the records of the fleet manager."""
+    """The user, the computer and the command that request, for the records."""
     try:
         user = getpass.getuser()
     except (KeyError, OSError):  # a user without a name, as in containers

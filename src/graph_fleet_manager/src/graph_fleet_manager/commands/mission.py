@@ -3,6 +3,8 @@
     mission 18 39 52 6 16 --type omron_ld90 --wait
     mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
     mission modify ID --priority 3 [VERTEX ...]
+    mission --stops pallet.yaml --wait
+    mission answer ID retry|skip|fail|done
 
 Exit status 0: done, with --wait only when the mission succeeded; 1: wrong input, or no fleet
 manager; 2: the mission was refused or did not succeed.
@@ -21,9 +23,12 @@ import rosgraph
 import rospkg
 import rospy
 
+from fleet_core.files.errors import FileError
+from fleet_core.files.stops_file import StopsFile, load_stops
 from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.work.rules import StepDecision
 from fleet_requests import mission_request
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
@@ -45,9 +50,11 @@ from graph_fleet_manager.commands.tables import (
     table_with_notes,
 )
 from graph_fleet_manager.messages.missions import is_about, stop_of
+from graph_fleet_manager.messages.stops import stop_messages
 from itrci_nav_msgs.msg import (
     FleetState,
     MissionCommand,
+    MissionDependency,
     MissionRequest,
     MissionStatus,
 )
@@ -58,6 +65,7 @@ from trajectory_graph.messages import graph_from_message
 
 _RESEND = 0.5  # s after which a request that was not acknowledged is sent again
 _CHANGES = {command.name.lower(): command for command in Command}
+_ANSWERS = {answer.name.lower(): answer for answer in StepDecision if answer}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -84,6 +92,11 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
         parser.add_argument('id', type=int, help='id of the mission')
     if name == 'list':
         offer_json(parser)
+    if name == 'answer':
+        parser.add_argument('answer', choices=list(_ANSWERS),
+                            help='retry: the step is carried out again; skip: the mission goes on, '
+                                 'the step was not done; fail: the mission fails; done: the '
+                                 'mission goes on, the step was done')
     if name == 'modify':
         parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                             help='the new destinations, in order, without dwells: id of a vertex, '
@@ -99,9 +112,9 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
 
 def _send(arguments: List[str]) -> int:
     parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
-                    'mission list, mission cancel|pause|resume|release|modify ID, '
+                    'mission list, mission cancel|pause|resume|release|modify|answer ID, '
                     'mission history.')
-    parser.add_argument('destinations', nargs='+', metavar='VERTEX',
+    parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                         help='id of a vertex, or a label that only one vertex has')
     parser.add_argument('--type', default='', help='robot type that must do it')
     parser.add_argument('--robot', default='', help='the robot that must do it')
@@ -110,23 +123,47 @@ def _send(arguments: List[str]) -> int:
     parser.add_argument('--dwell', type=float, nargs='+', default=[], metavar='S',
                         help='s to stay at each destination: one for all, or one for each; '
                              'negative: until mission release')
+    parser.add_argument('--stops', metavar='FILE',
+                        help='YAML file of stops with steps, in place of VERTEX and --dwell')
+    parser.add_argument('--after', type=int, nargs='+', default=[], metavar='ID',
+                        help='missions that must succeed first')
+    parser.add_argument('--after-end', type=int, nargs='+', default=[], metavar='ID',
+                        help='missions that must end first, in any way')
     parser.add_argument('--id', type=int, help='request id; random if not given')
     parser.add_argument('--wait', action='store_true', help='show the progress until the end')
     options = parser.parse_args(arguments)
+    if bool(options.destinations) is bool(options.stops) or options.stops and options.dwell:
+        parser.error('give vertices, with or without --dwell, or give --stops')
     connect('mission_command')
     graph = _graph()
+    work = _stops(options.stops, graph) if options.stops else StopsFile(())
     destinations = [_vertex(word, graph) for word in options.destinations]
     dwells = options.dwell * len(destinations) if len(options.dwell) == 1 else options.dwell
     given = {} if options.id is None else {'request_id': options.id}
     request = mission_request(
         destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
-        dwell=dwells, requested_by=requested_by('mission'), **given)
+        dwell=dwells, stops=stop_messages(work.stops), on_cancel=stop_messages(work.on_cancel),
+        after=[*(MissionDependency(id, MissionDependency.DONE) for id in options.after),
+               *(MissionDependency(id, MissionDependency.ENDED) for id in options.after_end)],
+        requested_by=requested_by('mission'), **given)
     listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
         raise CommandProblem(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
     return _follow(request, status, listener, graph) if options.wait else OK
+
+
+def _stops(path: str, graph: Graph) -> StopsFile:
+    def vertex(word: str) -> int:
+        try:
+            return _vertex(word, graph)
+        except CommandProblem as error:
+            raise ValueError(str(error).rstrip('.')) from None
+    try:
+        return load_stops(path, vertex)
+    except FileError as error:
+        raise CommandProblem(str(error)) from None
 
 
 def _graph() -> Graph:
@@ -168,7 +205,8 @@ def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionSt
 def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,
             graph: Graph) -> int:
     """Shows the progress of a mission until it ends. Returns the exit status."""
-    destinations = list(request.destination_vertices_id)
+    destinations = list(request.destination_vertices_id) or [
+        stop.vertex for stop in request.stops]
     states = TopicListener('/fleet_state', FleetState)
     state: Optional[FleetState] = None
     line = ProgressLine()
@@ -245,6 +283,8 @@ def _change(word: str, arguments: List[str]) -> int:
     commands = connected_sender(MissionCommand)
     message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
                              requested_by=requested_by('mission'))
+    if word == 'answer':
+        message.answer = int(_ANSWERS[options.answer])
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)
@@ -252,6 +292,7 @@ def _change(word: str, arguments: List[str]) -> int:
         listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
     if known is None:
         raise CommandProblem(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+    message.step_key = known.asks if word == 'answer' else 0
     commands.send(message)
     if _is_so(known, _CHANGES[word]):
         print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
@@ -286,8 +327,10 @@ def _shows(status: MissionStatus, command: Command) -> bool:
     is_answer = status.command_code != MissionStatus.COMMAND_NONE and status.command == command
     if not state.is_open or is_answer:
         return True
-    if command in (Command.RELEASE, Command.MODIFY):
+    if command in (Command.RELEASE, Command.MODIFY, Command.ANSWER):
         return True
+    if command is Command.CANCEL:
+        return state in (MissionState.CANCELLING, MissionState.NEEDS_PERSON)
     return _is_so(status, command)
 
 

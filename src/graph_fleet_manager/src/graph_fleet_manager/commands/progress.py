@@ -17,10 +17,12 @@ EVERY = 5.0  # s between two lines if the output is no terminal and nothing chan
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
             graph: Graph) -> str:
     """One line about the progress of a mission."""
-    if status.state == MissionStatus.PENDING:
+    if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED):
         return f'waiting: {status.reason}' if status.reason else 'accepted'
     if status.state == MissionStatus.PAUSED:
         return f'{status.robot}: paused'
+    if status.state in (MissionStatus.CANCELLING, MissionStatus.NEEDS_PERSON):
+        return f'{status.robot}: {status.reason}'
     robot = _robot(state, status)
     reached, count = status.destinations_reached, len(destinations)
     if reached >= count:

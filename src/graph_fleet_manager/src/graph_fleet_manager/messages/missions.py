@@ -17,6 +17,8 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.outages import Outage
+from fleet_core.work.stops import dwells_of
+from graph_fleet_manager.messages.stops import WrongStopMessage, dependencies_of, stops_of
 from itrci_nav_msgs import msg
 from route_protocol import messages as route_messages
 from route_protocol.master import Order
@@ -45,9 +47,19 @@ def request_of(message: msg.MissionRequest) -> Request:
             raise RequestRefused(f'its {name} has characters that cannot be printed')
         if len(value) > _LONGEST_NAME:
             raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
-    return Request(message.request_id, tuple(message.destination_vertices_id), message.robot_type,
-                   message.robot, message.priority, tuple(message.dwell),
-                   message.header.stamp.to_sec(), person_of(message.requested_by))
+    try:
+        stops, on_cancel = stops_of(message.stops), stops_of(message.on_cancel)
+        after = dependencies_of(message.after)
+    except WrongStopMessage as wrong:
+        raise RequestRefused(str(wrong)) from None
+    destinations, dwells = tuple(message.destination_vertices_id), tuple(message.dwell)
+    if stops:
+        if destinations or dwells:
+            raise RequestRefused('it has stops and also destinations or dwells: give one of them')
+        destinations, dwells = tuple(stop.place for stop in stops), dwells_of(stops)
+    return Request(message.request_id, destinations, message.robot_type, message.robot,
+                   message.priority, dwells, message.header.stamp.to_sec(),
+                   person_of(message.requested_by), stops, on_cancel, after)
 
 
 def person_of(text: str) -> str:
@@ -82,6 +94,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
         request_id=status.request_id, state=int(status.state), robot=status.robot,
         destinations_reached=status.reached, reason=status.reason,
         command=int(status.command or 0), command_code=int(status.command_code),
+        asks=status.asks,
         request_stamp=min(genpy.Time.from_sec(status.stamp), _END_OF_TIME))
     message.header.stamp = now
     return message

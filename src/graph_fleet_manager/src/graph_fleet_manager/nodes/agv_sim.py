@@ -6,10 +6,12 @@ They follow the edges of the graph exactly and implement the robot's side of the
 Subscribes
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     /<robot>/target_route (itrci_nav_msgs/TargetRoute)
+    /<robot>/step_command (itrci_nav_msgs/StepCommand)
 Publishes
     /<robot>/execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): at each change,
         and 10 Hz while a route runs, else 1 Hz
     /<robot>/route_refused (itrci_nav_msgs/RouteRefused)
+    /<robot>/step_states (itrci_nav_msgs/StepStates, latched): at each change, and 1 Hz
     /<robot>/battery_state (sensor_msgs/BatteryState): 1 Hz
     /<robot>/pose (geometry_msgs/PoseStamped) and TF map -> <robot>/base_link: the true pose, 20 Hz
 Parameters

@@ -10,9 +10,18 @@ from geometry_msgs.msg import PoseStamped, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
 from fleet_simulation.agv.vehicle import AgvVehicle
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    RouteRefused,
+    StepCommand,
+    StepState,
+    StepStates,
+    TargetRoute,
+)
 from node_lifecycle.headings import quaternion_from_yaw
 from route_protocol.messages import fill_refusal, fill_report, order_of
+from route_protocol.step_messages import WrongStepMessage, command_of, fill_step_report
 from route_protocol.values import RouteRefusal, RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
@@ -25,7 +34,8 @@ class AgvTopics:
 
     def __init__(self, vehicle: AgvVehicle, lock: threading.Lock) -> None:
         self._vehicle, self._lock = vehicle, lock
-        self._reported = self._charge_told = -math.inf
+        self._reported = self._charge_told = self._steps_told = -math.inf
+        self._told_of_steps: object = None
         self._emergency_told = False
         name = f'/{vehicle.name}/'
         self._frame = f'{vehicle.name}/base_link'
@@ -36,7 +46,11 @@ class AgvTopics:
         self._battery = rospy.Publisher(name + 'battery_state', BatteryState, queue_size=2,
                                         latch=True)
         self._pose = rospy.Publisher(name + 'pose', PoseStamped, queue_size=2)
+        self._steps = rospy.Publisher(name + 'step_states', StepStates, queue_size=10, latch=True,
+                                      tcp_nodelay=True)
         rospy.Subscriber(name + 'target_route', TargetRoute, self._on_route, queue_size=100,
+                         tcp_nodelay=True)
+        rospy.Subscriber(name + 'step_command', StepCommand, self._on_step, queue_size=100,
                          tcp_nodelay=True)
 
     def publish_due(self, now: float) -> Optional[TransformStamped]:
@@ -50,6 +64,9 @@ class AgvTopics:
         period = REPORT_PERIOD if self._vehicle.running else IDLE_PERIOD
         if now - self._reported >= period - EARLY:
             self._report(self._vehicle.report(), now)
+        if (now - self._steps_told >= IDLE_PERIOD - EARLY
+                or self._vehicle.steps.news != self._told_of_steps):
+            self._tell_steps(now)
         stamp = rospy.Time(*divmod(self._vehicle.stamp, 1_000_000_000))
         if now - self._charge_told >= BATTERY_PERIOD - EARLY:
             self._charge_told = now
@@ -66,6 +83,23 @@ class AgvTopics:
         with self._lock:
             self._vehicle.handle(order_of(message, rospy.Time.now().to_nsec()))
             self._pass_on(self._reported)
+
+    def _on_step(self, message: StepCommand) -> None:
+        try:
+            command = command_of(message)
+        except WrongStepMessage as wrong:
+            rospy.logwarn('A step command for %s is ignored: %s.', self._vehicle.name, wrong)
+            return
+        with self._lock:
+            if not self._vehicle.silent:
+                self._vehicle.steps.receive(command)
+                self._tell_steps(self._steps_told)
+
+    def _tell_steps(self, now: float) -> None:
+        self._steps_told, self._told_of_steps = now, self._vehicle.steps.news
+        message = fill_step_report(StepStates(), self._vehicle.steps.report(), StepState)
+        message.header.stamp = rospy.Time.now()
+        self._steps.publish(message)
 
     def _pass_on(self, now: float) -> None:
         for message in self._vehicle.new_messages():

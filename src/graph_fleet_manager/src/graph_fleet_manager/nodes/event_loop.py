@@ -19,12 +19,12 @@ import itertools
 import threading
 import time
 from collections import OrderedDict, deque
-from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from fleet_core.supervision.actions import Action, Note, TellStatus
 from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.mission_commands import refused
-from fleet_core.supervision.missions import Change, Command, Request
+from fleet_core.supervision.missions import Change, Command, Request, StepAnswer
 from fleet_core.supervision.supervisor import Supervisor
 from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 
@@ -129,7 +129,8 @@ class SupervisorEvents:
         self.put(when_ready)
 
     def put_command(self, request_id: int, command: Command,
-                    change: Optional[Change] = None, requested_by: str = '') -> None:
+                    change: Union[None, Change, StepAnswer] = None,
+                    requested_by: str = '') -> None:
         """Queues a command. Requests with that id that still wait are handled before it."""
         def do(supervisor: Supervisor, now: float) -> Sequence[Action]:
             before = self._requests_with(request_id)

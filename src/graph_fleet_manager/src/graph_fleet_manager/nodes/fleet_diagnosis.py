@@ -58,7 +58,7 @@ def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWr
     missions = [] if supervisor is None else supervisor.book.stored_open
     states = [mission.state for mission in missions]
     status.summary(DiagnosticStatus.OK, f'{len(states)} open missions')
-    for state in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED):
+    for state in (state for state in MissionState if state.is_open):
         status.add(state.name, str(states.count(state)))
     for mission in [m for m in missions if m.reason][:_NAMED]:
         status.add(f'mission {mission.request_id}', f'{mission.state.name}: {mission.reason}')

@@ -1,5 +1,5 @@
 """The services of the fleet: stop and resume all robots, take one robot out of service and back,
-declare a robot absent, and get the status of a mission.
+declare a robot absent, say what it carries, and get the status of a mission.
 """
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ from itrci_nav_msgs.srv import (
     GetMissionStatus,
     GetMissionStatusRequest,
     GetMissionStatusResponse,
+    SetLoad,
+    SetLoadRequest,
+    SetLoadResponse,
 )
 
 PATIENCE = 5.0       # s that a call waits for the supervisor
@@ -57,6 +60,7 @@ class FleetServices:
         for robot in robots:
             self._services += [
                 self._offer_absence(robot, f'{robot} is absent until it reports again.'),
+                self._offer_load(robot),
                 self._offer(f'/{robot}/leave_fleet', _out(robot),
                             f'{robot} was told to stop and is out of service.', lasts=True),
                 self._offer(f'/{robot}/join_fleet', _back(robot), f'{robot} is in service.')]
@@ -73,6 +77,20 @@ class FleetServices:
             told = self._called(name, _absent(robot), done)
             return DeclareAbsentResponse(told.success, told.message)
         return rospy.Service(name, DeclareAbsent, answer)
+
+    def _offer_load(self, robot: str) -> rospy.Service:
+        name = f'/{robot}/set_load'
+
+        def answer(request: SetLoadRequest) -> SetLoadResponse:
+            by = person_of(request.requested_by)
+            mission = request.request_id if request.loaded else None
+            rospy.loginfo('%s: %s is requested%s.', name,
+                          'empty' if mission is None else f'the load of mission {mission}',
+                          f' by {by}' if by else '')
+            told = self._called(name, _load(robot, mission), f'{robot} carries ' + (
+                'nothing.' if mission is None else f'the load of mission {mission}.'))
+            return SetLoadResponse(told.success, told.message)
+        return rospy.Service(name, SetLoad, answer)
 
     def _called(self, name: str, act: Act, done: Done, lasts: bool = False) -> TriggerResponse:
         late = 'but it will be done' if lasts else 'and it will not be done'
@@ -199,3 +217,7 @@ def _back(robot: str) -> Act:
 
 def _absent(robot: str) -> Act:
     return lambda supervisor, now: supervisor.declare_absent(robot, now)
+
+
+def _load(robot: str, mission: Optional[int]) -> Act:
+    return lambda supervisor, now: supervisor.set_load(robot, mission, now)

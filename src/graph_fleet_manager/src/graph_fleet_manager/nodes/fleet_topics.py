@@ -12,6 +12,7 @@ from fleet_core.supervision.actions import (
     AskPlanner,
     Note,
     SendRoute,
+    SendStep,
     TellStatus,
 )
 from fleet_core.supervision.fleet_view import plan_progress, robot_views
@@ -23,8 +24,16 @@ from graph_fleet_manager.messages.edge_times import TimesSent
 from graph_fleet_manager.messages.planning import request_message
 from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
 from graph_fleet_manager.nodes.sending import Newcomers, send
-from itrci_nav_msgs.msg import FleetState, MissionStatus, PlanAnswer, TargetRoute
+from itrci_nav_msgs.msg import (
+    FleetState,
+    MissionStatus,
+    PlanAnswer,
+    StepCommand,
+    StepParameter,
+    TargetRoute,
+)
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
+from route_protocol.step_messages import fill_command
 
 TellStatuses = Callable[[MissionStatus], None]
 """Publishes a status to one subscriber only."""
@@ -55,14 +64,20 @@ class FleetTopics:
         self._plans = FleetPlanTopic(rate)
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
                                          subscriber_listener=Newcomers(self._ask_newcomer))
+        names = tuple(robots)
         self._routes = {robot: rospy.Publisher(f'/{robot}/target_route', TargetRoute,
-                                               queue_size=10) for robot in robots}
+                                               queue_size=10) for robot in names}
+        self._steps = {robot: rospy.Publisher(f'/{robot}/step_command', StepCommand,
+                                              queue_size=10, tcp_nodelay=True)
+                       for robot in names}
 
     def do(self, actions: Sequence[Action]) -> None:
         """Carries out the actions of the supervisor, in the given order."""
         for action in actions:
             if isinstance(action, SendRoute):
                 self._send(action)
+            elif isinstance(action, SendStep):
+                self._send_step(action)
             elif isinstance(action, TellStatus):
                 send(self._statuses.publish, status_message(action.status))
             elif isinstance(action, AskPlanner):
@@ -78,6 +93,11 @@ class FleetTopics:
         with self._gate.passage(action.edges) as passes:
             if passes:
                 send(self._routes[action.robot].publish, message)
+
+    def _send_step(self, action: SendStep) -> None:
+        message = fill_command(StepCommand(), action.command, StepParameter)
+        message.header.stamp = rospy.Time.now()
+        send(self._steps[action.robot].publish, message)
 
     def _ask(self, question: AskPlanner) -> None:
         stamp = rospy.Time.now()

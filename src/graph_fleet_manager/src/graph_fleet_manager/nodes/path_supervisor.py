@@ -9,16 +9,19 @@ Subscribes
     /graph, /closed_edges_in_force (latched, of graph_server), /plan_answer (of path_planner)
     /<robot>/execution_route_states, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
+    /<robot>/step_states (itrci_nav_msgs/StepStates), if the robot carries out steps
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
-    /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute)
+    /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
+    /<robot>/step_command (StepCommand)
     /diagnostics
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
     also for robots that are not in the fleet file any more
     /get_mission_status (itrci_nav_msgs/GetMissionStatus): the stored status of a mission
+    /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
@@ -36,7 +39,7 @@ import os
 import threading
 import time
 import traceback
-from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 import rosgraph
 import rospy
@@ -51,13 +54,14 @@ from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal_database import JournalUnavailable
-from fleet_core.supervision.missions import Change, Command, RequestRefused
+from fleet_core.supervision.missions import Change, Command, RequestRefused, StepAnswer
 from fleet_core.supervision.outbox import AGAIN
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
 from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
+from graph_fleet_manager.messages.stops import WrongStopMessage, answer_of
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -73,10 +77,12 @@ from itrci_nav_msgs.msg import (
     MissionCommand,
     MissionRequest,
     PlanAnswer,
+    StepStates,
 )
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from node_lifecycle.measurements import measured
 from route_protocol.messages import WrongReport
+from route_protocol.step_messages import WrongStepMessage, step_report_of
 from trajectory_graph import Graph
 
 VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two /fleet_plan
@@ -137,7 +143,8 @@ class PathSupervisor:
             subscribers += [
                 listen(f'/{robot}/execution_route_states', ExecutionRouteStates,
                        of(robot, self._on_report)),
-                listen(f'/{robot}/battery_state', BatteryState, of(robot, self._on_battery), 1)]
+                listen(f'/{robot}/battery_state', BatteryState, of(robot, self._on_battery), 1),
+                listen(f'/{robot}/step_states', StepStates, of(robot, self._on_steps))]
         return subscribers
 
     # -- the thread that decides ------------------------------------------------------------------
@@ -254,9 +261,16 @@ class PathSupervisor:
             rospy.logwarn('A mission command %d for mission %d is ignored: there is no such '
                           'command.', message.command, message.request_id)
             return
-        change = (Change(message.priority, tuple(message.destination_vertices_id))
-                  if command is Command.MODIFY else None)
-        self._events.put_command(message.request_id, command, change,
+        details: Union[None, Change, StepAnswer] = None
+        if command is Command.MODIFY:
+            details = Change(message.priority, tuple(message.destination_vertices_id))
+        elif command is Command.ANSWER:
+            try:
+                details = answer_of(message)
+            except WrongStopMessage as wrong:
+                rospy.logwarn('An answer for mission %d is ignored: %s.', message.request_id, wrong)
+                return
+        self._events.put_command(message.request_id, command, details,
                                  messages.person_of(message.requested_by))
 
     def _on_report(self, robot: str, message: ExecutionRouteStates) -> None:
@@ -269,6 +283,16 @@ class PathSupervisor:
         self._events.put_report(
             lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived),
             f'/{robot}/execution_route_states')
+
+    def _on_steps(self, robot: str, message: StepStates) -> None:
+        try:
+            report = step_report_of(message)
+        except WrongStepMessage as wrong:
+            rospy.logwarn_throttle(10.0, f'A report of the steps of {robot} is ignored: {wrong}.')
+            return
+        self._events.put_report(
+            lambda supervisor, now, _: supervisor.step_report(robot, report, now),
+            f'/{robot}/step_states')
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = measured(message.percentage, 0.0, 1.0, f'The charge in battery_state of {robot}')

@@ -8,7 +8,7 @@ import roslib.message
 
 from node_lifecycle import ConfigurationError
 from vda5050_vehicle.core.action_table import ActionCall, ActionSpec, ActionTable
-from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd
+from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd, is_connected
 
 
 def check_types(table: ActionTable) -> None:
@@ -50,6 +50,10 @@ class RosActions:
             self._clients[key] = actionlib.ActionClient(
                 call.server, roslib.message.get_message_class(f'{call.type}Action'))
         return self._clients[key]
+
+    def is_ready(self, spec: ActionSpec) -> bool:
+        """Returns whether a goal of this action would reach its server now."""
+        return spec.call is not None and is_connected(self._client(spec.call))
 
     def start(self, name: str, spec: ActionSpec, arguments: Mapping[str, Any]) -> None:
         """Sends the goal of an action of the table; `on_end` receives the same `name`."""

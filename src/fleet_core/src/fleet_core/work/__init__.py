@@ -1,0 +1,1 @@
+"""Work at destinations: stops, their steps, and the load that they move."""

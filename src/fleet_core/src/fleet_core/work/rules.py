@@ -1,0 +1,521 @@
+"""The rules of work at stops: what each event changes, and what may begin.
+
+A step is stored RUNNING under a new key before the robot is told. It is repeated under another key
+only if it is known to have ended without being done, or if a person says so, or if it is harmless.
+If it is not known whether it has been done, a person is asked. While a step waits for an answer, no
+other step begins.
+
+The load of a robot counts as unknown from the moment at which a step that takes or gives is
+ordered until it is known how that step has ended. So it is right whenever the master is ended.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum, IntEnum
+from typing import Iterator, List, NamedTuple, Optional, Tuple
+
+from fleet_core.work.stops import Actor, Condition, LoadEffect, Policy, StepBlocking, When, WorkStep
+from fleet_core.work.tables import (
+    LOAD,
+    STEP,
+    STOP,
+    LoadEvent,
+    LoadState,
+    StepEvent,
+    StepState,
+    StopEvent,
+    StopState,
+    after,
+)
+from fleet_core.work.work import (
+    Ending,
+    RobotLoad,
+    Seen,
+    Situation,
+    StepPlace,
+    StepProgress,
+    Work,
+    progress_of,
+)
+from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
+
+GRACE = 10_000  # ms that a step has to end after it was told to, before a person is asked
+_PHASES = (When.BEFORE_ENTRY, When.AT, When.BEFORE_LEAVING)
+
+
+class StepDecision(IntEnum):
+    """The answer of a person to a step that asks, as in itrci_nav_msgs/MissionCommand."""
+
+    NONE = 0
+    RETRY = 1
+    SKIP = 2
+    FAIL = 3
+    DONE = 4
+
+
+class Where(NamedTuple):
+    """What is known of the robot of a mission.
+
+    stands   -- it stands, and no order on its way lets it drive
+    is_there -- it stands at the present stop
+    is_near  -- it stands there, or in front of it
+    """
+
+    stands: bool = False
+    is_there: bool = False
+    is_near: bool = False
+
+
+class WorkPhase(Enum):
+    """The state of a mission with steps, as it follows from its work and its robot's load."""
+
+    ACTIVE = 'active'
+    CANCELLING = 'cancelling'
+    NEEDS_PERSON = 'needs a person'
+    SUCCEEDED = 'succeeded'
+    FAILED = 'failed'
+    CANCELLED = 'cancelled'
+
+
+# -- derived answers ------------------------------------------------------------------------------
+
+
+def phase_of(situation: Situation) -> WorkPhase:
+    """The state of the mission."""
+    work, ending = situation.work, situation.work.ending
+    if work.asking is not None:
+        return WorkPhase.NEEDS_PERSON
+    is_over = work.current == len(work.progress) and not any(_open_steps(work))
+    if ending is Ending.NONE:
+        return WorkPhase.SUCCEEDED if is_over else WorkPhase.ACTIVE
+    if any(_open_steps(work)):
+        return WorkPhase.CANCELLING
+    if ending is Ending.FAIL:
+        return WorkPhase.FAILED
+    if not work.is_cut or is_over:
+        if situation.load.is_bound_to(situation.serial):
+            return WorkPhase.NEEDS_PERSON
+        return WorkPhase.CANCELLED if is_over else WorkPhase.CANCELLING
+    return WorkPhase.CANCELLING
+
+
+def gate_is_closed(work: Work) -> bool:
+    """Must the robot stand because of its work?"""
+    if any(own.state is StepState.ASK or own.state is StepState.RUNNING
+           and step.blocking is not StepBlocking.NONE for _, step, own in work.steps):
+        return True
+    if work.ending is not Ending.NONE and not work.is_cut:
+        return True
+    number = work.current
+    return number < len(work.progress) and work.progress[number].state is StopState.AT_WORK and (
+        any(own.state is StepState.WAITING for own in work.progress[number].steps))
+
+
+def place_not_to_enter(work: Work) -> Optional[int]:
+    """The vertex that the robot must not enter before other steps have ended; None: there is none.
+    """
+    number = work.current
+    if number == len(work.progress) or work.progress[number].state is StopState.AT_WORK:
+        return None
+    waits = any(step.when is When.BEFORE_ENTRY and not own.state.is_final
+                for place, step, own in work.steps if place.stop == number)
+    return work.stops[number].place if waits else None
+
+
+def _open_steps(work: Work) -> Iterator[StepProgress]:
+    """The steps that have been ordered and have not ended."""
+    return (own for _, _, own in work.steps if own.state in (StepState.RUNNING, StepState.ASK))
+
+
+def is_at_work(work: Work) -> bool:
+    """Does the robot stand at its stop, whose work has not ended?"""
+    number = work.current
+    return number < len(work.progress) and work.progress[number].state is StopState.AT_WORK
+
+
+# -- guards of a beginning step -------------------------------------------------------------------
+
+
+def nobody_is_asked(work: Work) -> bool:
+    """Does no step wait for an answer?"""
+    return work.asking is None
+
+
+def stands_for(step: WorkStep, where: Where) -> bool:
+    """Does the robot stand where this step needs it?"""
+    if step.when is When.BEFORE_ENTRY:
+        return step.blocking is StepBlocking.NONE or where.is_near
+    return where.is_there
+
+
+def blocks_none(step: WorkStep, work: Work) -> bool:
+    """May this step run together with all that run now?"""
+    running = [other for _, other, own in work.steps if own.state is StepState.RUNNING]
+    return not running or step.blocking is not StepBlocking.HARD and all(
+        other.blocking is not StepBlocking.HARD for other in running)
+
+
+def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
+    """The step that is to begin now; None: none is."""
+    work, number = situation.work, situation.work.current
+    if number == len(work.progress) or not nobody_is_asked(work) or (
+            work.ending is not Ending.NONE and not work.is_cut):
+        return None
+    is_there = work.progress[number].state is StopState.AT_WORK
+    for when in _PHASES:
+        if (when is When.BEFORE_ENTRY) is is_there:
+            continue
+        some = [(place, step, own) for place, step, own in work.steps
+                if place.stop == number and step.when is when]
+        for place, step, own in some:
+            if own.state is StepState.WAITING:
+                may = stands_for(step, where) and blocks_none(step, work)
+                return place if may else None
+        if not all(own.state.is_final for _, _, own in some):
+            return None
+    return None
+
+
+# -- stops ----------------------------------------------------------------------------------------
+
+
+def passed(situation: Situation, reached: int) -> Situation:
+    """The situation after the robot has passed so many stops without work."""
+    work = situation.work
+    while work.current < min(reached, len(work.progress)):
+        work = _stop(work, StopEvent.PASS)
+    return situation._replace(work=work)
+
+
+def follow(situation: Situation, where: Where) -> Situation:
+    """The situation after the robot has moved, or steps have ended.
+
+    where -- as the present stop sees it; it may be another one afterwards
+    """
+    work = situation.work
+    number = work.current
+    if number < len(work.progress) and (work.ending is Ending.NONE or work.is_cut):
+        if work.progress[number].state is StopState.WAITING:
+            work = _stop(work, StopEvent.GO)
+        if where.is_there and work.progress[number].state is StopState.DRIVING and (
+                _is_made(work, number) and place_not_to_enter(work) is None):
+            work = _stop(work, StopEvent.ARRIVE)
+        elif where.stands and not where.is_there and (
+                work.progress[number].state is StopState.AT_WORK):
+            work = _moved(work)
+        if work.progress[number].state is StopState.AT_WORK and _may_leave(work):
+            work = _stop(work, StopEvent.LEAVE)
+    return settle(situation._replace(work=work))
+
+
+def _stop(work: Work, event: StopEvent) -> Work:
+    stop = work.progress[work.current]
+    return work.with_stop(work.current, replace(stop, state=after(STOP, stop.state, event)))
+
+
+def _is_made(work: Work, number: int) -> bool:
+    """Does the robot come to rest at a stop?"""
+    return bool(work.stops[number].steps) or number == len(work.stops) - 1
+
+
+def _may_leave(work: Work) -> bool:
+    """Has the present stop ended? The last one ends when all steps of the mission have ended."""
+    number = work.current
+    is_last = number == len(work.progress) - 1
+    return all(own.state.is_final or not is_last and own.state is StepState.RUNNING
+               and step.blocking is StepBlocking.NONE
+               for place, step, own in work.steps if is_last or place.stop == number)
+
+
+def _moved(work: Work) -> Work:
+    """A robot was moved away from its stop: it drives back, after what runs has been looked at."""
+    for place, step, own in work.steps:
+        if own.state is StepState.RUNNING and step.blocking is not StepBlocking.NONE:
+            work = work.with_step(place, replace(
+                own, state=after(STEP, own.state, StepEvent.ASK), is_ended=True,
+                text='the robot was moved away meanwhile'))
+    return _stop(work, StopEvent.MOVED)
+
+
+# -- steps ----------------------------------------------------------------------------------------
+
+
+def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) -> Situation:
+    """The situation after a step is ordered under a new key. `now`: ms since 1970."""
+    work, load = situation.work, situation.load
+    step, own = work.step(place), work.progress_of(place)
+    if step.load:
+        load = replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN),
+                       serial=situation.serial)
+    is_robot = step.actor is Actor.ROBOT
+    return situation._replace(load=load, work=work.with_step(place, StepProgress(
+        after(STEP, own.state, StepEvent.SEND), key, run if is_robot else 0, now,
+        own.times_ordered + 1, Seen.NOTHING if is_robot else Seen.OVER)))
+
+
+def heard(situation: Situation, report: StepReport) -> Situation:
+    """The situation after a report of the robot."""
+    for place, _, own in tuple(situation.work.steps):
+        if own.state not in (StepState.RUNNING, StepState.ASK) or own.seen is Seen.OVER or (
+                is_of_an_earlier_run(report, own)):
+            continue
+        if report.run != own.run:
+            situation = _lost(situation, place, 'the driver of the robot has restarted')
+            continue
+        shown = report.find(own.key)
+        if shown is not None:
+            situation = _shown(situation, place, shown)
+        elif report.last >= own.key:
+            situation = _lost(situation, place, 'the robot has forgotten it')
+    return settle(situation)
+
+
+def is_of_an_earlier_run(report: StepReport, own: StepProgress) -> bool:
+    """Is this report older than the order of a step?"""
+    return report.run < own.run
+
+
+def _shown(situation: Situation, place: StepPlace, shown: ShownStep) -> Situation:
+    own = situation.work.progress_of(place)
+    if not shown.word.is_final:
+        seen = replace(own, seen=Seen.RUNNING)
+        return situation._replace(work=situation.work.with_step(place, seen))
+    situation = _update(situation, place, seen=Seen.OVER)
+    if shown.word is Word.DONE:
+        return _done(situation, place)
+    if shown.word is Word.UNKNOWN:
+        return _unknown(situation, place, shown.text or 'the robot does not know how it ended')
+    return _failed(situation, place, shown.text or f'the robot says {shown.word.name}')
+
+
+def _lost(situation: Situation, place: StepPlace, text: str) -> Situation:
+    return _unknown(_update(situation, place, seen=Seen.OVER), place, text)
+
+
+def _update(situation: Situation, place: StepPlace, **changes: object) -> Situation:
+    own = replace(situation.work.progress_of(place), **changes)  # type: ignore[arg-type]
+    return situation._replace(work=situation.work.with_step(place, own))
+
+
+def _event(situation: Situation, place: StepPlace, event: StepEvent, text: str = '') -> Situation:
+    state = after(STEP, situation.work.progress_of(place).state, event)
+    return _update(situation, place, state=state, text=text)
+
+
+def _done(situation: Situation, place: StepPlace) -> Situation:
+    effect, load = situation.work.step(place).load, situation.load
+    change = {LoadEffect.NONE: 0, LoadEffect.TAKES: 1, LoadEffect.GIVES: -1}[effect]
+    if effect and load.state is not LoadState.UNKNOWN:  # a person did it after it had failed
+        situation = situation._replace(load=replace(
+            load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
+    return _known(_event(situation, place, StepEvent.DONE), place, change)
+
+
+def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation:
+    """The situation after it is known how a step has changed the load."""
+    load = situation.load
+    if not situation.work.step(place).load or load.state is not LoadState.UNKNOWN:
+        return situation
+    count = max(load.count + change, 0)
+    event = LoadEvent.FILLED if count else LoadEvent.EMPTIED
+    return situation._replace(load=RobotLoad(after(LOAD, load.state, event),
+                                        situation.serial if count else 0, count))
+
+
+def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
+    """A step is known to have ended without being done. Its policy says what follows."""
+    situation = _known(situation, place)
+    work, step = situation.work, situation.work.step(place)
+    own = work.progress_of(place)
+    if work.ending is not Ending.NONE and not work.is_cut:
+        return _event(situation, place, StepEvent.CANCEL, text)
+    if own.state is StepState.ASK:
+        return _update(situation, place, text=text)
+    if step.on_failure is Policy.RETRY and own.times_ordered <= step.retries:
+        return _event(situation, place, StepEvent.RETRY, text)
+    if step.on_failure is Policy.SKIP:
+        return _event(situation, place, StepEvent.FAIL, text)
+    if step.on_failure is Policy.FAIL:
+        return _end(_event(situation, place, StepEvent.FAIL, text), Ending.FAIL,
+                    f'step {step.type} has failed: {text}')
+    return _event(situation, place, StepEvent.ASK, text)
+
+
+def _unknown(situation: Situation, place: StepPlace, text: str) -> Situation:
+    """It is not known whether a step has been done: a person is asked, unless it is harmless."""
+    work, step = situation.work, situation.work.step(place)
+    own = work.progress_of(place)
+    if work.ending is not Ending.NONE and not work.is_cut:
+        return _event(situation, place, StepEvent.CANCEL, text)
+    if may_be_repeated(step, own):
+        return _event(situation, place, StepEvent.RETRY, text)
+    if own.state is StepState.ASK:
+        return _update(situation, place, text=text)
+    return _event(situation, place, StepEvent.ASK, text)
+
+
+def may_be_repeated(step: WorkStep, own: StepProgress) -> bool:
+    """May a step be repeated although it is not known whether it has been done?"""
+    return step.harmless and own.state is StepState.RUNNING and (
+        own.times_ordered <= max(step.retries, 1))
+
+
+def expire(situation: Situation, now: int) -> Situation:
+    """The situation after the timeouts that are over. `now`: ms since 1970."""
+    for place, step, own in tuple(situation.work.steps):
+        over = own.begun + round(1000.0 * step.timeout)
+        if own.state is not StepState.RUNNING or now < over:
+            continue
+        if step.breakable and step.actor is Actor.ROBOT and now < over + GRACE:
+            if not own.is_ended:
+                situation = _update(situation, place, is_ended=True)
+            continue
+        situation = _event(_update(situation, place, is_ended=True), place, StepEvent.ASK,
+                           f'it has not ended within {step.timeout:.0f} s')
+    return settle(situation)
+
+
+def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situation, str]:
+    """The situation after a person's answer. Also returns why not, as a clause; empty: done.
+
+    key -- of the step that the answer is about; 0: the one that asks
+    """
+    work, place = situation.work, situation.work.answerable
+    if place is None or key and work.progress_of(place).key != key:
+        return situation, 'no such step waits for an answer'
+    step, own = work.step(place), work.progress_of(place)
+    problem = _no_answer(work, own, said)
+    if problem:
+        return situation, f'step {step.type} {problem}'
+    situation = _update(situation, place, seen=Seen.OVER)
+    if said is StepDecision.DONE:
+        situation = _done(situation, place)
+    elif said is StepDecision.RETRY:
+        situation = _event(_known(situation, place), place, StepEvent.RETRY)
+    elif said is StepDecision.SKIP:
+        situation = _event(_known(situation, place), place, StepEvent.CANCEL, 'skipped')
+    elif own.state is StepState.RUNNING:
+        situation = _failed(situation, place, 'it failed, as answered')
+    else:
+        situation = _end(_event(situation, place, StepEvent.FAIL, own.text), Ending.FAIL,
+                         f'step {step.type} has failed: {own.text}')
+    return settle(situation), ''
+
+
+def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
+    """Why an answer cannot be taken, as the rest of a clause; empty: it can."""
+    if said is StepDecision.RETRY and own.state is StepState.RUNNING:
+        return 'runs: there is nothing to retry'
+    if said is StepDecision.RETRY and work.ending is not Ending.NONE and not work.is_cut:
+        return 'is not repeated, because its mission ends'
+    if own.seen is Seen.NOTHING:
+        return ('may still reach the robot: the driver of the robot must run and show the step '
+                'before it can be answered')
+    if said is StepDecision.RETRY and not has_ended(own):
+        return 'still runs on the robot: wait until it ends'
+    return ''
+
+
+def has_ended(own: StepProgress) -> bool:
+    """Is it known that the last order of this step is not carried out any more?"""
+    return own.seen is Seen.OVER
+
+
+# -- the end of a mission -------------------------------------------------------------------------
+
+
+def cancel(situation: Situation, reason: str = '') -> Situation:
+    """The situation after the mission is cancelled. It is accepted in every state."""
+    return settle(_end(situation, Ending.CANCEL, reason))
+
+
+def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
+    """The situation of a mission that ends. One that fails while it is cancelled has failed."""
+    before = situation.work.ending
+    if ending is before or before is Ending.FAIL or (
+            before is Ending.CANCEL and not situation.work.is_cut):
+        return situation
+    return situation._replace(work=replace(situation.work, ending=ending, is_cut=False,
+                                           reason=reason))
+
+
+def settle(situation: Situation) -> Situation:
+    """The situation of a mission that ends, after all that can end at once has ended."""
+    if situation.work.ending is Ending.NONE or situation.work.is_cut:
+        return situation
+    for place, _, own in tuple(situation.work.steps):
+        is_open = own.state is StepState.RUNNING or own.state is StepState.ASK
+        if own.state is StepState.WAITING:
+            situation = _event(situation, place, StepEvent.CANCEL, own.text)
+        elif is_open and own.seen is not Seen.OVER:
+            situation = _update(situation, place, is_ended=True)
+        elif is_open:  # if it moves the load, a person must say where that is
+            situation = _event(situation, place, StepEvent.CANCEL, own.text)
+    work = situation.work
+    if any(_open_steps(work)):
+        return situation
+    if work.ending is Ending.FAIL:
+        return situation._replace(work=_cut(work, StopEvent.FAIL))
+    if situation.load.is_bound_to(situation.serial) and (
+            situation.load.state is LoadState.UNKNOWN):
+        return situation
+    return situation._replace(work=_with_clean_up(_cut(work, StopEvent.SKIP), situation))
+
+
+def _cut(work: Work, event: StopEvent) -> Work:
+    """The work without the stops that were not begun. The present one counts as left."""
+    number = work.current
+    if number == len(work.progress):
+        return work
+    state = work.progress[number].state
+    if state is StopState.WAITING or event is StopEvent.SKIP and state is StopState.DRIVING and (
+            not any(own.times_ordered for own in work.progress[number].steps)):
+        return replace(work, stops=work.stops[:number], progress=work.progress[:number])
+    work = _stop(work, event)
+    return replace(work, stops=work.stops[:number + 1], progress=work.progress[:number + 1])
+
+
+def _with_clean_up(work: Work, situation: Situation) -> Work:
+    is_loaded = situation.load.is_bound_to(situation.serial)
+    wanted = {Condition.ALWAYS, Condition.LOADED if is_loaded else Condition.EMPTY}
+    stops = tuple(stop for stop in work.on_cancel if stop.condition in wanted)
+    return replace(work, stops=(*work.stops, *stops), is_cut=True,
+                   progress=(*work.progress, *map(progress_of, stops)))
+
+
+# -- the load, as a person says -------------------------------------------------------------------
+
+
+def said_empty(load: RobotLoad) -> RobotLoad:
+    """The load of a robot after a person says that it carries nothing."""
+    return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_EMPTY))
+
+
+def said_loaded(load: RobotLoad, serial: int) -> RobotLoad:
+    """The load after a person says that the robot carries the load of this mission."""
+    return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_LOADED), serial, max(load.count, 1))
+
+
+# -- commands to the robot ------------------------------------------------------------------------
+
+
+def commands(work: Work, report: StepReport) -> List[StepCommand]:
+    """What the robot is to be told, until it shows it. `work` must be stored.
+
+    A key is sent only when the robot shows all lower ones.
+    """
+    found: List[StepCommand] = []
+    steps = [(step, own) for _, step, own in work.steps if step.actor is Actor.ROBOT
+             and own.state in (StepState.RUNNING, StepState.ASK)
+             and own.seen is not Seen.OVER and own.run == report.run]
+    for step, own in sorted(steps, key=lambda pair: pair[1].key):
+        shown = report.find(own.key)
+        end = StepAct.CANCEL if step.breakable else StepAct.REVOKE
+        if shown is None:
+            act = end if own.is_ended else StepAct.DO
+            begins = act is StepAct.DO
+            return [*found, StepCommand(own.key, act, own.run, step.type if begins else '',
+                                        step.parameters if begins else (), step.timeout)]
+        if own.is_ended and end is StepAct.CANCEL and not shown.word.is_final:
+            found.append(StepCommand(own.key, StepAct.CANCEL, own.run))
+    return found

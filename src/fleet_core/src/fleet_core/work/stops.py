@@ -1,0 +1,162 @@
+"""Stops and their steps, as a mission asks for them, and the rules for refusing them."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Iterable, Sequence, Tuple
+
+MOST_STEPS = 50         # steps of one stop
+LONGEST_TIMEOUT = 1e6   # s; more is a mistake
+MOST_RETRIES = 100
+_LONGEST_TEXT = 256     # letters of a type, or of a parameter
+_MOST_PARAMETERS = 20
+
+
+class StopKind(IntEnum):
+    """What a stop is for, as in itrci_nav_msgs/MissionStop."""
+
+    VISIT = 0
+    PICKUP = 1
+    DROPOFF = 2
+    PARK = 3
+    CHARGE = 4
+
+
+class Condition(IntEnum):
+    """When a stop for cleaning up is made, as in itrci_nav_msgs/MissionStop."""
+
+    ALWAYS = 0
+    LOADED = 1
+    EMPTY = 2
+
+
+class When(IntEnum):
+    """When a step is carried out, as in itrci_nav_msgs/MissionStep."""
+
+    AT = 0
+    BEFORE_ENTRY = 1
+    BEFORE_LEAVING = 2
+
+
+class Actor(IntEnum):
+    """The kind of the actor of a step, as in itrci_nav_msgs/MissionStep."""
+
+    ROBOT = 0
+    PERSON = 1
+    OUTSIDE = 2   # a program that answers by a mission command
+    DEVICE = 3
+
+
+class StepBlocking(IntEnum):
+    """What may happen while a step runs, as in itrci_nav_msgs/MissionStep and in VDA 5050."""
+
+    HARD = 0   # the robot stands, and no other step runs
+    SOFT = 1   # the robot stands
+    NONE = 2   # the robot may drive
+
+
+class Policy(IntEnum):
+    """What follows a step that has failed, as in itrci_nav_msgs/MissionStep."""
+
+    ASK = 0
+    FAIL = 1
+    RETRY = 2   # so many times, then ASK
+    SKIP = 3
+
+
+class LoadEffect(IntEnum):
+    """What a step that is DONE does to the robot's load, as in itrci_nav_msgs/MissionStep."""
+
+    NONE = 0
+    TAKES = 1
+    GIVES = 2
+
+
+@dataclass(frozen=True)
+class WorkStep:
+    """One step of a stop.
+
+    type       -- name of the work, which the actor knows
+    timeout    -- s after which its outcome counts as unknown
+    retries    -- for RETRY: how many times it is repeated
+    harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
+    breakable  -- it is broken off when its mission is cancelled or its time is over
+    """
+
+    type: str
+    timeout: float
+    parameters: Tuple[Tuple[str, str], ...] = ()
+    when: When = When.AT
+    actor: Actor = Actor.ROBOT
+    blocking: StepBlocking = StepBlocking.HARD
+    on_failure: Policy = Policy.ASK
+    retries: int = 0
+    harmless: bool = False
+    breakable: bool = False
+    load: LoadEffect = LoadEffect.NONE
+
+
+@dataclass(frozen=True)
+class WorkStop:
+    """One stop: a vertex, and the steps there.
+
+    condition -- for a stop after a cancellation: by which load it is made
+    """
+
+    place: int
+    kind: StopKind = StopKind.VISIT
+    steps: Tuple[WorkStep, ...] = ()
+    condition: Condition = Condition.ALWAYS
+
+
+def dwells_of(stops: Sequence[WorkStop]) -> Tuple[float, ...]:
+    """The dwells of the destinations: a robot stays until its work there has ended.
+
+    At the last stop it stays until all steps of the mission have ended.
+    """
+    last = len(stops) - 1
+    return tuple(-1.0 if stop.steps or k == last else 0.0 for k, stop in enumerate(stops))
+
+
+class WrongStops(Exception):
+    """Stops that are not accepted. The text is a clause that says why and what to do."""
+
+
+def check_stops(stops: Iterable[WorkStop], on_cancel: Iterable[WorkStop]) -> None:
+    """Raises WrongStops for stops that could not be carried out."""
+    for words, some in (('stop', stops), ('stop of on_cancel', on_cancel)):
+        for number, stop in enumerate(some, 1):
+            if len(stop.steps) > MOST_STEPS:
+                raise WrongStops(f'{words} {number} has more than {MOST_STEPS} steps')
+            for k, step in enumerate(stop.steps, 1):
+                problem = problem_of(step)
+                if problem:
+                    name = ''.join(one if one.isprintable() else '?' for one in step.type[:40])
+                    raise WrongStops(f'step {k} ({name}) of {words} {number} {problem}')
+
+
+def problem_of(step: WorkStep) -> str:
+    """Why a step is refused, as the rest of a clause; empty: it is not."""
+    texts = (step.type, *(text for pair in step.parameters for text in pair))
+    names = [name for name, _ in step.parameters]
+    rules = (
+        (not step.type, 'needs a type'),
+        (any(not text.isprintable() or len(text) > _LONGEST_TEXT for text in texts),
+         f'has a text that cannot be printed, or has more than {_LONGEST_TEXT} letters'),
+        (len(names) > _MOST_PARAMETERS, f'has more than {_MOST_PARAMETERS} parameters'),
+        (len(names) != len(set(names)), 'has two parameters with one name'),
+        (not (math.isfinite(step.timeout) and 0.0 < step.timeout <= LONGEST_TIMEOUT),
+         f'needs a timeout above 0 and up to {LONGEST_TIMEOUT:.0f} s'),
+        (step.actor is Actor.DEVICE, 'is for a device: this version drives none'),
+        (not 0 <= step.retries <= MOST_RETRIES or (
+            (step.on_failure is Policy.RETRY) is not bool(step.retries)),
+         f'needs retries (1 to {MOST_RETRIES}) if on_failure is RETRY, and none otherwise'),
+        (bool(step.load) and step.blocking is not StepBlocking.HARD,
+         'changes the load, so its blocking must be HARD'),
+        (bool(step.load) and step.when is not When.AT,
+         'changes the load, so it must be carried out AT the stop'),
+        (bool(step.load) and step.on_failure is Policy.SKIP,
+         'changes the load, so it cannot be skipped without a person: choose ASK'),
+        (bool(step.load) and step.harmless, 'changes the load, so it is not harmless'))
+    return next((text for is_wrong, text in rules if is_wrong), '')

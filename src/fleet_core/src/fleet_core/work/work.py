@@ -1,0 +1,167 @@
+"""The work of one mission: how far its stops and steps are, and the load of its robot.
+
+Everything here is a value. `work.rules` has the rules that change it. A `Situation` is stored as a
+whole, before anything that follows from it is sent.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Iterator, NamedTuple, Optional, Tuple
+
+from fleet_core.work.stops import Actor, WorkStep, WorkStop
+from fleet_core.work.tables import LoadState, StepState, StopState
+
+
+class Seen(Enum):
+    """What the master has seen of the key of a step."""
+
+    NOTHING = 'nothing'   # the robot has not shown it: it may not have received the command yet
+    RUNNING = 'running'
+    OVER = 'over'         # it has ended, or its actor cannot carry it out any more
+
+
+class Ending(Enum):
+    """How a mission ends before its last stop; NONE: it does not."""
+
+    NONE = ''
+    CANCEL = 'cancel'
+    FAIL = 'fail'
+
+
+@dataclass(frozen=True)
+class StepProgress:
+    """How far a step is.
+
+    key      -- number under which it was ordered last; 0: it never was
+    run      -- the robot's run for which it was ordered
+    begun    -- ms since 1970, when it was ordered
+    times_ordered -- how many times it was ordered
+    is_ended -- it is to end, if its actor can end it, or not to begin
+    text     -- for people: why it failed, or why a person is asked
+    """
+
+    state: StepState = StepState.WAITING
+    key: int = 0
+    run: int = 0
+    begun: int = 0
+    times_ordered: int = 0
+    seen: Seen = Seen.OVER
+    is_ended: bool = False
+    text: str = ''
+
+
+@dataclass(frozen=True)
+class StopProgress:
+    """How far a stop is, with its steps."""
+
+    state: StopState = StopState.WAITING
+    steps: Tuple[StepProgress, ...] = ()
+
+
+class StepPlace(NamedTuple):
+    """The numbers of a stop and of one of its steps, from 0."""
+
+    stop: int
+    step: int
+
+
+@dataclass(frozen=True)
+class Work:
+    """The stops of a mission and their progress.
+
+    stops     -- those that have been made, and those that are to be made
+    on_cancel -- stops that may follow a cancellation
+    is_cut    -- the stops that are not made any more are gone, and those of `on_cancel` are there
+    reason    -- why it ends, for people
+    """
+
+    stops: Tuple[WorkStop, ...]
+    progress: Tuple[StopProgress, ...]
+    on_cancel: Tuple[WorkStop, ...] = ()
+    ending: Ending = Ending.NONE
+    is_cut: bool = False
+    reason: str = ''
+
+    @property
+    def current(self) -> int:
+        """Number of the stop that is made now or next; the number of stops: none is."""
+        return next((k for k, stop in enumerate(self.progress) if not stop.state.is_final),
+                    len(self.progress))
+
+    @property
+    def steps(self) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
+        """All steps, in the order of the stops."""
+        for k, (stop, progress) in enumerate(zip(self.stops, self.progress)):
+            for n, (step, own) in enumerate(zip(stop.steps, progress.steps)):
+                yield StepPlace(k, n), step, own
+
+    def step(self, place: StepPlace) -> WorkStep:
+        """The step in a place."""
+        return self.stops[place.stop].steps[place.step]
+
+    def progress_of(self, place: StepPlace) -> StepProgress:
+        """The progress of the step in a place."""
+        return self.progress[place.stop].steps[place.step]
+
+    def with_step(self, place: StepPlace, own: StepProgress) -> Work:
+        """The work with another progress of one step."""
+        stop = self.progress[place.stop]
+        steps = (*stop.steps[:place.step], own, *stop.steps[place.step + 1:])
+        return self.with_stop(place.stop, replace(stop, steps=steps))
+
+    def with_stop(self, number: int, stop: StopProgress) -> Work:
+        """The work with another progress of one stop."""
+        return replace(self, progress=(*self.progress[:number], stop,
+                                       *self.progress[number + 1:]))
+
+    @property
+    def asking(self) -> Optional[StepPlace]:
+        """The first step that waits for the answer of a person; None: none does."""
+        return next((place for place, _, own in self.steps if own.state is StepState.ASK), None)
+
+    @property
+    def answerable(self) -> Optional[StepPlace]:
+        """The step that `mission answer` is about: the one that asks, or one done by others."""
+        others = (place for place, step, own in self.steps
+                  if own.state is StepState.RUNNING and step.actor is not Actor.ROBOT)
+        return self.asking or next(others, None)
+
+
+@dataclass(frozen=True)
+class RobotLoad:
+    """The load of a robot.
+
+    serial -- of the mission whose load it is; 0: none
+    count  -- pieces that it carries; if it is UNKNOWN, before the step that made it so
+    """
+
+    state: LoadState = LoadState.EMPTY
+    serial: int = 0
+    count: int = 0
+
+    def is_bound_to(self, serial: int) -> bool:
+        """Must the robot serve this mission because of its load?"""
+        return self.state is not LoadState.EMPTY and self.serial == serial
+
+    def lets_serve(self, serial: int) -> bool:
+        """May the robot serve this mission?"""
+        return self.state is LoadState.EMPTY or self.serial == serial
+
+
+class Situation(NamedTuple):
+    """The work of a mission, and the load of the robot that does it."""
+
+    serial: int
+    work: Work
+    load: RobotLoad = RobotLoad()
+
+
+def work_of(stops: Tuple[WorkStop, ...], on_cancel: Tuple[WorkStop, ...] = ()) -> Work:
+    """The work of a mission that has not begun."""
+    return Work(stops, tuple(map(progress_of, stops)), on_cancel)
+
+
+def progress_of(stop: WorkStop) -> StopProgress:
+    """The progress of a stop that has not begun."""
+    return StopProgress(steps=tuple(StepProgress() for _ in stop.steps))

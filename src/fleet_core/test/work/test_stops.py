@@ -1,0 +1,127 @@
+"""Stops and steps that could not be carried out are refused, each with a reason and a line."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from fleet_core.files.errors import FileError
+from fleet_core.files.stops_file import load_stops
+from fleet_core.supervision.missions import Acceptance, Request, RequestRefused
+from fleet_core.work.stops import (
+    LONGEST_TIMEOUT,
+    MOST_STEPS,
+    Actor,
+    Condition,
+    LoadEffect,
+    Policy,
+    StepBlocking,
+    StopKind,
+    When,
+    WorkStep,
+    WorkStop,
+    WrongStops,
+    check_stops,
+    dwells_of,
+)
+
+STEP = WorkStep('engage', 60.0)
+
+
+@pytest.mark.parametrize('changes, told', [
+    ({'type': ''}, 'needs a type'),
+    ({'type': 'a\n'}, 'cannot be printed'),
+    ({'parameters': (('a', '1'), ('a', '2'))}, 'two parameters with one name'),
+    ({'parameters': tuple((str(k), '') for k in range(21))}, 'more than 20 parameters'),
+    ({'timeout': 0.0}, 'needs a timeout'), ({'timeout': float('nan')}, 'needs a timeout'),
+    ({'timeout': LONGEST_TIMEOUT * 2}, 'needs a timeout'),
+    ({'actor': Actor.DEVICE}, 'this version drives none'),
+    ({'on_failure': Policy.RETRY}, 'needs retries'), ({'retries': 1}, 'needs retries'),
+    ({'load': LoadEffect.TAKES, 'blocking': StepBlocking.SOFT}, 'must be HARD'),
+    ({'load': LoadEffect.GIVES, 'when': When.BEFORE_LEAVING}, 'AT the stop'),
+    ({'load': LoadEffect.TAKES, 'on_failure': Policy.SKIP}, 'without a person'),
+    ({'load': LoadEffect.TAKES, 'harmless': True}, 'not harmless')])
+def test_a_step_that_makes_no_sense_is_refused_by_its_place(changes, told):
+    check_stops((WorkStop(1, steps=(STEP,)),), ())
+    wrong = WorkStop(1, steps=(STEP, replace(STEP, **changes)))
+    with pytest.raises(WrongStops, match=rf'step 2 \(.*\) of stop 1 .*{told}'):
+        check_stops((wrong,), ())
+    with pytest.raises(WrongStops, match='of stop of on_cancel 2'):
+        check_stops((), (WorkStop(1), wrong))
+
+
+def test_a_stop_has_a_limited_number_of_steps():
+    with pytest.raises(WrongStops, match=f'stop 1 has more than {MOST_STEPS} steps'):
+        check_stops((WorkStop(1, steps=(STEP,) * (MOST_STEPS + 1)),), ())
+
+
+def test_a_robot_stays_where_it_has_to_work_and_at_the_last_stop():
+    assert dwells_of((WorkStop(1), WorkStop(2, steps=(STEP,)), WorkStop(3))) == (0.0, -1.0, -1.0)
+
+
+@pytest.mark.parametrize('stops, on_cancel, told', [
+    ((WorkStop(3, steps=(replace(STEP, timeout=0.0),)),), (), 'needs a timeout'),
+    ((WorkStop(3),), (WorkStop(99),), 'no edges lead to vertex 99'),
+    ((), (WorkStop(3),), 'but no stops')])
+def test_a_mission_whose_stops_cannot_be_made_is_refused(stops, on_cancel, told):
+    acceptance = Acceptance(corridor(5), {'a': AGV})
+    with pytest.raises(RequestRefused, match=told):
+        acceptance.check(Request(1, (3,), stops=stops, on_cancel=on_cancel))
+
+
+# -- the file -------------------------------------------------------------------------------------
+
+
+def vertex(word: str) -> int:
+    if word == 'press':
+        return 18
+    if not word.isdecimal():
+        raise ValueError(f'no vertex has the label {word!r}')
+    return int(word)
+
+
+def read(tmp_path, text: str):
+    path = tmp_path / 'work.yaml'
+    path.write_text(text)
+    return load_stops(path, vertex)
+
+
+def test_a_file_gives_stops_with_all_keys(tmp_path):
+    found = read(tmp_path, '''
+stops:
+- at: press
+  kind: pickup
+  steps:
+  - {type: engage, timeout: 60, load: takes}
+  - {type: say, timeout: 5.5, parameters: {text: hello, times: 2}, when: before_leaving,
+     blocking: none, on_failure: retry, retries: 2, harmless: true, breakable: true}
+- at: 39
+on_cancel:
+- {if: loaded, at: 6, kind: dropoff, steps: [{type: wait, timeout: 9, actor: person}]}
+''')
+    assert found.stops == (
+        WorkStop(18, StopKind.PICKUP, (
+            WorkStep('engage', 60.0, load=LoadEffect.TAKES),
+            WorkStep('say', 5.5, (('text', 'hello'), ('times', '2')), When.BEFORE_LEAVING,
+                     blocking=StepBlocking.NONE, on_failure=Policy.RETRY, retries=2,
+                     harmless=True, breakable=True))),
+        WorkStop(39))
+    assert found.on_cancel == (WorkStop(6, StopKind.DROPOFF, (
+        WorkStep('wait', 9.0, actor=Actor.PERSON),), Condition.LOADED),)
+
+
+@pytest.mark.parametrize('text, line, told', [
+    ('stops: []', 1, 'stops is empty'),
+    ('stops:\n- {at: 1, kind: pickup, step: []}', 2, "unknown key 'step'; did you mean steps"),
+    ('stops:\n- {at: 1, if: loaded}', 2, "unknown key 'if'"),
+    ('stops:\n- at: 1\n  kind: pikup', 3, "kind is 'pikup'; did you mean pickup"),
+    ('stops:\n- {at: nowhere}', 2, "no vertex has the label 'nowhere'"),
+    ('stops:\n- {at: 1, steps: [{type: a}]}', 2, 'timeout is missing'),
+    ('stops:\n- {at: 1, steps: [{type: a, timeout: 1, load: takes, blocking: soft}]}', 2, 'HARD'),
+    ('stops:\n- {at: 1}\non_cancel:\n- {at: 2, iff: empty}', 4, 'did you mean if'),
+    ('missions: []', 1, 'unknown key')])
+def test_a_wrong_file_is_refused_with_its_line(tmp_path, text, line, told):
+    with pytest.raises(FileError, match=told) as error:
+        read(tmp_path, text)
+    assert error.value.line == line

@@ -1,0 +1,180 @@
+"""Work at stops is safe in every order of events, can always end, and needs each of its guards."""
+from __future__ import annotations
+
+import os
+
+import pytest
+from work_model import Bounds, search
+
+from fleet_core.work import rules, tables
+from fleet_core.work.stops import (
+    Actor,
+    Condition,
+    LoadEffect,
+    Policy,
+    StepBlocking,
+    When,
+)
+from fleet_core.work.stops import (
+    WorkStep as Step,
+)
+from fleet_core.work.stops import (
+    WorkStop as Stop,
+)
+from fleet_core.work.tables import LOAD, STEP, STOP, StepState, StopState
+from route_protocol import steps
+from route_protocol.steps import ActorState, Reaction, Word
+
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+KNOWN = (Word.DONE, Word.FAILED)
+
+
+def step(name: str, **more: object) -> Step:
+    return Step(name, 1.0, **more)
+
+
+TAKE = step('take', load=LoadEffect.TAKES)
+GIVE = step('give', load=LoadEffect.GIVES, on_failure=Policy.FAIL)
+AWAY = (Stop(20, steps=(step('away', load=LoadEffect.GIVES),), condition=Condition.LOADED),)
+NONE = step('none', blocking=StepBlocking.NONE)
+
+BOUNDS = {
+    'a step': Bounds((Stop(10, steps=(step('a'),)),), manager=0),
+    'a restart of the manager': Bounds((Stop(10, steps=(TAKE,)),), driver=0, timeout=0),
+    'a step that is broken off': Bounds(
+        (Stop(10, steps=(step('a', on_failure=Policy.FAIL, breakable=True),)),), manager=0,
+        words=KNOWN),
+    'a harmless step': Bounds(
+        (Stop(10, steps=(step('a', on_failure=Policy.RETRY, retries=1, harmless=True),)),),
+        manager=0, cancel=0),
+    'two steps': Bounds((Stop(10, steps=(NONE, step('h'))),), cancel=0, driver=0, words=KNOWN),
+    'a step before the entry': Bounds(
+        (Stop(10, steps=(step('e', when=When.BEFORE_ENTRY), step('h', on_failure=Policy.SKIP))),),
+        cancel=0, driver=0, words=KNOWN),
+    'a load': Bounds((Stop(10, steps=(TAKE,)), Stop(20, steps=(GIVE,))), cancel=0, timeout=0,
+                     driver=0, words=KNOWN),
+    'a load that is brought away': Bounds((Stop(10, steps=(TAKE,)),), AWAY, driver=0, timeout=0,
+                                          words=KNOWN),
+    'a step that goes on during the drive': Bounds(
+        (Stop(10, steps=(NONE,)), Stop(20, steps=(step('h'),))), driver=0, timeout=0, words=KNOWN),
+    'a robot that is moved': Bounds((Stop(10, steps=(step('a'),)),), moved=1, cancel=0, driver=0,
+                                    words=KNOWN),
+    'a person': Bounds((Stop(10, steps=(step('p', actor=Actor.PERSON),)),), manager=0),
+}
+if LONG:
+    BOUNDS.update({
+        'a load, and all faults': Bounds((Stop(10, steps=(TAKE,)),)),
+        'a load that is brought away, and all faults': Bounds((Stop(10, steps=(TAKE,)),), AWAY),
+        'a harmless step, and all faults': Bounds(
+            (Stop(10, steps=(step('a', on_failure=Policy.RETRY, retries=1, harmless=True),)),)),
+        'two steps, and all faults': Bounds((Stop(10, steps=(NONE, step('h'))),)),
+        'three orders': Bounds((Stop(10, steps=(step('a'),)),), keys=3, manager=0),
+        'a step that is broken off, and all faults': Bounds(
+            (Stop(10, steps=(step('a', on_failure=Policy.FAIL, breakable=True),)),)),
+    })
+
+
+@pytest.mark.parametrize('name', BOUNDS)
+def test_no_order_of_events_repeats_a_step_loses_a_load_or_moves_a_working_robot(name, capsys):
+    found = search(BOUNDS[name], live=True)
+    with capsys.disabled():
+        print(f'\n{name}: all {found.states} states')
+    assert not found.flaw, str(found)
+
+
+# -- each guard -----------------------------------------------------------------------------------
+
+
+def _takes_old_keys(state: ActorState, command: steps.StepCommand):
+    after, reaction = _OBEY(state, command)
+    is_over = any(one.key == command.key and one.word.is_final for one in state.steps)
+    if command.act is steps.StepAct.DO and is_over and command.known_run == state.run:
+        return state, Reaction.BEGIN
+    return after, reaction
+
+
+def _takes_other_runs(state: ActorState, command: steps.StepCommand):
+    return _OBEY(state, steps.replace(command, known_run=state.run))
+
+
+def _sends_all_keys(work, report):
+    return [command for _, own_step, own in work.steps
+            if own_step.actor is Actor.ROBOT and own.state is StepState.RUNNING
+            and own.seen is not rules.Seen.OVER and own.run == report.run
+            for command in [steps.StepCommand(own.key, steps.StepAct.DO, own.run, own_step.type)]]
+
+
+def _load_stays(situation, place, key, run, now):
+    return _BEGIN(situation, place, key, run, now)._replace(load=situation.load)
+
+
+_OBEY, _BEGIN = ActorState.obey, rules.begin
+GUARDS = {
+    'a key is taken once': (
+        ActorState, 'obey', _takes_old_keys, 'a step'),
+    'a command of an earlier run is ignored': (
+        ActorState, 'obey', _takes_other_runs, 'a step'),
+    'a report of an earlier run is ignored': (
+        rules, 'is_of_an_earlier_run', lambda report, own: False, 'a restart of the driver'),
+    'nothing begins while a person is asked': (
+        rules, 'nobody_is_asked', lambda work: True, 'two steps'),
+    'the robot stands where a step needs it': (
+        rules, 'stands_for', lambda step, where: True, 'a hard step before the entry'),
+    'a hard step runs alone': (
+        rules, 'blocks_none', lambda step, work: True, 'two steps'),
+    'the gate is closed while a step runs': (
+        rules, 'gate_is_closed', lambda work: False, 'a load'),
+    'the stop is not entered before its steps': (
+        rules, 'place_not_to_enter', lambda work: None, 'a step before the entry'),
+    'an unknown outcome is asked': (
+        rules, 'may_be_repeated', lambda step, own: own.state is StepState.RUNNING, 'a step'),
+    'a step that may still run is not retried': (
+        rules, 'has_ended', lambda own: True, 'a step'),
+    'a step that may still be begun is not answered': (
+        rules, '_no_answer', lambda work, own, said: '', 'a step'),
+    'the load is unknown while it moves': (
+        rules, 'begin', _load_stays, 'a load'),
+}
+SEARCHES = {
+    **BOUNDS,
+    'a restart of the driver': Bounds((Stop(10, steps=(TAKE,)),), cancel=0, timeout=0),
+    'a hard step before the entry': Bounds(
+        (Stop(10, steps=(step('e', when=When.BEFORE_ENTRY),)),), cancel=0, driver=0, timeout=0),
+}
+
+
+@pytest.mark.parametrize('name', GUARDS)
+def test_a_guard_that_is_left_out_is_found(name, monkeypatch):
+    place, attribute, instead, bounds = GUARDS[name]
+    monkeypatch.setattr(place, attribute, instead)
+    found = search(SEARCHES[bounds], live=True)
+    assert found.flaw, f'nothing goes wrong in {found.states} states without: {name}'
+    assert found.way, 'the search tells no way to the flaw'
+
+
+def test_a_step_that_is_sent_before_it_is_stored_is_found():
+    bounds = BOUNDS['a restart of the manager']
+    found = search(Bounds(bounds.stops, driver=0, timeout=0, cancel=0, sends_unstored=True))
+    assert found.flaw.startswith('(e)'), str(found)
+
+
+# -- the tables -----------------------------------------------------------------------------------
+
+
+def test_what_has_ended_has_no_way_on():
+    assert tables.final_states(STEP) == {state for state in StepState if state.is_final}
+    assert tables.final_states(STOP) == {state for state in StopState if state.is_final}
+
+
+@pytest.mark.parametrize('table', [STEP, STOP, LOAD])
+def test_each_state_of_a_table_is_reached_and_each_event_occurs(table):
+    states, events = ({one[k] for one in table} for k in (0, 1))
+    kind, event = type(next(iter(states))), type(next(iter(events)))
+    assert states | set(table.values()) == set(kind) and events == set(event)
+
+
+def test_an_event_that_a_table_does_not_have_is_a_defect():
+    with pytest.raises(tables.NoTransition, match='DONE'):
+        tables.after(STEP, StepState.DONE, tables.StepEvent.SEND)
+
+

@@ -1,0 +1,399 @@
+"""A mission with steps in a small world: every order of events, with the real rules and the real
+memory of the robot.
+
+The world keeps what nobody in it knows: which step is being carried out, how often each was carried
+out, and what the robot carries. Messages may be late, lost, repeated and reordered: a message that
+was sent may arrive at any later time, any number of times. The manager may be ended between any two
+events; it then continues from what it has stored. The robot's driver may be restarted: it forgets
+its steps, and a step that it was carrying out has happened or has not.
+
+Persons look before they answer, so their answers are true.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
+
+from fleet_core.work import rules
+from fleet_core.work.rules import StepDecision, Where, WorkPhase
+from fleet_core.work.stops import Actor, LoadEffect, StepBlocking, When, WorkStep, WorkStop
+from fleet_core.work.tables import LoadState
+from fleet_core.work.work import Situation, work_of
+from route_protocol.steps import ActorState, Reaction, StepCommand, StepReport, Word
+
+SERIAL = 7
+AWAY = 0
+LATER = 10 ** 9   # ms: all timeouts are over, and the time to break off as well
+NOT_MUCH_LATER = 1500
+FINAL = {WorkPhase.SUCCEEDED, WorkPhase.FAILED, WorkPhase.CANCELLED}
+
+
+class Body(NamedTuple):
+    """What really happens to one step: the key that is being carried out, and how often it was."""
+
+    key: int = 0
+    is_broken_off: bool = False
+    times: int = 0
+
+
+class State(NamedTuple):
+    """The whole world. `memory` is the manager's, `disk` what it has stored.
+
+    bodies -- by the type of a step, which only one step has
+    place  -- vertex at which the robot stands
+    """
+
+    memory: Situation
+    disk: Situation
+    key: int
+    known: Optional[StepReport]
+    actor: ActorState
+    bodies: Tuple[Tuple[str, Body], ...]
+    carried: int
+    place: int
+    sent: FrozenSet[StepCommand]
+    told: Tuple[StepReport, ...]
+    left: Tuple[int, ...]
+
+    def body(self, step: str) -> Body:
+        return dict(self.bodies)[step]
+
+    def with_body(self, step: str, body: Body) -> State:
+        return self._replace(bodies=tuple((one, body if one == step else other)
+                                          for one, other in self.bodies))
+
+    @property
+    def running(self) -> List[str]:
+        return [step for step, body in self.bodies if body.key]
+
+
+LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved')
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How often the manager and the driver restart, a time is over, a person cancels or moves.
+
+    keys -- how many orders of steps there may be
+    """
+
+    stops: Tuple[WorkStop, ...]
+    on_cancel: Tuple[WorkStop, ...] = ()
+    manager: int = 1
+    driver: int = 1
+    timeout: int = 1
+    cancel: int = 1
+    moved: int = 0
+    keys: int = 2
+    words: Tuple[Word, ...] = (Word.DONE, Word.FAILED, Word.UNKNOWN)
+    sends_unstored: bool = False
+
+    @property
+    def steps(self) -> Dict[str, WorkStep]:
+        return {step.type: step for stop in (*self.stops, *self.on_cancel) for step in stop.steps}
+
+    @property
+    def begin(self) -> State:
+        situation = Situation(SERIAL, work_of(self.stops, self.on_cancel))
+        actor, report = ActorState(1).report()
+        return State(situation, situation, 0, None, actor,
+                     tuple((step, Body()) for step in self.steps), 0, AWAY, frozenset(),
+                     (report,), tuple(getattr(self, name) for name in LIMITS))
+
+
+class Flaw(Exception):
+    """Something happened that must not happen."""
+
+
+@dataclass
+class Found:
+    """What a search has found: the number of states, and the way to a flaw."""
+
+    states: int
+    flaw: str = ''
+    way: List[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        return f'{self.flaw}:\n' + '\n'.join(self.way)
+
+
+class States:
+    """The states that were visited, each once, with the event by which it came.
+
+    Equal parts of states are one object, so that states are compared by the identity of their
+    parts.
+    """
+
+    def __init__(self) -> None:
+        self._parts: Dict[object, object] = {}
+        self._number: Dict[Tuple[int, ...], int] = {}
+        self.states: List[State] = []
+        self.came: List[Tuple[int, str]] = []
+
+    def number(self, state: State, source: int, name: str) -> Tuple[int, bool]:
+        """The number of a state, and whether it is new."""
+        parts = [self._parts.setdefault(part, part) for part in state]
+        key = tuple(map(id, parts))
+        number = self._number.setdefault(key, len(self.states))
+        is_new = number == len(self.states)
+        if is_new:
+            self.states.append(State(*parts))
+            self.came.append((source, name))
+        return number, is_new
+
+    def way(self, number: int) -> List[str]:
+        """The events that lead to a state."""
+        names: List[str] = []
+        while number:
+            number, name = self.came[number]
+            names.append(name)
+        return names[::-1]
+
+
+def search(bounds: Bounds, live: bool = False) -> Found:
+    """Visits all states. With `live`, it also checks that the mission can end from each."""
+    visited, before = States(), []  # type: States, List[List[int]]
+    visited.number(bounds.begin, 0, '')
+    number = 0
+    while number < len(visited.states):
+        state = visited.states[number]
+        try:
+            for name, after in events(state, bounds):
+                check(state, after, name, bounds)
+                other, _ = visited.number(_without_what_is_lost(after), number, name)
+                if live:
+                    before += [[] for _ in range(other + 1 - len(before))]
+                    before[other].append(number)
+        except Flaw as flaw:
+            return Found(len(visited.states), str(flaw), visited.way(number))
+        number += 1
+    if live:
+        ends = [k for k, state in enumerate(visited.states)
+                if rules.phase_of(state.disk) in FINAL or state.key == bounds.keys]
+        reached = set(ends)
+        while ends:
+            new = {k for k in before[ends.pop()] if k not in reached}
+            reached |= new
+            ends += new
+        stuck = next((k for k in range(number) if k not in reached), None)
+        if stuck is not None:
+            return Found(number, 'the mission cannot end any more', visited.way(stuck))
+    return Found(number)
+
+
+def _without_what_is_lost(state: State) -> State:
+    """The state without messages that have no effect any more, whenever they arrive."""
+    sent = frozenset(command for command in state.sent
+                     if state.actor.obey(command) != (state.actor, Reaction.NOTHING))
+    told = state.told if state.left[0] else tuple(
+        report for report in state.told[:-1] if report.is_newer_than(state.known)
+    ) + state.told[-1:]
+    return state._replace(sent=sent, told=told)
+
+
+# -- events ---------------------------------------------------------------------------------------
+
+
+def events(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+    """All events that may come now, each with the state after it."""
+    yield from _manager(state, bounds)
+    yield from _robot(state, bounds)
+    yield from _people(state)
+    if state.memory != state.disk:
+        yield 'the manager stores', state._replace(disk=state.memory)
+    yield from _limited(state, bounds)
+
+
+def _where(state: State) -> Where:
+    work = state.memory.work
+    if work.current == len(work.stops):
+        return Where(True)
+    place = work.stops[work.current].place
+    return Where(True, state.place == place, state.place in (place, place - 1))
+
+
+def _manager(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+    memory, where = state.memory, _where(state)
+    after = rules.follow(memory, where)
+    if after != memory:
+        yield 'the manager looks where the robot is', state._replace(memory=after)
+        return
+    place = rules.due_step(memory, where)
+    if place is not None and state.key < bounds.keys and (
+            state.known is not None or memory.work.step(place).actor is not Actor.ROBOT):
+        run = state.known.run if state.known is not None else 0
+        begun = rules.begin(memory, place, state.key + 1, run, 0)
+        yield (f'the manager begins {memory.work.step(place).type}',
+               state._replace(memory=begun, key=state.key + 1))
+    if state.known is not None:
+        source = state.memory if bounds.sends_unstored else state.disk
+        sent = state.sent | set(rules.commands(source.work, state.known))
+        if sent != state.sent:
+            yield 'the manager sends', state._replace(sent=sent)
+    for report in state.told:
+        if report.is_newer_than(state.known):
+            yield (f'report {report.run}.{report.number} arrives',
+                   state._replace(known=report, memory=rules.heard(memory, report)))
+
+
+def _robot(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+    for command in sorted(state.sent, key=repr):
+        actor, reaction = state.actor.obey(command)
+        after = _told(state._replace(actor=actor))
+        if reaction is Reaction.BEGIN:
+            after = _begun(after, command, bounds)
+        elif reaction is Reaction.BREAK_OFF:
+            step = next(step for step, body in state.bodies if body.key == command.key)
+            after = after.with_body(step, after.body(step)._replace(is_broken_off=True))
+        if after != state:
+            yield f'{command.act.name} {command.key} arrives', after
+    for step in state.running:
+        body = state.body(step)
+        gives_nothing = bounds.steps[step].load is LoadEffect.GIVES and not state.carried
+        for word in (*bounds.words, *((Word.CANCELLED,) if body.is_broken_off else ())):
+            for happened in {Word.DONE: (True,), Word.UNKNOWN: (True, False)}.get(word, (False,)):
+                if happened and gives_nothing:
+                    continue
+                after = _over(state, step, happened, bounds)
+                after = after._replace(actor=state.actor.end(body.key, word))
+                yield f'{step} ends {word.name}, {happened}', _told(after)
+    work, place = state.memory.work, state.place
+    if rules.gate_is_closed(work) or work.current == len(work.stops):
+        return
+    stop = work.stops[work.current]
+    enters = [step for step in stop.steps if step.when is When.BEFORE_ENTRY]
+    ends = [AWAY, *([stop.place - 1] if enters and place != stop.place else [])]
+    if rules.place_not_to_enter(work) != stop.place:
+        ends.append(stop.place)
+    for end in ends:
+        if place != end:
+            yield f'the robot drives to {end}', state._replace(place=end)
+
+
+def _begun(state: State, command: StepCommand, bounds: Bounds) -> State:
+    """The robot begins to carry out a step."""
+    work, name = state.disk.work, command.type
+    place = next((place for place, step, _ in work.steps if step.type == name), None)
+    if place is None:
+        raise Flaw(f'(e) the robot begins {name}, which is not to be done any more')
+    step, own, body = work.step(place), work.progress_of(place), state.body(name)
+    if own.state.is_final:
+        raise Flaw(f'(e) the robot begins {name}, which has ended')
+    if own.key != command.key:
+        raise Flaw(f'(e) the robot begins {name} under key {command.key}, but {own.key} is stored')
+    if (body.key or body.times) and not step.harmless:
+        raise Flaw(f'(e) the robot carries out {name} a second time')
+    others = [other for other in state.running if other != name]
+    if others and StepBlocking.HARD in [bounds.steps[one].blocking for one in (*others, name)]:
+        raise Flaw(f'(e) {name} and {others} run at the same time')
+    if work.asking not in (None, place):
+        raise Flaw(f'(e) {name} begins while another step waits for an answer')
+    near = (work.stops[place.stop].place, work.stops[place.stop].place - (
+        step.when is When.BEFORE_ENTRY))
+    was_moved = state.left[LIMITS.index('moved')] < bounds.moved
+    if step.blocking is not StepBlocking.NONE and state.place not in near and not was_moved:
+        raise Flaw(f'(g) {name} begins where the robot is not at its stop')
+    return state.with_body(name, Body(command.key, False, body.times))
+
+
+def _over(state: State, step: str, happened: bool, bounds: Bounds) -> State:
+    """A step is not carried out any more; it has happened, or it has not."""
+    effect = {LoadEffect.NONE: 0, LoadEffect.TAKES: 1, LoadEffect.GIVES: -1}[
+        bounds.steps[step].load]
+    after = state.with_body(step, Body(0, False, state.body(step).times + happened))
+    return after._replace(carried=state.carried + effect * happened)
+
+
+def _told(state: State) -> State:
+    """The robot reports what has changed. Every report may arrive at any time."""
+    last = state.told[-1]
+    if (state.actor.run, state.actor.last, state.actor.steps) == (last.run, last.last, last.steps):
+        return state
+    actor, report = state.actor.report()
+    return state._replace(actor=actor, told=(*state.told, report))
+
+
+def _people(state: State) -> Iterator[Tuple[str, State]]:
+    memory = state.memory
+    place = memory.work.answerable
+    if place is not None:
+        step = memory.work.step(place)
+        body = state.body(step.type)
+        true = {StepDecision.DONE: bool(body.times) and not body.key,
+                StepDecision.SKIP: not body.times and not body.key,
+                StepDecision.FAIL: not body.times and not body.key,
+                StepDecision.RETRY: not body.times}  # who says so need not see that it still runs
+        for said, is_true in true.items():
+            if is_true or step.actor is not Actor.ROBOT:
+                after, problem = rules.answer(memory, said)
+                if not problem:
+                    yield (f'a person says {said.name} of {step.type}',
+                           state._replace(memory=after))
+    elif rules.phase_of(memory) is WorkPhase.NEEDS_PERSON:
+        unloads = memory.load.state is LoadState.LOADED or not state.carried
+        load = (rules.said_empty(memory.load) if unloads
+                else rules.said_loaded(memory.load, SERIAL))
+        after = rules.settle(memory._replace(load=load))  # stored before the person is answered
+        yield (f'a person says that the robot is {load.state.value}', state._replace(
+            memory=after, disk=after, carried=0 if unloads else state.carried))
+
+
+def _limited(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+    left = dict(zip(LIMITS, state.left))
+
+    def once(name: str, after: State) -> Tuple[str, State]:
+        return name, after._replace(left=tuple({**left, name: left[name] - 1}.values()))
+    if left['manager']:
+        yield once('manager', state._replace(memory=state.disk, known=None))
+    if left['driver']:
+        gives_nothing = any(bounds.steps[step].load is LoadEffect.GIVES for step in state.running
+                            ) and not state.carried
+        for happened in (False, True) if state.running and not gives_nothing else (False,):
+            after = state
+            for step in state.running:
+                after = _over(after, step, happened, bounds)
+            yield once('driver', _told(after._replace(actor=ActorState(state.actor.run + 1))))
+    if rules.phase_of(state.memory) in FINAL:
+        return
+    if left['timeout']:
+        for now in (NOT_MUCH_LATER, LATER):
+            after = rules.expire(state.memory, now)
+            if after != state.memory:
+                yield once('timeout', state._replace(memory=after))
+    if left['cancel']:
+        yield once('cancel', state._replace(memory=rules.cancel(state.memory)))
+    if left['moved'] and state.place != AWAY:
+        yield once('moved', state._replace(place=AWAY))
+
+
+# -- invariants -----------------------------------------------------------------------------------
+
+
+def check(before: State, after: State, name: str, bounds: Bounds) -> None:
+    """Raises Flaw if an event did what must not happen."""
+    load, carried = after.memory.load, after.carried
+    moves_load = any(bounds.steps[step].load for step in after.running)
+    if load.state is LoadState.EMPTY and (carried or moves_load):
+        raise Flaw(f'(f) the robot counts as empty but carries {carried}, after: {name}')
+    if load.state is LoadState.LOADED and (carried != load.count or moves_load):
+        raise Flaw(f'(f) the robot counts as loaded with {load.count} but carries {carried}, '
+                   f'after: {name}')
+    if name.startswith('the robot drives'):
+        blocked = [step for step in after.running
+                   if bounds.steps[step].blocking is not StepBlocking.NONE]
+        if blocked:
+            raise Flaw(f'(g) the robot drives while {blocked} is carried out')
+    _check_final(before, after)
+
+
+def _check_final(before: State, after: State) -> None:
+    """(j) What has ended and is stored does not change any more."""
+    phase = rules.phase_of(after.disk)
+    if rules.phase_of(before.disk) in FINAL and phase is not rules.phase_of(before.disk):
+        raise Flaw(f'(j) the mission was {rules.phase_of(before.disk)}, and changed')
+    ended = {step.type: own.state for _, step, own in before.disk.work.steps if own.state.is_final}
+    for _, step, own in after.disk.work.steps:
+        if ended.get(step.type, own.state) is not own.state:
+            raise Flaw(f'(j) {step.type} was {ended[step.type]}, and changed')
+    if phase in FINAL and after.running:
+        raise Flaw(f'(j) the mission has ended while {after.running} is carried out')

@@ -1,0 +1,100 @@
+"""The steps of one simulated AGV: its memory of them, their duration, and scripted faults.
+
+Every type of step is carried out. It takes the `seconds` among its parameters, or `SECONDS`.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Tuple
+
+from route_protocol.steps import ActorState, Reaction, StepCode, StepCommand, StepReport, Word
+
+SECONDS = 2.0   # s that a step takes unless its parameters say otherwise
+LONGEST = 1e6   # s
+
+
+@dataclass
+class _Running:
+    """A step that is being carried out: its type, the s that are left, and how it will end."""
+
+    type: str
+    left: float
+    end: Word
+
+
+class SimulatedSteps:
+    """Carries out the steps of one AGV.
+
+    draw -- draws the number of a run, at each start of the AGV's driver
+    """
+
+    def __init__(self, draw: Callable[[], int]) -> None:
+        self._draw = draw
+        self._state = ActorState(draw())
+        self._running: Dict[int, _Running] = {}
+        self._faults: List[Word] = []
+        self.done: List[str] = []
+        """The types of the steps that were carried out to their end, in their order."""
+
+    @property
+    def news(self) -> object:
+        """The part of the report that is sent at once when it changes."""
+        return self._state.run, self._state.last, self._state.steps
+
+    @property
+    def running(self) -> Tuple[str, ...]:
+        """The types of the steps that are being carried out."""
+        return tuple(step.type for step in self._running.values())
+
+    def report(self) -> StepReport:
+        """The next report."""
+        self._state, report = self._state.report()
+        return report
+
+    def receive(self, command: StepCommand) -> None:
+        """Handles a command."""
+        self._state, reaction = self._state.obey(command)
+        if reaction is Reaction.BEGIN:
+            self._begin(command)
+        elif reaction is Reaction.BREAK_OFF:
+            self._end(command.key, Word.CANCELLED)
+
+    def _begin(self, command: StepCommand) -> None:
+        try:
+            seconds = float(dict(command.parameters).get('seconds', SECONDS))
+        except ValueError:
+            seconds = math.nan
+        if not 0.0 <= seconds <= LONGEST:
+            self._state = self._state.end(command.key, Word.FAILED, StepCode.WRONG_PARAMETER,
+                                          f'seconds must be a number from 0 to {LONGEST:.0f}')
+            return
+        fault = self._faults.pop(0) if self._faults else Word.DONE
+        self._running[command.key] = _Running(
+            command.type, math.inf if fault is Word.RUNNING else seconds, fault)
+
+    def advance(self, seconds: float) -> None:
+        """Simulates this time."""
+        for key, step in list(self._running.items()):
+            step.left -= seconds
+            if step.left <= 0.0:
+                self._end(key, step.end)
+
+    def _end(self, key: int, word: Word) -> None:
+        step = self._running.pop(key)
+        if word in (Word.DONE, Word.UNKNOWN):
+            self.done.append(step.type)
+        is_wrong = word in (Word.FAILED, Word.UNKNOWN)
+        self._state = self._state.end(key, word, StepCode.OTHER if is_wrong else StepCode.NONE,
+                                      'fault on demand' if is_wrong else '')
+
+    # -- faults -----------------------------------------------------------------------------------
+
+    def fail_next(self, word: Word, count: int) -> None:
+        """Lets the next steps end in this way; RUNNING: they never end."""
+        self._faults += [word] * count
+
+    def restart(self) -> None:
+        """Restarts the driver: it forgets its steps, and what runs is broken off."""
+        self._state = ActorState(max(self._draw(), self._state.run + 1))
+        self._running.clear()

@@ -1,0 +1,335 @@
+"""Missions with steps in a supervised fleet: stops, answers, cancellations, loads and restarts."""
+from __future__ import annotations
+
+from typing import Optional
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from fleet_core.interlocking import interlocking
+from fleet_core.supervision.fleet_view import robot_views
+from fleet_core.supervision.missions import Command, MissionState, Request, StepAnswer
+from fleet_core.work.rules import StepDecision
+from fleet_core.work.stops import (
+    Actor,
+    Condition,
+    LoadEffect,
+    Policy,
+    StepBlocking,
+    When,
+    dwells_of,
+)
+from fleet_core.work.stops import (
+    WorkStep as Step,
+)
+from fleet_core.work.stops import (
+    WorkStop as Stop,
+)
+from fleet_core.work.tables import LoadState
+from fleet_simulation.agv.steps import SimulatedSteps
+from route_protocol.steps import Word
+from world.supervised_fleet import SupervisedFleet
+
+TAKE = Step('take', 60.0, load=LoadEffect.TAKES)
+GIVE = Step('give', 60.0, load=LoadEffect.GIVES)
+
+
+class WorkingFleet(SupervisedFleet):
+    """A fleet on a corridor of eight vertices, whose robots carry out steps."""
+
+    def __init__(self, *robots: str, **more: object) -> None:
+        names = robots or ('a',)
+        super().__init__(corridor(8), {name: (AGV, 1 + 7 * k) for k, name in enumerate(names)},
+                         **more)
+        self.steps = {name: SimulatedSteps(lambda: 1) for name in names}
+
+    def send(self, id: int, *stops: Stop, on_cancel: tuple = (), **more: object) -> None:
+        self.do(self.supervisor.request(Request(
+            id, tuple(stop.place for stop in stops), dwells=dwells_of(stops), stops=stops,
+            on_cancel=on_cancel, **more), self.now))
+
+    def command(self, id: int, command: Command) -> None:
+        self.do(self.supervisor.command(id, command, self.now))
+
+    def answer(self, id: int, answer: StepDecision) -> None:
+        self.do(self.supervisor.command(id, Command.ANSWER, self.now, StepAnswer(answer)))
+
+    def set_load(self, name: str, mission: Optional[int] = None) -> str:
+        problem, actions = self.supervisor.set_load(name, mission, self.now)
+        self.do(actions)
+        return problem
+
+    def done(self, name: str = 'a') -> list:
+        return self.steps[name].done
+
+    def load(self, name: str = 'a') -> LoadState:
+        return self.supervisor.desk.load(name).state
+
+    def reason(self, id: int) -> str:
+        return self.supervisor.book.find(id).reason
+
+    def run_until_asked(self, id: int) -> None:
+        self.run_until(lambda: self.state(id) is MissionState.NEEDS_PERSON)
+
+
+def test_a_robot_takes_a_load_at_one_stop_and_gives_it_at_the_next():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(Step('engage', 60.0), TAKE)), Stop(6, steps=(GIVE,)))
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    assert fleet.agvs['a'].visited == [1, 2, 3]
+    fleet.run_until_done(1)
+    assert fleet.told(1) == [MissionState.PENDING, MissionState.ACTIVE, MissionState.SUCCEEDED]
+    assert fleet.done() == ['engage', 'take', 'give'] and fleet.load() is LoadState.EMPTY
+    assert fleet.agvs['a'].visited == [1, 2, 3, 4, 5, 6]
+
+
+def test_stops_without_steps_are_passed_as_destinations_are():
+    with_stops, without = WorkingFleet(), WorkingFleet()
+    with_stops.send(1, Stop(3), Stop(7))
+    without.request(1, 3, 7)
+    assert with_stops.run_until_done(1) == pytest.approx(without.run_until_done(1), abs=0.2)
+
+
+def test_a_robot_stands_while_a_step_runs_though_another_one_wants_its_place():
+    fleet = WorkingFleet('a', 'b')
+    fleet.send(1, Stop(4, steps=(Step('wait', 90.0, (('seconds', '30'),)),)), robot='a')
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
+    fleet.request(2, 2, robot='b')
+    fleet.run(20.0)
+    assert fleet.agvs['a'].visited == [1, 2, 3, 4] and fleet.state(1) is MissionState.ACTIVE
+    assert robot_views(fleet.supervisor, fleet.now)[0].waits_for == 'step 1 (wait) of stop 1'
+
+
+def test_a_step_that_need_not_block_runs_while_the_robot_drives_on():
+    fleet = WorkingFleet()
+    beacon = Step('beacon', 90.0, (('seconds', '20'),), blocking=StepBlocking.NONE)
+    fleet.send(1, Stop(2, steps=(beacon,)), Stop(5))
+    fleet.run_until(lambda: fleet.agvs['a'].visited[-1] == 5)
+    assert fleet.done() == [] and fleet.state(1) is MissionState.ACTIVE
+    fleet.run_until_done(1)
+    assert fleet.done() == ['beacon']
+
+
+def test_a_robot_waits_in_front_of_its_stop_until_a_step_before_the_entry_has_ended():
+    fleet = WorkingFleet()
+    ask = Step('ask', 90.0, (('seconds', '15'),), when=When.BEFORE_ENTRY)
+    fleet.send(1, Stop(5, steps=(Step('work', 60.0), ask)))
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 2'))
+    fleet.run(10.0)
+    assert fleet.agvs['a'].visited == [1, 2, 3, 4]
+    fleet.run_until_done(1)
+    assert fleet.done() == ['ask', 'work'] and fleet.agvs['a'].visited[-1] == 5
+
+
+@pytest.mark.parametrize('policy, retries, failures, end, done', [
+    (Policy.FAIL, 0, 1, MissionState.FAILED, []),
+    (Policy.SKIP, 0, 1, MissionState.SUCCEEDED, ['next']),
+    (Policy.RETRY, 2, 2, MissionState.SUCCEEDED, ['step', 'next']),
+    (Policy.RETRY, 2, 3, MissionState.NEEDS_PERSON, []),
+    (Policy.ASK, 0, 1, MissionState.NEEDS_PERSON, [])])
+def test_the_policy_of_a_step_says_what_follows_its_failure(policy, retries, failures, end, done):
+    fleet = WorkingFleet()
+    fleet.steps['a'].fail_next(Word.FAILED, failures)
+    fleet.send(1, Stop(3, steps=(Step('step', 60.0, on_failure=policy, retries=retries),
+                                 Step('next', 60.0))))
+    fleet.run_until(lambda: fleet.state(1) is end)
+    fleet.run(10.0)
+    assert fleet.done() == done and fleet.state(1) is end
+
+
+@pytest.mark.parametrize('answer, end, done', [
+    (StepDecision.RETRY, MissionState.SUCCEEDED, ['step', 'next']),
+    (StepDecision.SKIP, MissionState.SUCCEEDED, ['next']),
+    (StepDecision.DONE, MissionState.SUCCEEDED, ['next']),
+    (StepDecision.FAIL, MissionState.FAILED, [])])
+def test_a_person_answers_a_step_whose_outcome_is_unknown(answer, end, done):
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(Step('step', 60.0, on_failure=Policy.SKIP), Step('next', 60.0))))
+    fleet.run_until(lambda: fleet.steps['a'].running)
+    fleet.steps['a'].restart()
+    fleet.run_until_asked(1)
+    assert fleet.supervisor.book.find(1).status.asks
+    assert 'mission answer 1 retry|skip|fail|done' in fleet.reason(1)
+    fleet.run(30.0)
+    assert fleet.done() == []
+    fleet.answer(1, answer)
+    fleet.run_until_done(1)
+    assert fleet.state(1) is end and fleet.done() == done
+
+
+def test_a_step_that_does_not_end_in_time_asks_and_is_not_repeated_while_it_runs():
+    fleet = WorkingFleet()
+    fleet.steps['a'].fail_next(Word.RUNNING, 1)
+    fleet.send(1, Stop(3, steps=(Step('step', 20.0),)))
+    fleet.run_until_asked(1)
+    fleet.answer(1, StepDecision.RETRY)
+    assert fleet.state(1) is MissionState.NEEDS_PERSON
+    assert fleet.statuses[-1].reason == (
+        'ANSWER is not done: step step still runs on the robot: wait until it ends')
+    fleet.steps['a'].restart()
+    fleet.run(2.0)
+    fleet.answer(1, StepDecision.RETRY)
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_a_person_and_a_program_do_steps_by_an_answer():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(Step('load it', 600.0, actor=Actor.PERSON),
+                                 Step('handshake', 600.0, actor=Actor.OUTSIDE))))
+    for words in ('load it', 'handshake'):
+        fleet.run_until(lambda: f'({words}) of stop 1 by' in fleet.reason(1))  # noqa: B023
+        fleet.run(5.0)
+        fleet.answer(1, StepDecision.DONE)
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED and fleet.done() == []
+
+
+def test_a_cancelled_mission_ends_its_running_step_first_and_brings_its_load_away():
+    fleet = WorkingFleet()
+    away = Stop(8, steps=(GIVE,), condition=Condition.LOADED)
+    empty = Stop(2, steps=(Step('wash', 60.0),), condition=Condition.EMPTY)
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(GIVE,)), on_cancel=(empty, away))
+    fleet.run_until(lambda: fleet.load() is LoadState.UNKNOWN)
+    fleet.command(1, Command.CANCEL)
+    assert fleet.state(1) is MissionState.CANCELLING
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.CANCELLED and fleet.load() is LoadState.EMPTY
+    assert fleet.done() == ['take', 'give'] and fleet.agvs['a'].visited[-1] == 8
+    assert fleet.reason(1) == 'cancelled on request'
+
+
+def test_a_breakable_step_is_broken_off_by_a_cancellation():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(Step('wait', 900.0, (('seconds', '600'),), breakable=True),)))
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
+    fleet.command(1, Command.CANCEL)
+    fleet.run_until_done(1, limit=5.0)
+    assert fleet.state(1) is MissionState.CANCELLED and fleet.done() == []
+
+
+def test_a_loaded_robot_without_a_place_for_its_load_waits_for_a_person_and_serves_nobody_else():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(GIVE,)))
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    fleet.command(1, Command.CANCEL)
+    fleet.request(2, 7)
+    fleet.run(30.0)
+    assert fleet.state(1) is MissionState.NEEDS_PERSON
+    assert fleet.state(2) is MissionState.PENDING
+    assert '`fleet load a empty`' in fleet.reason(1)
+    assert not fleet.set_load('a')
+    fleet.run_until_done(1, 2)
+    assert fleet.state(1) is MissionState.CANCELLED and fleet.state(2) is MissionState.SUCCEEDED
+
+
+def test_a_robot_keeps_the_load_of_a_failed_mission_until_a_person_takes_it():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(Step('gate', 60.0,
+                                                              on_failure=Policy.FAIL), GIVE)))
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    fleet.steps['a'].fail_next(Word.FAILED, 1)
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.FAILED
+    fleet.request(2, 7)
+    fleet.restart()
+    fleet.run(20.0)
+    assert fleet.state(2) is MissionState.PENDING and fleet.load() is LoadState.LOADED
+    assert 'fleet load a empty' in robot_views(fleet.supervisor, fleet.now)[0].waits_for
+    fleet.set_load('a')
+    fleet.run_until_done(2)
+
+
+def test_the_robot_of_a_loaded_mission_may_need_a_person_without_losing_the_mission():
+    fleet = WorkingFleet('a', 'b')
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(5, steps=(GIVE,)), robot='')
+    fleet.run_until(lambda: fleet.load('a') is LoadState.LOADED)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(20.0)
+    assert fleet.robot_of(1) == 'a' and fleet.state(1).is_open
+    assert not fleet.bring_in('a')
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED and fleet.done('a') == ['take', 'give']
+
+
+def test_a_manager_that_is_restarted_at_any_moment_repeats_no_step():
+    whole = WorkingFleet()
+    whole.send(1, Stop(3, steps=(TAKE, Step('n', 60.0, blocking=StepBlocking.NONE))),
+               Stop(4, steps=(GIVE,)))
+    whole.run_until_done(1)
+    commits = whole.disk.journal.commits
+    assert commits > 10
+    for crash_at in range(1, commits):
+        for dies_after in (0, 1):
+            fleet = WorkingFleet()
+            fleet.crash_at, fleet.dies_after = crash_at, dies_after
+            fleet.send(1, Stop(3, steps=(TAKE, Step('n', 60.0, blocking=StepBlocking.NONE))),
+                       Stop(4, steps=(GIVE,)))
+            if fleet.supervisor.book.find(1) is None:  # its journal did not have it yet
+                continue
+            fleet.run_until_done(1)
+            assert fleet.state(1) is MissionState.SUCCEEDED
+            assert sorted(fleet.done()) == ['give', 'n', 'take']
+            fleet.end()
+
+
+def test_messages_that_are_lost_or_come_twice_change_nothing():
+    for seed in range(5):
+        fleet = WorkingFleet(seed=seed, loss=0.3, repeats=0.3)
+        fleet.send(1, Stop(3, steps=(TAKE, Step('n', 60.0, blocking=StepBlocking.NONE))),
+                   Stop(4, steps=(GIVE,)))
+        fleet.run_until_done(1)
+        assert sorted(fleet.done()) == ['give', 'n', 'take'], seed
+        fleet.end()
+
+
+def test_no_step_begins_while_the_fleet_is_stopped_or_the_mission_is_paused():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(1, steps=(Step('one', 60.0), Step('two', 60.0))))
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
+    fleet.command(1, Command.PAUSE)
+    fleet.run(20.0)
+    assert fleet.done() == ['one'] and fleet.state(1) is MissionState.PAUSED
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.command(1, Command.RESUME)
+    fleet.run(20.0)
+    assert fleet.done() == ['one']
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1)
+    assert fleet.done() == ['one', 'two']
+
+
+def test_a_robot_whose_driver_shows_no_steps_begins_none_and_can_be_cancelled():
+    fleet = WorkingFleet()
+    fleet.steps.clear()
+    fleet.send(1, Stop(3, steps=(TAKE,)))
+    fleet.run(30.0)
+    assert fleet.state(1) is MissionState.ACTIVE and fleet.load() is LoadState.EMPTY
+    assert 'a shows no steps' in fleet.reason(1)
+    fleet.command(1, Command.CANCEL)
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.CANCELLED
+
+
+@pytest.mark.parametrize('command, told', [
+    (Command.RELEASE, 'goes on when its steps have ended'),
+    (Command.ANSWER, 'no such step waits for an answer')])
+def test_a_command_that_does_not_fit_is_answered(command, told):
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(TAKE,)))
+    fleet.run(1.0)
+    if command is Command.ANSWER:
+        fleet.answer(1, StepDecision.SKIP)
+    else:
+        fleet.command(1, command)
+    assert any(told in text for text in fleet.notes)
+
+
+def test_without_its_gate_a_robot_enters_a_stop_before_the_step_has_ended(monkeypatch):
+    monkeypatch.setattr(interlocking, 'CONDITIONS', tuple(
+        one for one in interlocking.CONDITIONS if one.__name__ != '_stop_may_be_entered'))
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(6, steps=(Step('ask', 900.0, (('seconds', '60'),), when=When.BEFORE_ENTRY,
+                                      blocking=StepBlocking.NONE),)))
+    fleet.run(50.0)
+    assert fleet.agvs['a'].visited[-1] == 6 and not fleet.done()

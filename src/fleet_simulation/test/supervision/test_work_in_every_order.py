@@ -1,0 +1,186 @@
+"""Random lives of a fleet at work: what the steps really did agrees with what the fleet knows.
+
+Missions take and give loads, and are cancelled. Steps fail, hang, and end without a word; their
+driver and the fleet manager restart, the fleet is stopped, messages are lost and come twice. A
+person looks at the robot, and answers truly.
+"""
+from __future__ import annotations
+
+import os
+from random import Random
+from typing import Dict, List, Tuple
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from fleet_core.supervision.missions import Command, MissionState, Request, StepAnswer
+from fleet_core.work import rules
+from fleet_core.work.rules import StepDecision
+from fleet_core.work.stops import Condition, LoadEffect, dwells_of
+from fleet_core.work.stops import WorkStep as Step
+from fleet_core.work.stops import WorkStop as Stop
+from fleet_core.work.tables import LoadState, StepState
+from fleet_simulation.agv.steps import SimulatedSteps
+from route_protocol.steps import Word
+from world.supervised_fleet import SupervisedFleet
+
+LIVES = 200 if os.environ.get('LD90_LONG_TESTS') == '1' else 12
+FAULTS = (Word.FAILED, Word.UNKNOWN, Word.RUNNING)
+DISTURBED = 1500   # steps of the world
+
+
+class Life(SupervisedFleet):
+    """A fleet of two robots on a corridor with a siding, and its person."""
+
+    def __init__(self, seed: int) -> None:
+        super().__init__(corridor(8, siding_at=4), {'a': (AGV, 1), 'b': (AGV, 8)}, seed=seed,
+                         loss=0.1, repeats=0.1)
+        self.dice = Random(seed)
+        self.steps = {name: SimulatedSteps(lambda: 1) for name in self.agvs}
+        self.pieces: Dict[str, Tuple[int, int]] = dict.fromkeys(self.agvs, (0, 0))
+        """By robot, what it carries, and how many of the steps it has done are counted."""
+        self.missions: List[int] = []
+        self.places: Dict[str, object] = {}
+
+    def carried(self, name: str) -> int:
+        """The pieces that a robot really carries. A robot without one gives nothing."""
+        done = self.steps[name].done
+        pieces, seen = self.pieces[name]
+        for one in done[seen:]:
+            if one.startswith('take'):
+                pieces += 1
+            elif one.startswith(('give', 'away')):
+                pieces = max(pieces - 1, 0)
+        self.pieces[name] = pieces, len(done)
+        return pieces
+
+    def unload(self, name: str) -> None:
+        """A person takes everything from a robot."""
+        self.carried(name)
+        self.pieces[name] = 0, len(self.steps[name].done)
+
+    def send(self) -> None:
+        id = len(self.missions) + 1
+        first, second, away = self.dice.sample(range(1, 9), 3)
+        breakable = self.dice.random() < 0.5
+        stops = (
+            Stop(first, steps=(Step(f'look{id}', 20.0, breakable=breakable),
+                               Step(f'take{id}', 20.0, load=LoadEffect.TAKES))),
+            Stop(second, steps=(Step(f'give{id}', 20.0, load=LoadEffect.GIVES),)))
+        on_cancel = (Stop(away, condition=Condition.LOADED, steps=(
+            Step(f'away{id}', 20.0, load=LoadEffect.GIVES),)),) if self.dice.random() < 0.5 else ()
+        self.missions.append(id)
+        self.do(self.supervisor.request(Request(
+            id, (first, second), dwells=dwells_of(stops), stops=stops, on_cancel=on_cancel),
+            self.now))
+
+    def open(self) -> List[int]:
+        return [id for id in self.missions if self.supervisor.book.find(id) is not None
+                and self.state(id).is_open]
+
+    def disturb(self) -> None:
+        chance, name = self.dice.random, self.dice.choice('ab')
+        if len(self.open()) < 3 and chance() < 0.05:
+            self.send()
+        if chance() < 0.02:
+            self.steps[name].fail_next(self.dice.choice(FAULTS), 1)
+        if chance() < 0.004:
+            self.steps[name].restart()
+        if chance() < 0.004:
+            self.restart()
+        if chance() < 0.004 and self.open():
+            self.do(self.supervisor.command(self.dice.choice(self.open()), Command.CANCEL,
+                                            self.now))
+        if chance() < 0.004:
+            self.do(self.supervisor.stop_fleet(self.now))
+        if chance() < 0.03:
+            self.answer()
+
+    def answer(self) -> None:
+        """A person resumes the fleet, looks at robots that need one, and says what is so."""
+        self.do(self.supervisor.resume_fleet(self.now)[1])
+        serving = self.supervisor.book.serving
+        for name in self.agvs:
+            mission = serving.get(name)
+            work = None if mission is None else self.supervisor.desk.work(mission.serial)
+            place = None if work is None else work.asking
+            load = self.supervisor.desk.load(name)
+            if place is not None:
+                self._say(name, mission.request.id, work.step(place).type)
+            elif load.state is not LoadState.EMPTY and (
+                    mission is None or mission.state is MissionState.NEEDS_PERSON):
+                self.unload(name)
+                self.do(self.supervisor.set_load(name, None, self.now)[1])
+
+    def _say(self, name: str, mission: int, step: str) -> None:
+        steps = self.steps[name]
+        if step in steps.running:
+            steps.restart()  # it hangs: the person restarts the driver, and looks again
+            return
+        decision = StepDecision.DONE if step in steps.done else self.dice.choice(
+            (StepDecision.RETRY, StepDecision.SKIP, StepDecision.FAIL))
+        self.do(self.supervisor.command(mission, Command.ANSWER, self.now, StepAnswer(decision)))
+
+    def check(self) -> None:
+        """Fails if what is known is not what is so."""
+        done = [one for steps in self.steps.values() for one in steps.done]
+        assert len(done) == len(set(done)), f'a step was done twice: {done}'
+        for name, agv in self.agvs.items():
+            running, load = self.steps[name].running, self.supervisor.desk.load(name)
+            if running:
+                assert self.places.get(name) in (None, agv.position), f'{name} drives: {running}'
+            self.places[name] = agv.position if running else None
+            moves = any(one.startswith(('take', 'give', 'away')) for one in running)
+            if load.state is LoadState.EMPTY:
+                assert not (self.carried(name) or moves), f'{name} counts as empty'
+            elif load.state is LoadState.LOADED:
+                assert self.carried(name) == load.count and not moves, f'{name} counts as loaded'
+
+
+def live(seed: int) -> Life:
+    """A disturbed life, which is checked after each step."""
+    life = Life(seed)
+    for _ in range(DISTURBED):
+        life.disturb()
+        life.step()
+        life.check()
+    return life
+
+
+@pytest.mark.parametrize('seed', range(LIVES))
+def test_what_the_fleet_knows_of_its_steps_and_loads_is_so_in_every_life(seed):
+    life = live(seed)
+    for _ in range(200):
+        life.run(5.0)
+        life.answer()
+        life.check()
+        if not life.open():
+            break
+    assert not life.open(), [life.supervisor.book.find(id) for id in life.open()]
+    life.end()
+
+
+PLANTS = {
+    'twice': ('may_be_repeated', lambda step, own: own.state is StepState.RUNNING),
+    'counts as': ('begin', lambda situation, *more: rules_begin(situation, *more)._replace(
+        load=situation.load)),
+}
+rules_begin = rules.begin
+
+
+@pytest.mark.parametrize('found', PLANTS)
+def test_the_lives_find_a_guard_that_is_left_out(found, monkeypatch):
+    monkeypatch.setattr(rules, *PLANTS[found])
+    with pytest.raises(AssertionError, match=found):
+        for seed in range(10):
+            live(seed)
+
+
+def test_the_lives_reach_what_they_are_to_test():
+    told = set()
+    for seed in range(4):
+        life = live(seed)
+        told |= {status.state for status in life.statuses}
+        life.end()
+    assert told >= {MissionState.SUCCEEDED, MissionState.FAILED, MissionState.CANCELLING,
+                    MissionState.CANCELLED, MissionState.NEEDS_PERSON}

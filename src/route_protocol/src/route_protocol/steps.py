@@ -1,0 +1,163 @@
+"""Steps: the work of a robot besides driving, as its master orders it and the robot shows it.
+
+A master orders a step by a command with a *key*. Keys grow, over restarts of the master, too. The
+robot takes a key once: a command whose key is not above the last one is a repetition. So a master
+repeats a command until the robot shows its key, and the step is carried out once at most. It sends
+the command with the next key only when the robot shows the one before.
+
+The robot draws a *run* when it starts, and shows it. A command that begins a step names the run
+that the master knows. A robot that has started since then does not obey it: it does not know
+whether it has carried out this step already.
+
+    | command                            | the robot                                    |
+    |------------------------------------|----------------------------------------------|
+    | any, for another run               | ignores it                                   |
+    | DO, key above the last             | begins the step, and shows it RUNNING        |
+    | DO, any other key                  | ignores it: it has taken the key before      |
+    | CANCEL, REVOKE, key above the last | shows it CANCELLED, and never begins it      |
+    | CANCEL of a step that is RUNNING   | ends it if it can, else goes on with it      |
+    | any other CANCEL or REVOKE         | ignores it                                   |
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum, IntEnum
+from typing import NamedTuple, Optional, Tuple
+
+KEPT = 20  # number of ended steps that a robot shows
+
+
+class StepAct(IntEnum):
+    """What a command tells a robot, as in itrci_nav_msgs/StepCommand."""
+
+    DO = 0
+    CANCEL = 1   # end it, or never begin it
+    REVOKE = 2   # never begin it; if it has begun, go on
+
+
+class Word(IntEnum):
+    """What a robot says of a step, as in itrci_nav_msgs/StepState.
+
+    FAILED and CANCELLED also mean that no load was taken or given.
+    """
+
+    RUNNING = 0
+    DONE = 1
+    FAILED = 2
+    CANCELLED = 3
+    UNKNOWN = 4  # it has ended, and the robot cannot tell how
+
+    @property
+    def is_final(self) -> bool:
+        """Has the step ended?"""
+        return self is not Word.RUNNING
+
+
+class StepCode(IntEnum):
+    """Why a step has not been done, as in itrci_nav_msgs/StepState."""
+
+    NONE = 0
+    OTHER = 1
+    UNKNOWN_TYPE = 2      # the robot has no step of this type
+    WRONG_PARAMETER = 3
+    NOT_READY = 4         # it could not begin
+    LOST_LINK = 5         # the robot's driver has lost the robot
+
+
+@dataclass(frozen=True)
+class StepCommand:
+    """A command for one step.
+
+    known_run  -- the robot's run, as the master knows it
+    type       -- name of the kind of work; empty unless DO
+    parameters -- names and values
+    timeout    -- s after which the master does not wait for the end any more
+    """
+
+    key: int
+    act: StepAct
+    known_run: int
+    type: str = ''
+    parameters: Tuple[Tuple[str, str], ...] = ()
+    timeout: float = 0.0
+
+
+@dataclass(frozen=True)
+class ShownStep:
+    """A step that a robot has taken, as it shows it. `text` is for people."""
+
+    key: int
+    word: Word = Word.RUNNING
+    code: StepCode = StepCode.NONE
+    text: str = ''
+
+
+class StepReport(NamedTuple):
+    """What a robot shows of all its steps.
+
+    run    -- drawn at its start; a later one is higher
+    number -- grows with each report of a run
+    last   -- the highest key that it has taken in this run; 0: none
+    """
+
+    run: int
+    number: int = 0
+    last: int = 0
+    steps: Tuple[ShownStep, ...] = ()
+
+    def find(self, key: int) -> Optional[ShownStep]:
+        """The step with this key; None: the report does not show it."""
+        return next((step for step in self.steps if step.key == key), None)
+
+    def is_newer_than(self, other: Optional[StepReport]) -> bool:
+        """Was this report made later than the other one?"""
+        return other is None or (self.run, self.number) > (other.run, other.number)
+
+
+class Reaction(Enum):
+    """What a robot has to do because of a command."""
+
+    NOTHING = 'nothing'
+    BEGIN = 'begin the step'
+    BREAK_OFF = 'end the step if that is possible'
+
+
+@dataclass(frozen=True)
+class ActorState:
+    """A robot's memory of its steps: the right-hand column of the table."""
+
+    run: int
+    last: int = 0
+    steps: Tuple[ShownStep, ...] = ()
+    number: int = 0
+
+    def obey(self, command: StepCommand) -> Tuple[ActorState, Reaction]:
+        """The memory after a command, and what the robot has to do."""
+        if command.known_run != self.run:
+            return self, Reaction.NOTHING
+        if command.key > self.last:
+            is_begun = command.act is StepAct.DO
+            step = ShownStep(command.key, Word.RUNNING if is_begun else Word.CANCELLED)
+            return (replace(self, last=command.key, steps=_kept((*self.steps, step))),
+                    Reaction.BEGIN if is_begun else Reaction.NOTHING)
+        running = any(step.key == command.key and not step.word.is_final for step in self.steps)
+        breaks = running and command.act is StepAct.CANCEL
+        return self, Reaction.BREAK_OFF if breaks else Reaction.NOTHING
+
+    def end(self, key: int, word: Word, code: StepCode = StepCode.NONE,
+            text: str = '') -> ActorState:
+        """The memory after a running step has ended. A step that has ended does not change."""
+        return replace(self, steps=tuple(
+            ShownStep(key, word, code, text) if step.key == key and not step.word.is_final
+            else step for step in self.steps))
+
+    def report(self) -> Tuple[ActorState, StepReport]:
+        """The memory after a report, and the report."""
+        after = replace(self, number=self.number + 1)
+        return after, StepReport(self.run, after.number, self.last, self.steps)
+
+
+def _kept(steps: Tuple[ShownStep, ...]) -> Tuple[ShownStep, ...]:
+    """All running steps, and the last ones that have ended."""
+    ended = [step for step in steps if step.word.is_final][-KEPT:]
+    return tuple(step for step in steps if not step.word.is_final or step in ended)

@@ -1,0 +1,172 @@
+"""The steps of a fleet's mission, carried out by the table of actions.
+
+The same table serves VDA 5050 and the fleet (`route_protocol.steps`). Actions that move the robot,
+or that it treats as a drive, are refused: they would take the robot from its fleet. A step `wait`
+is timed here: the fleet lets the robot stand meanwhile.
+
+A step that was begun and did not succeed is UNKNOWN: the ROS action does not say whether it had an
+effect. A step that was never begun has FAILED.
+"""
+from __future__ import annotations
+
+from typing import Any, Dict, Mapping, Optional, Protocol, Tuple
+
+from route_protocol.steps import (
+    ActorState,
+    Reaction,
+    StepCode,
+    StepCommand,
+    StepReport,
+    Word,
+)
+from vda5050_vehicle.core.action_table import (
+    ActionSpec,
+    ActionTable,
+    Parameter,
+    WrongAction,
+)
+
+WAIT = 'wait'        # the type of a step that is timed here
+LONGEST_WAIT = 1e6   # s
+PATIENCE = 5.0       # s that a step waits for its action server
+
+
+class ActionLink(Protocol):
+    """Carries out the actions of the table; the end of each is reported by `TableSteps.ended`."""
+
+    def is_ready(self, spec: ActionSpec) -> bool:
+        """Would a goal reach its server now?"""
+
+    def start(self, name: str, spec: ActionSpec, arguments: Mapping[str, Any]) -> None:
+        """Begins an action under a name."""
+
+    def cancel(self, name: str) -> None:
+        """Asks for the end of an action."""
+
+
+class TableSteps:
+    """Carries out the steps of one robot. Times are in s of any monotonic clock.
+
+    run -- number of this start, higher than that of any earlier one
+    """
+
+    def __init__(self, table: ActionTable, link: ActionLink, run: int) -> None:
+        self._table, self._link = table, link
+        self._state = ActorState(run)
+        self._waits: Dict[int, float] = {}
+        self._waiting: Dict[int, Tuple[ActionSpec, Mapping[str, Any], float]] = {}
+
+    @property
+    def news(self) -> object:
+        """The part of the report that is sent at once when it changes."""
+        return self._state.last, self._state.steps
+
+    def report(self) -> StepReport:
+        """The next report."""
+        self._state, report = self._state.report()
+        return report
+
+    def receive(self, command: StepCommand, now: float) -> None:
+        """Handles a command."""
+        self._state, reaction = self._state.obey(command)
+        if reaction is Reaction.BEGIN:
+            self._begin(command, now)
+        elif reaction is Reaction.BREAK_OFF:
+            self._break_off(command.key)
+
+    def _begin(self, command: StepCommand, now: float) -> None:
+        try:
+            if command.type == WAIT:
+                self._waits[command.key] = now + _seconds(command)
+                return
+            spec = self._table.specs.get(command.type)
+            if spec is None or spec.call is None:
+                self._fail(command.key, StepCode.UNKNOWN_TYPE,
+                           f'the robot has no step {command.type}')
+            elif spec.moves or spec.commands_motion:
+                self._fail(command.key, StepCode.UNKNOWN_TYPE,
+                           f'{command.type} moves the robot: it cannot be a step of a fleet')
+            else:
+                self._waiting[command.key] = spec, _arguments(spec, command), now + PATIENCE
+                self.tick(now)
+        except WrongAction as wrong:
+            self._fail(command.key, StepCode.WRONG_PARAMETER, str(wrong))
+
+    def _fail(self, key: int, code: StepCode, text: str) -> None:
+        self._state = self._state.end(key, Word.FAILED, code, text)
+
+    def _break_off(self, key: int) -> None:
+        """Ends a step that was not given to its server; asks the server to end any other one."""
+        if key in self._waits or key in self._waiting:
+            self._waits.pop(key, None)
+            self._waiting.pop(key, None)
+            self._state = self._state.end(key, Word.CANCELLED)
+        else:
+            self._link.cancel(str(key))
+
+    def tick(self, now: float) -> None:
+        """Begins and ends what is due. It is to be called several times a second."""
+        for key, until in list(self._waits.items()):
+            if now >= until:
+                del self._waits[key]
+                self._state = self._state.end(key, Word.DONE)
+        for key, (spec, arguments, until) in list(self._waiting.items()):
+            if self._link.is_ready(spec):
+                del self._waiting[key]
+                self._link.start(str(key), spec, arguments)
+            elif now >= until:
+                del self._waiting[key]
+                server = spec.call.server if spec.call is not None else ''
+                self._fail(key, StepCode.NOT_READY, f'there is no action server {server}')
+
+    def ended(self, name: str, succeeded: bool, text: str) -> None:
+        """An action has ended."""
+        self._state = self._state.end(
+            int(name), Word.DONE if succeeded else Word.UNKNOWN,
+            StepCode.NONE if succeeded else StepCode.OTHER, '' if succeeded else text)
+
+
+def _seconds(command: StepCommand) -> float:
+    """The duration of a wait. Raises WrongAction."""
+    given = dict(command.parameters)
+    for key in given:
+        if key != 'seconds':
+            raise WrongAction(key, f'{WAIT} has no parameter {key[:40]!r}')
+    seconds = _number(given.get('seconds', ''))
+    if seconds is None or not 0.0 <= seconds <= LONGEST_WAIT:
+        raise WrongAction('seconds', f'seconds must be a number from 0 to {LONGEST_WAIT:.0f}')
+    return seconds
+
+
+def _arguments(spec: ActionSpec, command: StepCommand) -> Mapping[str, Any]:
+    """The arguments of an action. Raises WrongAction."""
+    known = {parameter.key: parameter for parameter in spec.parameters}
+    arguments: Dict[str, Any] = {}
+    for key, text in command.parameters:
+        if key not in known:
+            raise WrongAction(key, f'{spec.action_type} has no parameter {key[:40]!r}')
+        value = _value(known[key], text)
+        known[key].check(value)
+        arguments[key] = value
+    for key, parameter in known.items():
+        if key not in arguments and not parameter.optional:
+            raise WrongAction(key, f'{spec.action_type} needs the parameter {key}')
+        arguments.setdefault(key, parameter.default)
+    return arguments
+
+
+def _value(parameter: Parameter, text: str) -> Any:
+    """The value that a text means; the text itself if it is not of the parameter's type."""
+    if parameter.type == 'STRING':
+        return text
+    if parameter.type == 'BOOL':
+        return {'true': True, 'false': False}.get(text.lower(), text)
+    number = _number(text)
+    return text if number is None else parameter.value_of(number)
+
+
+def _number(text: str) -> Optional[float]:
+    try:
+        return float(text)
+    except ValueError:
+        return None
