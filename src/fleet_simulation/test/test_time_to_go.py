@@ -11,7 +11,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import Request
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.driven_robot import AGV, LD90, Delays, DrivenRobot, Standstill
+from fleet_simulation.driven_robot import AGV, LD90, Delays, DrivenRobot, RandomStops
 from fleet_simulation.virtual_fleet import VirtualFleet
 from trajectory_graph import load_graph, split_edges
 
@@ -31,7 +31,7 @@ class Driving:
         kind, mechanics = TYPES[name]
         graph = load_graph(LAB)
         self.graph = split_edges(graph, longest) if longest else graph
-        delays = Delays(1.1, Standstill(0.0, 0.0), Standstill(0.0, 0.0))
+        delays = Delays(1.1, RandomStops(0.0, 0.0), RandomStops(0.0, 0.0))
 
         def make(robot: str, kind: RobotType, vertex: int) -> DrivenRobot:
             return DrivenRobot(robot, self.graph, kind, vertex, mechanics, delays,

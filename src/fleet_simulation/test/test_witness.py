@@ -76,7 +76,7 @@ def test_a_mission_may_fail_by_a_robot_that_stopped_because_of_a_carried_one(
     is_told(witness, State.ACTIVE)
     witness.carry('c', 0.5)
     places = {'a': (0.0, 0.0), 'b': (middle, 0.0), 'c': (2.4, 0.0)}
-    witness.see(1.0, places, places)
+    witness.judge(1.0, places, places)
     is_told(witness, State.FAILED)
     assert len(witness.broken) == broken
 

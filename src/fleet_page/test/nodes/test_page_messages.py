@@ -154,7 +154,7 @@ def test_a_name_that_is_no_robot_calls_no_service(commands, monkeypatch, name):
 
 def test_a_stop_that_did_not_work_is_told_with_its_reason(monkeypatch):
     def stop(requested_by: str) -> str:
-        raise fleet_stop.CommandError('NO ROBOT WAS TOLD TO STOP')
+        raise fleet_stop.CommandProblem('NO ROBOT WAS TOLD TO STOP')
     monkeypatch.setattr(fleet_stop, 'stop', stop)
     outcome = fleet_stop.stop_fleet('anna')
     assert not outcome.ok and 'NO ROBOT' in outcome.text

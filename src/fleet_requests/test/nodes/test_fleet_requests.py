@@ -88,7 +88,7 @@ def service(monkeypatch, answer: Any) -> List[Any]:
             raise answer
         return answer
     monkeypatch.setattr(rospy, 'wait_for_service', lambda *_: None)
-    monkeypatch.setattr(rospy, 'ServiceProxy', lambda *_: ask)
+    monkeypatch.setattr(rospy, 'ServiceProxy', lambda *_, **__: ask)
     return asked
 
 

@@ -214,7 +214,8 @@ def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
     old = {key: value for key, value in json.loads(text).items()
            if key not in ('stops', 'on_cancel')}
     db.execute('UPDATE mission SET request = ?', (json.dumps(old),))
-    db.executescript('DROP TABLE work; DROP TABLE load; PRAGMA user_version = 3')
+    db.executescript('DROP TABLE stop; DROP TABLE work; DROP TABLE load; '
+                     'PRAGMA user_version = 3')
     db.close()
     journal = Journal(path)
     mission, = journal.missions()

@@ -43,7 +43,7 @@ def made(monkeypatch) -> List[float]:
 
 
 def tell(topic: FleetPlanTopic, second: int) -> None:
-    topic.tell(None, float(second), rospy.Time(second))
+    topic.set_plan(None, float(second), rospy.Time(second))
 
 
 def test_without_a_subscriber_no_plan_is_made_and_the_first_one_gets_the_newest(made):

@@ -198,7 +198,7 @@ def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.journal.store(stop=STOP)
+    fleet.disk.journal.store(stop=STOP)
     fleet.agvs['a'].receive(route_order(EarlyStop('a').stop(0.0, STOP)[0].order))
     fleet.restart()
     if not dies:

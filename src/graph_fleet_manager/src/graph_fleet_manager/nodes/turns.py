@@ -5,7 +5,7 @@
 | a stop     | at once                                                                           |
 | a command  | before reports                                                                    |
 | a tick     | when it is due, no command waits, and no report that arrived before it was due;   |
-|            | LATEST after it was due whatever waits                                            |
+|            | LATEST after it was due, with all that waits                                      |
 | a report   | when no command waits                                                             |
 | requests   | when nothing else waits, and once before each tick                                |
 
