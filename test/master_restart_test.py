@@ -124,7 +124,7 @@ class MasterRestartTest(unittest.TestCase):
             begun = time.monotonic()
             stopped = command('fleet', 'stop')
             self.assertEqual(stopped.returncode, 0, stopped.stdout)
-            self.assertLess(time.monotonic() - begun, 8.0)
+            self.assertLess(time.monotonic() - begun, 20.0)
         self.assertEqual(command('fleet', 'resume').returncode, 0)
 
     def test_4_a_node_that_dies_then_finds_its_parameters(self) -> None:
