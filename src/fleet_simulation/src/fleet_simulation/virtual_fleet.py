@@ -252,7 +252,7 @@ class VirtualFleet(Generic[Body]):
             self.planner.forget_graph()
         self.disk.reopen()
         self.network.lose_messages()
-        self.planner.lose_answers()
+        self.planner.answers.lose()
         self.hangs = False
         self._begin()
         if self.watcher is not None:
@@ -306,17 +306,17 @@ class VirtualFleet(Generic[Body]):
 
         Does nothing if no message has arrived and the next tick is not due.
         """
-        if self.now < self._ticks_at and not (self.network.has_reports(self.now)
-                                              or self.planner.has_answers(self.now)):
+        if self.now < self._ticks_at and not (self.network.reports.has_arrived(self.now)
+                                              or self.planner.answers.has_arrived(self.now)):
             return
         self._ticks_at = self.now + self.rhythm.supervisor - _TOGETHER
         begun, planning = time.thread_time(), self.planner.spent
-        for name, report in self.network.arrived_reports(self.now):
+        for name, report in self.network.reports.arrived(self.now):
             aged = Report(report, self.now - report.stamp / 1e9)
             self.ages[name] = aged.age
             self.do(self.supervisor.report(name, aged, self.now))
         self._report_steps()
-        for number, outcome in self.planner.arrived_answers(self.now):
+        for number, outcome in self.planner.answers.arrived(self.now):
             self.do(self.supervisor.plan_made(number, outcome, self.now))
         self.do(self.supervisor.tick(self.now))
         self._supervising += time.thread_time() - begun - (self.planner.spent - planning)
@@ -370,7 +370,7 @@ class VirtualFleet(Generic[Body]):
             elif isinstance(action, Note):
                 self.notes.append(action.text)
             elif isinstance(action, AskPlanner):
-                self.planner.send_answer(action.number, self._plan(action), self.now)
+                self.planner.answer(action.number, self._plan(action), self.now)
 
     def _plan(self, question: AskPlanner) -> Outcome:
         return self.planner.plan(question, self.supervisor.network)

@@ -5,6 +5,7 @@ from random import Random
 from typing import Dict, Iterator, List, Tuple
 
 from fleet_core.supervision.actions import SendRoute
+from fleet_simulation.on_the_way import OnTheWay
 from route_protocol.values import RouteReport
 
 
@@ -29,7 +30,8 @@ class VirtualNetwork:
         """Orders that leave the supervisor's computer in the next step."""
         self._random = random
         self._under_way: List[Tuple[float, SendRoute]] = []
-        self._reports: List[Tuple[float, str, RouteReport]] = []
+        self.reports: OnTheWay[Tuple[str, RouteReport]] = OnTheWay()
+        """Reports to the supervisor, with the names of their robots."""
 
     def under_way(self, name: str) -> List[SendRoute]:
         """Returns the orders to a robot that have not arrived yet and may still arrive."""
@@ -38,7 +40,8 @@ class VirtualNetwork:
 
     def lose_messages(self) -> None:
         """Loses all messages on the supervisor's computer. Orders that left it still arrive."""
-        self.to_robots, self._reports = [], []
+        self.to_robots = []
+        self.reports.lose()
 
     def arrived_orders(self, now: float) -> Iterator[SendRoute]:
         """Yields each order that a robot gets now, twice if it is repeated."""
@@ -69,20 +72,8 @@ class VirtualNetwork:
 
     def carry_report(self, name: str, report: RouteReport, now: float) -> None:
         """Sends a robot's report on its way to the supervisor."""
-        self._reports += [(now + self.late.get(name, 0.0), name, report)] * self.copies()
-
-    def has_reports(self, now: float) -> bool:
-        """Returns whether a report has arrived by now."""
-        return any(at <= now for at, *_ in self._reports)
-
-    def arrived_reports(self, now: float) -> Iterator[Tuple[str, RouteReport]]:
-        """Yields the reports that have arrived by now, with the names of their robots."""
-        reports, self._reports = self._reports, []
-        for at, name, report in reports:
-            if at <= now:
-                yield name, report
-            else:
-                self._reports.append((at, name, report))
+        for _ in range(self.copies()):
+            self.reports.send((name, report), now + self.late.get(name, 0.0))
 
     def copies(self) -> int:
         """Returns how many copies of a message arrive: none, one or two."""

@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import time
-from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from fleet_core.fleet import Fleet
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import Outcome
 from fleet_core.supervision.actions import AskPlanner
+from fleet_simulation.on_the_way import OnTheWay
 
 _PLANNERS_KEPT = 4  # one planner per set of closed edges and learned driving times is kept
 
@@ -30,16 +31,13 @@ class VirtualPlanner:
         """s of processor time that all plans took."""
         self._fleet = fleet
         self._parking = None if parking is None else tuple(parking)
-        self._answers: List[Tuple[float, int, Outcome]] = []
+        self.answers: OnTheWay[Tuple[int, Outcome]] = OnTheWay()
+        """Answers to the supervisor, with the numbers of its questions."""
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
 
     def forget_graph(self) -> None:
         """Is to be called when another graph is in force."""
         self._planners.clear()
-
-    def lose_answers(self) -> None:
-        """Loses the answers that the supervisor has not got yet."""
-        self._answers = []
 
     def plan(self, question: AskPlanner, network: RoadNetwork) -> Outcome:
         """Returns the answer to a question on this network."""
@@ -51,22 +49,9 @@ class VirtualPlanner:
         self.spent += self.plans[-1]
         return outcome
 
-    def send_answer(self, number: int, outcome: Outcome, now: float) -> None:
+    def answer(self, number: int, outcome: Outcome, now: float) -> None:
         """Sends the answer to question `number`; it arrives after the latency."""
-        self._answers.append((now + self.latency, number, outcome))
-
-    def has_answers(self, now: float) -> bool:
-        """Returns whether an answer has arrived by now."""
-        return any(at <= now for at, *_ in self._answers)
-
-    def arrived_answers(self, now: float) -> Iterator[Tuple[int, Outcome]]:
-        """Yields the answers that have arrived by now, with the numbers of their questions."""
-        answers, self._answers = self._answers, []
-        for at, number, outcome in answers:
-            if at <= now:
-                yield number, outcome
-            else:
-                self._answers.append((at, number, outcome))
+        self.answers.send((number, outcome), now + self.latency)
 
     def _planner(self, question: AskPlanner, network: RoadNetwork) -> FleetPlanner:
         networks = question.closed, frozenset(question.edge_times.items())

@@ -247,9 +247,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
     """
     if said.number <= state.report:
         return state, OLD_NEWS
-    newest = max(said.order, said.refused)
-    if said.master == me and newest > state.number and not _is_in_gap(state, said):
-        state = replace(state, gap=(state.number, newest + SKIPPED))
+    state = _with_unknown_numbers(state, said, me)
     read = _read(state, said, me)
     _check(state, said, read)
     still = tuple(one for one in state.open if _is_still_open(one, said, read))
@@ -268,6 +266,14 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
             state.is_anywhere and not knows_where),
         commands=read.is_mine, unknown=_unknown(state, read, stands, clock),
     ), _news(state, said, read, passed, stands)
+
+
+def _with_unknown_numbers(state: MasterState, said: RouteReport, me: str) -> MasterState:
+    """The state, in which numbers that this master never drew are in the gap."""
+    newest = max(said.order, said.refused)
+    if said.master != me or newest <= state.number or _is_in_gap(state, said):
+        return state
+    return replace(state, gap=(state.number, newest + SKIPPED))
 
 
 def _is_still_open(one: Order, said: RouteReport, read: _Reading) -> bool:
