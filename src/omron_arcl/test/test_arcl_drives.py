@@ -395,6 +395,16 @@ class TestOwedStop:
         bench.robot('Going to 3')
         assert not bench.memory.stop_owed
 
+    def test_or_when_it_completes_a_newer_drive_at_once(self, bench):
+        bench.lose()
+        bench.stop_without_link(ROUTE)
+        bench.connect()
+        drive = bench.drive(PERSON, 'goto 3')
+        bench.robot('Arrived at 3')
+        bench.pass_time(2 * LOOK)
+        assert (outcome(drive), bench.sent) == (Outcome.SUCCEEDED, ['goto 3'])
+        assert (bench.memory.giver, bench.memory.stop_owed) == (PERSON, False)
+
     def test_one_that_was_refused_is_sent_again(self, bench):
         bench.stop(PERSON)
         bench.robot('Unknown command stop')
