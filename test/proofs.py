@@ -22,7 +22,7 @@ import sys
 from collections import Counter, defaultdict
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Set
+from typing import Any, Dict, FrozenSet, Iterator, List, NamedTuple, Set
 
 import pytest
 
@@ -74,9 +74,21 @@ def read_by(file: Path) -> Set[Path]:
         one = waiting.pop()
         if one not in found:
             found.add(one)
-            waiting.extend(path for name in _imports_of(one)
-                           for path in _modules().get(name, ()))
+            waiting.extend(path for name in names_imported(one) for around in _and_packages(name)
+                           for path in _modules().get(around, ()))
     return found
+
+
+@lru_cache(maxsize=None)
+def names_imported(file: Path) -> FrozenSet[str]:
+    """All modules that a file imports, and the members of modules that may be modules."""
+    names: Set[str] = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {str(node.module), *(f'{node.module}.{alias.name}' for alias in node.names)}
+    return frozenset(names)
 
 
 def recorded() -> Dict[str, str]:
@@ -95,18 +107,6 @@ _passed: Dict[str, Dict[str, bool]] = defaultdict(dict)  # by file and test
 @lru_cache(maxsize=None)
 def _name(file: str) -> str:
     return Path(file).resolve().relative_to(ROOT).as_posix()
-
-
-@lru_cache(maxsize=None)
-def _imports_of(file: Path) -> Set[str]:
-    """The names that a file imports, with all packages around them; some are no modules."""
-    names: Set[str] = set()
-    for node in ast.walk(ast.parse(file.read_bytes())):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            names |= {str(node.module), *(f'{node.module}.{alias.name}' for alias in node.names)}
-    return {around for name in names for around in _and_packages(name)}
 
 
 def _and_packages(name: str) -> Iterator[str]:

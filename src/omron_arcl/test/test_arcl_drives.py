@@ -9,7 +9,7 @@ from typing import Optional, Tuple
 
 import pytest
 from arcl_builders import outcome
-from drive_bench import DOCKED, DOCKING, OTHER, PERSON, ROUTE, UNDOCKED, Bench
+from drive_bench import DOCKED, DOCKING, OTHER, PERSON, ROUTE, UNDOCKED, UNDOCKING, Bench
 
 from omron_arcl import Giver, Outcome, parse_command
 from omron_arcl.drives import LOOK, RETRY, Overruled, Unclear, draw_epoch
@@ -382,6 +382,7 @@ class TestOwedStop:
         bench.drive(ROUTE)
         bench.stop(PERSON)
         assert bench.memory.stop_owed
+        bench.robot('Going to 12')
         bench.robot('Stopping')
         bench.robot('Stopped')
         assert not bench.memory.stop_owed
@@ -393,6 +394,16 @@ class TestOwedStop:
         assert bench.memory.stop_owed, 'the drive may be lost'
         bench.robot('Going to 3')
         assert not bench.memory.stop_owed
+
+    def test_or_when_it_completes_a_newer_drive_at_once(self, bench):
+        bench.lose()
+        bench.stop_without_link(ROUTE)
+        bench.connect()
+        drive = bench.drive(PERSON, 'goto 3')
+        bench.robot('Arrived at 3')
+        bench.pass_time(2 * LOOK)
+        assert (outcome(drive), bench.sent) == (Outcome.SUCCEEDED, ['goto 3'])
+        assert (bench.memory.giver, bench.memory.stop_owed) == (PERSON, False)
 
     def test_one_that_was_refused_is_sent_again(self, bench):
         bench.stop(PERSON)
@@ -783,7 +794,48 @@ class TestWhoseStopping:
         bench.drive(PERSON, 'goto 3')
         last = bench.stop(PERSON)
         bench.robot('Stopping', 'Stopped')
+        for _ in range(4):
+            bench.status('Stopped', seconds=1.0)
         assert last.result.outcome is Outcome.SUCCEEDED
+        bench.robot('Stopping')
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
+
+    @pytest.mark.parametrize('interruption', [[], ['Interrupted: Going to 3']])
+    def test_the_pair_of_another_client_does_not_end_our_stop_behind_an_unanswered_drive(
+            self, bench, interruption):
+        bench.status('Stopped')
+        bench.drive(ROUTE, 'goto 3')
+        stop = bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        assert (stop.result, bench.memory.stop_owed) == (None, True)
+        bench.drive(ROUTE, 'goto 3')
+        bench.robot('Going to 3', *interruption, 'Stopping', 'Stopped', 'Going to 3')
+        assert (bench.memory.giver, bench.memory.stop_owed) == (ROUTE, False)
+        bench.records.all_cancelled(PERSON)
+        bench.pass_time(1.0)
+        assert bench.sent == ['goto 3', 'stop', 'goto 3', 'stop']
+
+    def test_after_that_pair_our_stop_is_owed_through_an_outage(self, bench):
+        bench.status('Stopped')
+        bench.drive(ROUTE, 'goto 3')
+        bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        bench.lose()
+        bench.connect()
+        bench.status('Going to 3')
+        bench.pass_time(2 * RETRY)
+        assert bench.sent == ['goto 3', 'stop', 'stop']
+
+    @pytest.mark.parametrize('shown, command, line', [
+        (DOCKED, 'goto 3', UNDOCKING), ('Stopped', 'dock', 'Going to Dock1')])
+    def test_a_stop_behind_a_drive_of_which_the_robot_said_anything_ends_with_its_pair(
+            self, bench, shown, command, line):
+        bench.status(shown)
+        bench.drive(ROUTE, command)
+        bench.robot(line)
+        stop = bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        assert outcome(stop) is Outcome.SUCCEEDED
 
     def test_the_pair_of_the_motors_is_none_of_a_stop_behind_an_unanswered_drive(self, bench):
         bench.status('Stopped')

@@ -7,13 +7,13 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from functools import lru_cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Dict, Iterable, List, Set
 
 import pytest
+from proofs import names_imported
 
 SOURCES = Path(__file__).resolve().parents[2]
 PACKAGES = [file.parent for file in sorted(SOURCES.glob('*/src/*/__init__.py'))]
@@ -121,18 +121,6 @@ def modules_of_tests(folder: Path) -> Dict[str, Path]:
 TESTS = {folder.name: modules_of_tests(folder) for folder in FOLDERS}
 HOMES = {package.name: package.parents[1].name for package in PACKAGES}
 HOMES.update({file.stem: file.relative_to(SOURCES).parts[0] for file in SOURCES.glob('*/src/*.py')})
-
-
-@lru_cache(maxsize=None)
-def names_imported(file: Path) -> Set[str]:
-    """All modules that a file imports, and the members of modules that may be modules."""
-    names: Set[str] = set()
-    for node in ast.walk(ast.parse(file.read_bytes())):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            names |= {str(node.module), *(f'{node.module}.{alias.name}' for alias in node.names)}
-    return names
 
 
 def needed(files: Iterable[Path], folder: str) -> Set[str]:

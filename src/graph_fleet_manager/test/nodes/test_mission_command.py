@@ -7,7 +7,7 @@ import rospy
 
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import Command, MissionState, RequestRefused, Status
-from graph_fleet_manager.commands import mission
+from graph_fleet_manager.commands import fleet_client, mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem
 from graph_fleet_manager.messages.missions import request_of, status_message
 from itrci_nav_msgs.msg import MissionCommand, MissionRequest, MissionStatus
@@ -49,7 +49,8 @@ class Nobody:
 @pytest.fixture(autouse=True)
 def no_topics(monkeypatch):
     monkeypatch.setattr(mission, 'TopicListener', Nobody)
-    monkeypatch.setattr(mission, 'connected_sender', Nobody)
+    for module in (mission, fleet_client):
+        monkeypatch.setattr(module, 'connected_sender', Nobody)
     monkeypatch.setattr(mission, 'ask_for', lambda request: lambda: None)
 
 

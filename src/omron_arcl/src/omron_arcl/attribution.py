@@ -301,13 +301,13 @@ def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
 
 
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    """The stops that a `Stopped` ends: those whose `Stopping` has come, and those before which no
-    unanswered drive was sent, because the robot answers in the order of sending."""
+    """The stops that a `Stopped` ends. A stop behind a drive of which the robot has said nothing is
+    not answered yet, because the robot answers in the order of sending: another client stopped the
+    robot. If the robot never says a word about that drive, `drive_watch` ends the stop."""
     if not commands.records.heard.stopped_by_us:
         return []
-    first = next((e.order for e in _fresh(commands)), math.inf)
-    return [e for e in commands.motion_executions if e.command.spec.stops
-            and (e.order < first or commands.records.has_begun(e))]
+    first = next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
+    return [e for e in commands.motion_executions if e.command.spec.stops and e.order < first]
 
 
 # --- does a line fit a command? -------------------------------------------------------------------

@@ -4,7 +4,8 @@
     a stop is given                           drives: ended        -
     the connection takes data                 sent, unless it must -
                                               wait or came late
-    a newer drive is acknowledged             -                    older drives and stops: ended
+    a newer drive is acknowledged, or         -                    older drives and stops: ended
+    completed at once
     a stop has succeeded                      -                    older drives and stops: ended
     its lines, its doubt or its time end it   -                    ended
     it is cancelled; the link breaks          ended                ended
@@ -113,6 +114,8 @@ class CommandQueue:
         """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""
         if execution.progress.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
+        if execution.command.spec.drives and outcome is Outcome.SUCCEEDED:
+            self.begin(execution)  # the robot may complete a drive at once
         if execution.end(outcome, words):
             self._callbacks.append(execution.announce)
         if not keep:

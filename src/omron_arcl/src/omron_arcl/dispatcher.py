@@ -7,9 +7,9 @@ the meaning of lines, and `drive_watch` judges drives by the robot's status. The
 - A line that names the goal of a driving command acknowledges it. The command then replaces all
   motions before it, including a stop that is under way.
 - `stop` overtakes all unsent commands. Unsent driving commands are dropped for it.
-- A `Stopped` ends every stop that was sent before the next driving command. If another client's
-  drive overtakes a stop while the robot brakes, the stop was interrupted, because the robot does
-  not stand.
+- A `Stopped` ends every stop that was sent before the first driving command of which the robot has
+  said nothing. If another client's drive overtakes a stop while the robot brakes, the stop was
+  interrupted, because the robot does not stand.
 - Nothing is ever sent twice. When the link breaks, each command under way ends as LOST.
 - A command ends within its time limit, regardless of the robot's answers.
 """

@@ -12,7 +12,7 @@ The fate of a drive, and its next fate after an event (`Event`):
 
     event                        GIVEN        OBEYED       UNKNOWN      also
     ACKNOWLEDGED by the robot    OBEYED       OBEYED       OBEYED       older records are dropped
-    COMPLETED by the robot       OVER         OVER         OVER
+    COMPLETED by the robot       OVER         OVER         OVER         first ACKNOWLEDGED
     REFUSED, or never sent       dropped      dropped      dropped      the giver before it stays
     FAILED: the robot gave up    dropped      OVER         OVER
     WITHDRAWN by its giver       dropped      OVER         OVER

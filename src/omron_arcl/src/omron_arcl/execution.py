@@ -164,6 +164,11 @@ class Execution:
         return (self.command.spec.completed_by is None and self.progress.rejected_at is None
                 and self.progress.heard > self.progress.sent_at)
 
+    @property
+    def has_lines(self) -> bool:
+        """Whether the robot has said anything about it."""
+        return bool(self._lines.kept)
+
     def add_line(self, text: str) -> None:
         """Adds a line that belongs to the command."""
         self._lines.add(text)

@@ -6,15 +6,12 @@ from __future__ import annotations
 
 from typing import Any, Dict, Iterable, List, Optional, Sequence
 
-import rospy
-
 from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
-    PATIENCE,
     TopicListener,
     connect,
-    connected_sender,
-    first_message,
+    first_answer,
+    requested_by,
     run,
 )
 from graph_fleet_manager.commands.tables import WIDTH, as_json, offer_json, table
@@ -49,7 +46,7 @@ def _edge(arguments: List[str]) -> int:
     told: ClosedEdges = in_force.last()
     if options.command != 'list':
         command = EdgeCommand(edges=asked_edges(graph, options.edges),
-                              requested_by=rospy.get_name(), command=_CODES[options.command])
+                              requested_by=requested_by('edge'), command=_CODES[options.command])
         told = _carried_out(command, in_force)
     is_json = options.command == 'list' and options.json
     closed = _closed(graph, told.edges)
@@ -86,12 +83,10 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
 
 def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
     """Sends a command. Returns the closed edges that graph_server publishes after it."""
-    sender = connected_sender(EdgeCommand)
     in_force.unread()  # messages from before the command are no answer to it
-    sender.send(command)
     wanted = set(command.edges) if command.command == EdgeCommand.CLOSE else set()
-    told = first_message(in_force, lambda message: (
-        set(command.edges) & set(message.edges) == wanted), PATIENCE)
+    told = first_answer(command, in_force, lambda message: (
+        set(command.edges) & set(message.edges) == wanted))
     if told is None:
         raise CommandProblem('graph_server did not carry out the command; its log says why.')
     return told

@@ -20,6 +20,7 @@ from graph_fleet_manager.commands.command_line import NOT_DONE, CommandProblem
 from node_lifecycle.log_file import init_node
 
 PATIENCE = 10.0  # s to wait for the fleet manager
+REPEAT = 0.5     # s after which a message that has no answer yet is sent again
 
 
 def run(name: str, command: Callable[[List[str]], int],
@@ -102,6 +103,23 @@ def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], secon
         for message in source.unread():
             if is_wanted(message):
                 return message
+    return None
+
+
+def first_answer(message: Any, source: MessageSource, is_answer: Callable[[Any], bool]) -> Any:
+    """Sends a message, and again until its answer comes. None: no answer comes.
+
+    The first one is lost if only another program listens by then, such as the fleet page. So it
+    must do no harm if it comes twice.
+    """
+    sender = connected_sender(type(message))
+    sender.send(message)
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        answer = first_message(source, is_answer, REPEAT)
+        if answer is not None:
+            return answer
+        sender.repeat(message)
     return None
 
 

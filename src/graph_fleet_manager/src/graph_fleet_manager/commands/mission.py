@@ -36,6 +36,7 @@ from graph_fleet_manager.commands.fleet_client import (
     TopicListener,
     connect,
     connected_sender,
+    first_answer,
     first_message,
     requested_by,
     run,
@@ -63,7 +64,6 @@ from node_program.inert_text import cell
 from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
 
-_RESEND = 0.5  # s after which a request that was not acknowledged is sent again
 _CHANGES = {command.name.lower(): command for command in Command}
 _ANSWERS = {answer.name.lower(): answer for answer in StepDecision if answer}
 
@@ -191,15 +191,10 @@ def _vertex(word: str, graph: Graph) -> int:
 
 def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionStatus:
     """Sends the request until the fleet manager acknowledges or refuses it. Returns the status."""
-    requests = connected_sender(MissionRequest)
-    requests.send(request)
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        status = first_message(listener, lambda told: is_about(told, request), _RESEND)
-        if status is not None:
-            return status
-        requests.repeat(request)
-    raise CommandProblem('The fleet manager does not answer; it may have no graph, or hang.')
+    status = first_answer(request, listener, lambda told: is_about(told, request))
+    if status is None:
+        raise CommandProblem('The fleet manager does not answer; it may have no graph, or hang.')
+    return status
 
 
 def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,

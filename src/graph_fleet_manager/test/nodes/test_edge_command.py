@@ -1,0 +1,61 @@
+"""The command `edge` repeats what it sends until graph_server has carried it out."""
+from __future__ import annotations
+
+from typing import List
+
+import genpy
+import pytest
+
+from graph_fleet_manager.commands import edge, fleet_client
+from graph_fleet_manager.commands.command_line import CommandProblem
+from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
+
+
+class LossyGraphServer:
+    """Loses the first messages, as while it is not connected yet but the fleet page is.
+
+    It is sender and source in one: it publishes the closed edges after a command.
+    """
+
+    def __init__(self, lost: int) -> None:
+        self._lost = lost
+        self.commands: List[EdgeCommand] = []
+        self._told: List[ClosedEdges] = []
+
+    def send(self, message: EdgeCommand) -> None:
+        message.header.stamp = genpy.Time(1000)
+        self.repeat(message)
+
+    def repeat(self, message: EdgeCommand) -> None:
+        self.commands.append(message)
+        if len(self.commands) > self._lost:
+            self._told.append(ClosedEdges(edges=message.edges))
+
+    def wait(self, seconds: float) -> None:
+        """Nothing comes later than at once."""
+
+    def unread(self) -> List[ClosedEdges]:
+        told, self._told = self._told, []
+        return told
+
+
+@pytest.fixture(autouse=True)
+def short_times(monkeypatch):
+    monkeypatch.setattr(fleet_client, 'PATIENCE', 0.3)
+    monkeypatch.setattr(fleet_client, 'REPEAT', 0.01)
+
+
+@pytest.mark.parametrize('lost', [0, 1, 3])
+def test_a_command_that_was_lost_is_sent_again_unchanged(monkeypatch, lost):
+    server = LossyGraphServer(lost)
+    monkeypatch.setattr(fleet_client, 'connected_sender', lambda kind: server)
+    told = edge._carried_out(EdgeCommand(command=EdgeCommand.CLOSE, edges=[23]), server)
+    assert told.edges == [23] and len(server.commands) == lost + 1
+    assert {command.header.stamp for command in server.commands} == {genpy.Time(1000)}
+
+
+def test_without_an_answer_the_command_tells_where_the_reason_is(monkeypatch):
+    server = LossyGraphServer(10 ** 6)
+    monkeypatch.setattr(fleet_client, 'connected_sender', lambda kind: server)
+    with pytest.raises(CommandProblem, match='graph_server did not carry out .* its log'):
+        edge._carried_out(EdgeCommand(command=EdgeCommand.CLOSE, edges=[23]), server)
