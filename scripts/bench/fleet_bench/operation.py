@@ -36,14 +36,19 @@ AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100
 
 
 class Operation(Run):
-    """A run in which each robot gets its next goal when it has reached the last one."""
+    """A run in which each robot gets its next goal when it has reached the last one.
 
-    def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int) -> None:
+    waiting -- number of missions for any robot that are requested at the start, too
+    """
+
+    def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int,
+                 waiting: int = 0) -> None:
         super().__init__(site, robots, seed)
         self.longest_standstill = 0.0
         """The longest time in which no robot was driving, in s."""
         self._goals = goals
         self._draw = Random(seed)
+        self._waiting = waiting
         self._next_id = 0
         self._missions: Dict[int, str] = {}
         """The robot of each open mission."""
@@ -55,6 +60,10 @@ class Operation(Run):
                            Random(f'{name} {self._random.random()}'), 1.0)
 
     def _request(self) -> None:
+        while self._next_id < self._waiting:
+            self._next_id += 1
+            self._ask(Request(self._next_id, (self._draw.choice(self._goals),),
+                              stamp=self.world.now + 0.1))
         for name in sorted(self.world.agvs.keys() - set(self._missions.values())):
             here = self.world.agvs[name].vehicle.drive.vertex
             goal = self._draw.choice([goal for goal in self._goals if goal != here])
@@ -78,13 +87,14 @@ class Operation(Run):
 
 
 def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequence[int],
-            seed: int, seconds: float, rounds: int) -> Tuple[Figures, Operation]:
+            seed: int, seconds: float, rounds: int, waiting: int = 0,
+            ) -> Tuple[Figures, Operation]:
     """Runs a fleet for the given number of virtual seconds; each mission is one goal."""
     robots = tuple(Robot(f'r{k}', kind, start, '') for k, start in enumerate(starts))
     site = site_of(graph, Fleet((kind,), robots, 0.1),
                    {robot.name: RobotSettings(release_ahead=0.0) for robot in robots},
                    Wanted(Demand(()), DELAYS, {}, {}), rounds=rounds)
-    run = Operation(site, len(robots), goals, seed)
+    run = Operation(site, len(robots), goals, seed, waiting)
     figures = run.run(seconds / 3600.0)
     if figures.trouble:
         raise RuntimeError(f'seed {seed}: {figures.trouble}')

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Measures how the cost of the main tasks grows with their size, and prints the exponents.
+
+Each row has one task at three sizes. The exponent is the slope of the costs over the sizes, both as
+logarithms: 1 is proportional, 0 is no growth, 2 is square. All costs are CPU times, the lowest of
+several runs. The whole takes about six minutes.
+"""
+from __future__ import annotations
+
+import io
+import math
+import os
+import tempfile
+import time
+from random import Random
+from typing import Callable, Iterator, NamedTuple, Sequence
+
+import numpy as np
+import page
+import rospy
+from fleet_bench.operation import AGV, at_work
+from load_bench.site import grid, starts
+from measuring.ros_master import own_ros_master
+from measuring.sections import print_sections
+from measuring.tables import Row
+
+from fleet_core.fleet import DOCK_APPROACH, Fleet
+from fleet_core.planning.plan_requests import PlanRequest
+from fleet_core.planning.plan_service import PlanService
+from fleet_core.planning.tasks import Task
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
+from omron_map import MapDocument
+from ports import free_port
+from route_protocol.messages import fill_report
+from route_protocol.values import Motion, RouteOrder, SymbolicPose
+from route_protocol.vehicle import Vehicle
+from trajectory_graph import Graph
+
+RUNS = 5
+FLEET = Fleet((AGV,), (), 0.1, DOCK_APPROACH)
+
+
+class Cost(NamedTuple):
+    """The CPU time of one task at one size, in ms."""
+
+    size: int
+    milliseconds: float
+
+
+def exponent(costs: Sequence[Cost]) -> float:
+    """The slope of log(cost) over log(size)."""
+    sizes, times = np.log([(cost.size, cost.milliseconds) for cost in costs]).T
+    return float(np.polyfit(sizes, times, 1)[0])
+
+
+def row(task: str, costs: Sequence[Cost], aim: str = 'at most 1.2') -> Row:
+    """The line of the table for one task."""
+    sizes = ', '.join(f'{cost.size:,}' for cost in costs)
+    times = ', '.join(f'{cost.milliseconds:,.3g}' for cost in costs)
+    return Row(f'{task}: {sizes}', f'{times} ms', f'exponent {exponent(costs):.2f}', aim)
+
+
+def lowest(run: Callable[[], object], runs: int = RUNS) -> float:
+    """The lowest CPU time of several runs, in ms."""
+    found = []
+    for _ in range(runs):
+        begun = time.process_time()
+        run()
+        found.append(time.process_time() - begun)
+    return 1e3 * min(found)
+
+
+# -- fleet -----------------------------------------------------------------------------------------
+
+def missions() -> Iterator[Row]:
+    """A fleet at work in virtual time, while other missions wait for a robot."""
+    yield row('missions that wait, 9 robots at work: 60 s of virtual time', [
+        Cost(waiting, at_work_costs(9, waiting)) for waiting in (500, 1500, 4500)], 'at most 0.5')
+
+
+def robots() -> Iterator[Row]:
+    """A fleet at work in virtual time; its site has the same number of vertices per robot."""
+    yield row('robots, 25 vertices each, all on missions: 60 s of virtual time', [
+        Cost(count, at_work_costs(count, 0)) for count in (9, 16, 36)], 'at most 1.5')
+
+
+def at_work_costs(count: int, waiting: int) -> float:
+    """The CPU time, in ms, of a fleet that works for 60 virtual s."""
+    graph = grid(5 * math.isqrt(count))
+    places = list(starts(graph, count).values())
+    return lowest(lambda: at_work(graph, AGV, places, list(graph.vertices), 0, 60.0, 20, waiting),
+                  2)
+
+
+def vertices() -> Iterator[Row]:
+    """Plans for 20 robots on a growing grid."""
+    sides = (20, 40, 80)
+    yield row('vertices of a grid: preparing the planner', [
+        Cost(side * side, preparation(grid(side))) for side in sides])
+    yield row('vertices of a grid: a plan for 20 robots', [
+        Cost(side * side, plan_of_20(grid(side))) for side in sides])
+
+
+def preparation(graph: Graph) -> float:
+    """The CPU time, in ms, until the planner is ready."""
+    return lowest(lambda: PlanService(graph, FLEET).prepare(), 2)
+
+
+def plan_of_20(graph: Graph) -> float:
+    """The CPU time, in ms, of a plan for robots that drive in one corner of a grid."""
+    service = PlanService(graph, FLEET)
+    service.prepare()
+    corner = grid(20)
+    random, ids = Random(0), list(corner.vertices)
+    request = PlanRequest(tuple(
+        Task(name, AGV, vertex, destinations=(random.choice(ids),))
+        for name, vertex in starts(corner, 20).items()), (), frozenset(), {},
+        service.parking_by_name(), time_limit=30.0, improvement=0.0, seed=0)
+    return lowest(lambda: service.answer(request), 3)
+
+
+# -- one robot -------------------------------------------------------------------------------------
+
+def points() -> Iterator[Row]:
+    """Reading and checking a map."""
+    yield row('points of a map: read and checked', [
+        Cost(count, map_reading(count)) for count in (10_000, 100_000, 1_000_000)])
+
+
+def map_reading(count: int) -> float:
+    """The CPU time, in ms, in which a map with this number of points is read."""
+    draw = np.random.default_rng(1)
+    some = np.unique(draw.integers(-20_000, 20_000, (count + count // 50, 2)) * 20,
+                     axis=0)[:count]
+    (left, low), (right, high) = some.min(axis=0), some.max(axis=0)
+    data = (f'2D-Map\nMinPos: {left} {low}\nMaxPos: {right} {high}\nNumPoints: {count}\n'
+            'PointsAreSorted: true\nResolution: 20\nDATA\n'
+            + ''.join(f'{x} {y}\n' for x, y in some.tolist())).encode()
+    return lowest(lambda: MapDocument.from_bytes(data).warnings)
+
+
+def edges() -> Iterator[Row]:
+    """A vehicle drives a route: each edge is completed and reported, as a ROS message."""
+    yield row('edges of a route: one report, as a message', [
+        Cost(count, reporting(count)) for count in (10, 100, 1000)], 'at most 1')
+
+
+def reporting(count: int) -> float:
+    """The CPU time, in ms, of one report on a route with this number of edges."""
+    vehicle = Vehicle(lambda: 1, lambda: 0)
+    vehicle.take(RouteOrder(1, tuple(range(1, count + 1)), order=1, known_epoch=1, master='bench'),
+                 0)
+
+    def report() -> None:
+        vehicle.complete(vehicle.state.done + 1)
+        message = fill_report(ExecutionRouteStates(), vehicle.report(
+            1, SymbolicPose(1, 50.0), None, Motion.ON_ROUTE), EdgeState)
+        message.serialize(io.BytesIO())
+
+    return lowest(report, 10)
+
+
+# -- page ------------------------------------------------------------------------------------------
+
+def clients() -> Iterator[Row]:
+    """The page's node and its door, per second, with clients that read everything."""
+    os.environ.setdefault('ROS_IP', '127.0.0.1')
+    with tempfile.TemporaryDirectory() as folder, own_ros_master():
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        fleet, port = page.Fleet(), free_port()
+        costs, readers = [], 0
+        with page.node(port, folder) as program:
+            for count in (2, 8, 32):
+                for _ in range(count - readers):
+                    page.Reader(port).start()
+                readers = count
+                time.sleep(2.0)
+                costs.append(Cost(count, 10.0 * page.cost(program, 10.0)))
+        assert fleet.graph.vertices
+    yield row(f'clients of the page, {page.ROBOTS} robots at 5 Hz: one second', costs, 'at most 1')
+
+
+SECTIONS = {'missions': missions, 'robots': robots, 'vertices': vertices, 'points': points,
+            'edges': edges, 'clients': clients}
+
+if __name__ == '__main__':
+    print_sections(SECTIONS, __doc__)
