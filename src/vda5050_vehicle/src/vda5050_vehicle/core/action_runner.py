@@ -35,7 +35,7 @@ class ActionRunner:
                 self.end(action_id, ActionStatus.FAILED, str(wrong))
                 continue
             context.update_action(action_id, ActionStatus.RUNNING)
-            context.do(fx.StartAction(action_id, spec, spec.arguments_of(entry.action)))
+            context.do(fx.StartAction(action_id, spec, spec.with_defaults(entry.action.arguments)))
 
     def leave_edge(self, edge: OrderEdge) -> None:
         """Ends the actions of an edge that the robot has left."""

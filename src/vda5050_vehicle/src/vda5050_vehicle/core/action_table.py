@@ -65,7 +65,6 @@ class Parameter:
         elif isinstance(value, (int, float)) and not self.least <= value <= self.most:
             raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
 
-
     def value_of(self, value: Any) -> Any:
         """Returns the value; 1.0 becomes an integer if required, as JSON has no integer type."""
         if self.type == 'INTEGER' and isinstance(value, float) and value.is_integer():
@@ -118,7 +117,10 @@ class ActionSpec:
         if action.blocking_type not in self.blocking:
             raise WrongAction('blockingType', f'{self.action_type} must be '
                               + ' or '.join(kind.value for kind in self.blocking))
-        arguments = action.arguments
+        self.check_arguments(action.arguments)
+
+    def check_arguments(self, arguments: Mapping[str, Any]) -> None:
+        """Raises WrongAction if these are not arguments of the action."""
         known = {parameter.key: parameter for parameter in self.parameters}
         for key, value in arguments.items():
             if key not in known:
@@ -128,9 +130,8 @@ class ActionSpec:
             if key not in arguments and not parameter.optional:
                 raise WrongAction(key, f'{self.action_type} needs the parameter {key}')
 
-    def arguments_of(self, action: VdaAction) -> Dict[str, Any]:
-        """Returns the arguments of the action, with default values."""
-        given = action.arguments
+    def with_defaults(self, given: Mapping[str, Any]) -> Dict[str, Any]:
+        """Returns the given arguments of the action, and default values of the others."""
         return {p.key: p.value_of(given.get(p.key, p.default)) for p in self.parameters
                 if p.optional or p.key in given}
 

@@ -19,12 +19,7 @@ from route_protocol.steps import (
     StepReport,
     Word,
 )
-from vda5050_vehicle.core.action_table import (
-    ActionSpec,
-    ActionTable,
-    Parameter,
-    WrongAction,
-)
+from vda5050_vehicle.core.action_table import ActionSpec, ActionTable, WrongAction
 
 WAIT = 'wait'        # the type of a step that is timed here
 LONGEST_WAIT = 1e6   # s
@@ -140,29 +135,20 @@ def _seconds(command: StepCommand) -> float:
 
 def _arguments(spec: ActionSpec, command: StepCommand) -> Mapping[str, Any]:
     """The arguments of an action. Raises WrongAction."""
-    known = {parameter.key: parameter for parameter in spec.parameters}
-    arguments: Dict[str, Any] = {}
-    for key, text in command.parameters:
-        if key not in known:
-            raise WrongAction(key, f'{spec.action_type} has no parameter {key[:40]!r}')
-        value = _value(known[key], text)
-        known[key].check(value)
-        arguments[key] = value
-    for key, parameter in known.items():
-        if key not in arguments and not parameter.optional:
-            raise WrongAction(key, f'{spec.action_type} needs the parameter {key}')
-        arguments.setdefault(key, parameter.default)
-    return arguments
+    types = {parameter.key: parameter.type for parameter in spec.parameters}
+    given = {key: _value(types.get(key, 'STRING'), text) for key, text in command.parameters}
+    spec.check_arguments(given)
+    return spec.with_defaults(given)
 
 
-def _value(parameter: Parameter, text: str) -> Any:
-    """The value that a text means; the text itself if it is not of the parameter's type."""
-    if parameter.type == 'STRING':
+def _value(type_name: str, text: str) -> Any:
+    """The value that a text means; the text itself if it is not of that type."""
+    if type_name == 'STRING':
         return text
-    if parameter.type == 'BOOL':
+    if type_name == 'BOOL':
         return {'true': True, 'false': False}.get(text.lower(), text)
     number = _number(text)
-    return text if number is None else parameter.value_of(number)
+    return text if number is None else number
 
 
 def _number(text: str) -> Optional[float]:
