@@ -156,9 +156,12 @@ function edgesTyped() {
 }
 
 function showAlarms() {
-  const alarms = all('robot:').filter(([, robot]) => NEEDS_PERSON.includes(robot.outage) || robot.state === 'UNKNOWN' ||
-    (robot.outage === 'SILENT' && robot.mission)).map(([name, robot]) => ({ name, outage: robot.state === 'UNKNOWN' ? 'NEVER_HEARD' : robot.outage, why: outageWords(robot) }));
-  showRows($('alarms').querySelector('ul'), alarms, alarm => alarm.name, alarm => make('li', {}, make('b', {}, alarm.name), ` ${alarm.why} `, make('span', {}, `→ ${t(`todo_${alarm.outage}`)}`)), language);
+  const robots = all('robot:').filter(([, robot]) => NEEDS_PERSON.includes(robot.outage) || robot.state === 'UNKNOWN' || (robot.outage === 'SILENT' && robot.mission))
+    .map(([name, robot]) => ({ name, why: outageWords(robot), todo: `→ ${t(`todo_${robot.state === 'UNKNOWN' ? 'NEVER_HEARD' : robot.outage}`)}` }));
+  const missions = all('mission:').filter(([, mission]) => mission.state === 'NEEDS_PERSON')
+    .map(([, mission]) => ({ name: `${t('mission')} ${mission.id}`, why: `${mission.robot}: ${said(mission.reason)}`, todo: '' }));
+  const alarms = [...robots, ...missions];
+  showRows($('alarms').querySelector('ul'), alarms, alarm => alarm.name, alarm => make('li', {}, make('b', {}, alarm.name), ` ${alarm.why} `, make('span', {}, alarm.todo)), language);
   $('alarms').hidden = !alarms.length || !me.role;
 }
 

@@ -113,6 +113,26 @@ def test_a_stopped_fleet_says_so_until_it_goes_on(window, served):
     window.wait(lambda: 'under way 7' in window.text('#open'))
 
 
+ASKS = 'needs an answer: no pallet. Say `mission answer 7 retry|skip|fail|done`'
+
+
+def test_a_mission_that_needs_a_person_is_told_above_the_lists_until_it_goes_on(window, served):
+    served.do(lambda: served.page.take_status(status(
+        7, 'NEEDS_PERSON', reason=f'step 1 (pick) of stop 2 {ASKS}')))
+    window.wait(lambda: f'Mission 7 a: step 1 (pick) of stop 2 {ASKS}' in window.text('#alarms'))
+    stop_the_fleet(window, served)
+    window.wait(lambda: 'needs a person 7' in window.text('#open'))
+    window.picture('needs_person_stopped')
+    window.script("document.getElementById('language').value = 'de';"
+                  "document.getElementById('language').dispatchEvent(new Event('change'))")
+    window.wait(lambda: 'Auftrag 7 a: Schritt 1 (pick) der Station 2 braucht eine Antwort: no '
+                        'pallet.' in window.text('#alarms'))
+    window.script('localStorage.clear()')
+    served.do(lambda: served.page.take_status(status(7)))
+    window.wait(lambda: 'Auftrag 7' not in window.text('#alarms'))
+    assert 'wheel blocked' in window.text('#alarms')
+
+
 def test_the_stop_is_told_after_a_reload_and_in_a_second_window_and_while_the_manager_is_dead(
         window, served):
     stop_the_fleet(window, served)

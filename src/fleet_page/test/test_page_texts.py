@@ -65,22 +65,27 @@ def said_by_the_fleet_manager():
     """All texts in its sources and in the page's commands, with {} for inserted values."""
     packages = Path(__file__).parents[2]
     paths = [*packages.glob('fleet_core/src/*/supervision/*.py'),
+             *packages.glob('fleet_core/src/*/work/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
              *packages.glob('fleet_page/src/*/nodes/fleet_commands.py'),
              *packages.glob('fleet_requests/src/*/*.py')]
-    texts = []
-    for path in paths:
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.JoinedStr):
-                texts.append(''.join(part.value if isinstance(part, ast.Constant) else '{}'
-                                     for part in node.values))
-            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-                texts.append(node.value)
-    return '\n'.join(texts)
+    return '\n'.join(text for path in paths for text in texts_in(ast.parse(path.read_text())))
+
+
+def texts_in(tree):
+    """All texts in Python code, with {} for inserted values, and the parts between these."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.JoinedStr):
+            yield ''.join(part.value if isinstance(part, ast.Constant) else '{}'
+                          for part in node.values)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
 
 
 PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by',
-                'words_closed', 'words_fleet_goes_on', 'words_too_near')
+                'words_closed', 'words_fleet_goes_on', 'words_too_near', 'words_step_person',
+                'words_step_program', 'words_unload', 'words_unload_unknown', 'words_laden',
+                'words_laden_unknown')
 
 
 def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
@@ -88,6 +93,24 @@ def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
     missing = {key: text for key, text in TABLES['en'].items() if key.startswith('words_')
                and re.sub(r'\{\w+\}', '{}', text) not in said}
     assert missing.keys() <= set(PUT_TOGETHER), missing
+
+
+@pytest.mark.parametrize('file, name', [
+    ('fleet_view', '_waits_for'), ('work_desk', 'waits_for'), ('work_desk', '_words'),
+    ('work_desk', '_show'), ('mission_book', '_waits_for'), ('mission_book', '_is_over')])
+def test_every_reason_to_wait_or_to_end_is_translated(file, name):
+    path = Path(__file__).parents[2] / f'fleet_core/src/fleet_core/supervision/{file}.py'
+    known = '\n'.join(re.sub(r'\{\w+\}|loaded', '{}', text) for key, text in TABLES['en'].items()
+                      if key.startswith('words_'))
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            node.body = node.body[1:] if ast.get_docstring(node) else node.body
+            strange = {text for text in texts_in(node)
+                       if ' ' in text.strip() and text.strip().replace('){}', ')') not in known
+                       and re.sub(r'\{\}$', '', text) not in known}
+            assert strange == set()
+            return
+    pytest.fail(f'{path} has no function {name}')
 
 
 @pytest.mark.parametrize('outage', Outage)
