@@ -872,6 +872,8 @@ class Yard:
         ahead, is_inside = robot.master.protocol.ahead, vehicle.edge in (its, self._turned(its))
         follows = (self._edges[ahead[-1]].destination == its.origin if ahead
                    else vehicle.place == its.origin or is_inside)
+        # another giver moved it since its last report: it refuses the order
+        was_moved = vehicle.moved_since >= robot.master.protocol.report
         for wrong, what in (
                 (site.is_stopped, 'the fleet is stopped'),
                 (site.trouble, 'the disk cannot be written'),
@@ -882,9 +884,9 @@ class Yard:
                 (any(self._allocations[one].knowledge is Knowledge.UNKNOWN for one in others),
                  'another robot may be anywhere'),
                 (any(self._exclude(own, one) for one in others), 'another robot is too near'),
-                (abs(edge) in self.closed and not is_inside, 'the edge is closed'),
-                (not follows and vehicle.moved_since < robot.master.protocol.report,
-                 'it does not lead there')):
+                (abs(edge) in self.closed and not is_inside and not was_moved,
+                 'the edge is closed'),
+                (not follows and not was_moved, 'it does not lead there')):
             if wrong:
                 return f'GRANTED: {robot.name} is granted {edge}, but {what}'
         return ''
