@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, corridor, with_docks
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.stops_file import load_stops
@@ -69,6 +69,17 @@ def test_only_a_stop_of_on_cancel_has_a_condition(condition):
     check_stops((WorkStop(1),), (stop,))
     with pytest.raises(WrongStops, match='stop 2 has a condition'):
         check_stops((WorkStop(1), stop), ())
+
+
+def test_a_robot_that_may_not_be_sent_to_a_dock_of_on_cancel_does_not_serve_the_mission():
+    acceptance = Acceptance(with_docks(corridor(5), 5), {
+        'a': AGV, 'b': replace(AGV, name='b', docks=frozenset())})
+    stops, away = (WorkStop(2),), (WorkStop(5, condition=Condition.LOADED),)
+    request = Request(1, (2,), dwells=(-1.0,), stops=stops)
+    assert acceptance.robots_for(request) == ('a', 'b')
+    assert acceptance.robots_for(replace(request, on_cancel=away)) == ('a',)
+    with pytest.raises(RequestRefused, match='no such robot may be sent to its dock'):
+        acceptance.check(replace(request, on_cancel=away, robot='b'))
 
 
 def test_a_robot_stays_where_it_has_to_work_and_at_the_last_stop():

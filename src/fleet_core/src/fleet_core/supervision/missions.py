@@ -312,7 +312,8 @@ class Acceptance:
     def robots_for(self, request: Request) -> Tuple[str, ...]:
         """The robots that may serve a request, judged by type, name and docks."""
         vertices = self.graph.vertices
-        docks = frozenset(v for v in request.destinations if v in vertices and vertices[v].dock)
+        places = (*request.destinations, *(stop.place for stop in request.on_cancel))
+        docks = frozenset(v for v in places if v in vertices and vertices[v].dock)
         key = request.robot, request.robot_type, docks
         if key not in self.able:
             self.able[key] = tuple(
