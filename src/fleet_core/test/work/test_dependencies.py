@@ -7,7 +7,7 @@ from typing import Dict, Iterator, List, Tuple
 import pytest
 from fleet_builders import AGV, corridor
 
-from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.mission_book import MOST_AFTER, MOST_OPEN, MissionBook
 from fleet_core.supervision.missions import Acceptance, MissionState, Request, RequestRefused
 from fleet_core.work.dependencies import Dependency, Until
 
@@ -97,3 +97,34 @@ def test_a_request_that_could_not_be_stored_waits_for_nothing():
     book.withdraw(book.find(2), None)
     book.set(book.find(1), MissionState.SUCCEEDED)
     assert book.find(2) is None and not open_of(book)
+
+
+@pytest.mark.parametrize('untils', product(Until, repeat=3))
+@pytest.mark.parametrize('end', ENDS)
+def test_a_mission_that_is_named_several_times_is_waited_for_as_if_it_were_named_by_all_once(
+        untils, end):
+    book = MissionBook()
+    accept(book, 1, ())
+    accept(book, 2, tuple(Dependency(1, until) for until in untils))
+    book.set(book.find(1), end)
+    fails = end is MissionState.CANCELLED and Until.DONE in untils
+    assert book.find(2).state is (MissionState.FAILED if fails else MissionState.PENDING)
+
+
+@pytest.mark.parametrize('end, state', [
+    (MissionState.CANCELLED, MissionState.FAILED), (MissionState.SUCCEEDED, MissionState.BLOCKED)])
+def test_a_chain_of_all_open_missions_ends_as_its_first_mission_does(end, state):
+    book = MissionBook()
+    accept(book, 1, ())
+    for id in range(2, MOST_OPEN + 1):
+        accept(book, id, (Dependency(id - 1),))
+    book.set(book.find(1), end)
+    assert book.find(MOST_OPEN).state is state
+
+
+def test_a_mission_comes_after_a_limited_number_of_missions():
+    book = MissionBook()
+    accept(book, 1, ())
+    assert accept(book, 2, (Dependency(1),) * MOST_AFTER)
+    with pytest.raises(RequestRefused, match='after more than 100 missions'):
+        book.add(Request(3, (2,), after=(Dependency(1),) * (MOST_AFTER + 1)), ACCEPTANCE)

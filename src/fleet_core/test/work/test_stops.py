@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, corridor, with_docks
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.stops_file import load_stops
@@ -12,6 +12,7 @@ from fleet_core.supervision.missions import Acceptance, Request, RequestRefused
 from fleet_core.work.stops import (
     LONGEST_TIMEOUT,
     MOST_STEPS,
+    MOST_STOPS,
     Actor,
     Condition,
     LoadEffect,
@@ -54,6 +55,31 @@ def test_a_step_that_makes_no_sense_is_refused_by_its_place(changes, told):
 def test_a_stop_has_a_limited_number_of_steps():
     with pytest.raises(WrongStops, match=f'stop 1 has more than {MOST_STEPS} steps'):
         check_stops((WorkStop(1, steps=(STEP,) * (MOST_STEPS + 1)),), ())
+
+
+def test_a_mission_has_a_limited_number_of_stops():
+    check_stops((WorkStop(1),) * (MOST_STOPS - 1), (WorkStop(1),))
+    with pytest.raises(WrongStops, match=f'more than {MOST_STOPS} stops'):
+        check_stops((WorkStop(1),) * MOST_STOPS, (WorkStop(1),))
+
+
+@pytest.mark.parametrize('condition', [Condition.LOADED, Condition.EMPTY])
+def test_only_a_stop_of_on_cancel_has_a_condition(condition):
+    stop = WorkStop(1, condition=condition)
+    check_stops((WorkStop(1),), (stop,))
+    with pytest.raises(WrongStops, match='stop 2 has a condition'):
+        check_stops((WorkStop(1), stop), ())
+
+
+def test_a_robot_that_may_not_be_sent_to_a_dock_of_on_cancel_does_not_serve_the_mission():
+    acceptance = Acceptance(with_docks(corridor(5), 5), {
+        'a': AGV, 'b': replace(AGV, name='b', docks=frozenset())})
+    stops, away = (WorkStop(2),), (WorkStop(5, condition=Condition.LOADED),)
+    request = Request(1, (2,), dwells=(-1.0,), stops=stops)
+    assert acceptance.robots_for(request) == ('a', 'b')
+    assert acceptance.robots_for(replace(request, on_cancel=away)) == ('a',)
+    with pytest.raises(RequestRefused, match='no such robot may be sent to its dock'):
+        acceptance.check(replace(request, on_cancel=away, robot='b'))
 
 
 def test_a_robot_stays_where_it_has_to_work_and_at_the_last_stop():

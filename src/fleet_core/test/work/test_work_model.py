@@ -22,6 +22,7 @@ from fleet_core.work.stops import (
     WorkStop as Stop,
 )
 from fleet_core.work.tables import LOAD, STEP, STOP, StepState, StopState
+from fleet_core.work.work import Ending, StopProgress
 from route_protocol import steps
 from route_protocol.steps import ActorState, Reaction, Word
 
@@ -59,6 +60,11 @@ BOUNDS = {
         (Stop(10, steps=(NONE,)), Stop(20, steps=(step('h'),))), driver=0, timeout=0, words=KNOWN),
     'a robot that is moved': Bounds((Stop(10, steps=(step('a'),)),), moved=1, cancel=0, driver=0,
                                     words=KNOWN),
+    'a mission that becomes impossible': Bounds(
+        (Stop(10, steps=(TAKE,)),), AWAY, fail=1, driver=0, timeout=0, words=KNOWN),
+    'a robot that has worked before': Bounds(
+        (Stop(10, steps=(step('a', on_failure=Policy.RETRY, retries=1),)),), last=5, cancel=0,
+        driver=0, words=KNOWN),
     'a person': Bounds((Stop(10, steps=(step('p', actor=Actor.PERSON),)),), manager=0),
 }
 if LONG:
@@ -68,7 +74,7 @@ if LONG:
         'a harmless step, and all faults': Bounds(
             (Stop(10, steps=(step('a', on_failure=Policy.RETRY, retries=1, harmless=True),)),)),
         'two steps, and all faults': Bounds((Stop(10, steps=(NONE, step('h'))),)),
-        'three orders': Bounds((Stop(10, steps=(step('a'),)),), keys=3, manager=0),
+        'three orders': Bounds((Stop(10, steps=(step('a'),)),), orders=3, manager=0),
         'a step that is broken off, and all faults': Bounds(
             (Stop(10, steps=(step('a', on_failure=Policy.FAIL, breakable=True),)),)),
     })
@@ -108,8 +114,23 @@ def _load_stays(situation, place, key, run, now):
     return _BEGIN(situation, place, key, run, now)._replace(load=situation.load)
 
 
+def _fails_at_once(situation, reason):
+    return situation._replace(work=steps.replace(
+        situation.work, ending=Ending.FAIL, is_cut=True, progress=tuple(
+            StopProgress(StopState.FAILED, tuple(
+                steps.replace(own, state=StepState.CANCELLED) for own in stop.steps))
+            for stop in situation.work.progress)))
+
+
 _OBEY, _BEGIN = ActorState.obey, rules.begin
 GUARDS = {
+    'a step has a key of its own': (
+        rules, 'next_key', lambda work, last, now: last + 1, 'a load'),
+    'a key is above all that the robot has taken': (
+        rules, 'next_key', lambda work, last, now: max(own.key + 1 for _, _, own in work.steps),
+        'a robot that has worked before'),
+    'a mission that has become impossible ends its steps first': (
+        rules, 'fail', _fails_at_once, 'a mission that becomes impossible'),
     'a key is taken once': (
         ActorState, 'obey', _takes_old_keys, 'a step'),
     'a command of an earlier run is ignored': (

@@ -39,13 +39,14 @@ class Body(NamedTuple):
 class State(NamedTuple):
     """The whole world. `memory` is the manager's, `disk` what it has stored.
 
+    orders -- number of orders of steps
     bodies -- by the type of a step, which only one step has
     place  -- vertex at which the robot stands
     """
 
     memory: Situation
     disk: Situation
-    key: int
+    orders: int
     known: Optional[StepReport]
     actor: ActorState
     bodies: Tuple[Tuple[str, Body], ...]
@@ -67,14 +68,16 @@ class State(NamedTuple):
         return [step for step, body in self.bodies if body.key]
 
 
-LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved')
+LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'fail')
 
 
 @dataclass(frozen=True)
 class Bounds:
     """How often the manager and the driver restart, a time is over, a person cancels or moves.
 
-    keys -- how many orders of steps there may be
+    fail   -- how often the mission becomes impossible
+    orders -- how many orders of steps there may be
+    last   -- the highest key that the robot has taken for other missions
     """
 
     stops: Tuple[WorkStop, ...]
@@ -84,7 +87,9 @@ class Bounds:
     timeout: int = 1
     cancel: int = 1
     moved: int = 0
-    keys: int = 2
+    fail: int = 0
+    orders: int = 2
+    last: int = 0
     words: Tuple[Word, ...] = (Word.DONE, Word.FAILED, Word.UNKNOWN)
     sends_unstored: bool = False
 
@@ -95,7 +100,7 @@ class Bounds:
     @property
     def begin(self) -> State:
         situation = Situation(SERIAL, work_of(self.stops, self.on_cancel))
-        actor, report = ActorState(1).report()
+        actor, report = ActorState(1, self.last).report()
         return State(situation, situation, 0, None, actor,
                      tuple((step, Body()) for step in self.steps), 0, AWAY, frozenset(),
                      (report,), tuple(getattr(self, name) for name in LIMITS))
@@ -169,7 +174,7 @@ def search(bounds: Bounds, live: bool = False) -> Found:
         number += 1
     if live:
         ends = [k for k, state in enumerate(visited.states)
-                if rules.phase_of(state.disk) in FINAL or state.key == bounds.keys]
+                if rules.phase_of(state.disk) in FINAL or state.orders == bounds.orders]
         reached = set(ends)
         while ends:
             new = {k for k in before[ends.pop()] if k not in reached}
@@ -219,12 +224,13 @@ def _manager(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
         yield 'the manager looks where the robot is', state._replace(memory=after)
         return
     place = rules.due_step(memory, where)
-    if place is not None and state.key < bounds.keys and (
+    if place is not None and state.orders < bounds.orders and (
             state.known is not None or memory.work.step(place).actor is not Actor.ROBOT):
-        run = state.known.run if state.known is not None else 0
-        begun = rules.begin(memory, place, state.key + 1, run, 0)
-        yield (f'the manager begins {memory.work.step(place).type}',
-               state._replace(memory=begun, key=state.key + 1))
+        run, last = (0, 0) if state.known is None else (state.known.run, state.known.last)
+        key = rules.next_key(memory.work, last, 0)  # its clock does not go on
+        yield (f'the manager begins {memory.work.step(place).type} under key {key}',
+               state._replace(memory=rules.begin(memory, place, key, run, 0),
+                              orders=state.orders + 1))
     if state.known is not None:
         source = state.memory if bounds.sends_unstored else state.disk
         sent = state.sent | set(rules.commands(source.work, state.known))
@@ -362,6 +368,8 @@ def _limited(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
                 yield once('timeout', state._replace(memory=after))
     if left['cancel']:
         yield once('cancel', state._replace(memory=rules.cancel(state.memory)))
+    if left['fail']:
+        yield once('fail', state._replace(memory=rules.fail(state.memory, 'no way')))
     if left['moved'] and state.place != AWAY:
         yield once('moved', state._replace(place=AWAY))
 

@@ -27,7 +27,7 @@ from fleet_core.work.stops import (
 )
 from fleet_core.work.tables import LoadState
 from fleet_simulation.agv.steps import SimulatedSteps
-from route_protocol.steps import Word
+from route_protocol.steps import MOST_KEY, StepAct, StepCommand, Word
 from world.supervised_fleet import SupervisedFleet
 
 TAKE = Step('take', 60.0, load=LoadEffect.TAKES)
@@ -323,6 +323,146 @@ def test_a_command_that_does_not_fit_is_answered(command, told):
     else:
         fleet.command(1, command)
     assert any(told in text for text in fleet.notes)
+
+
+def test_a_clean_up_passes_its_stops_without_steps():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(GIVE,)),
+               on_cancel=(Stop(5), Stop(8, steps=(GIVE,))))
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    fleet.command(1, CommandKind.CANCEL)
+    fleet.run_until_done(1, limit=120.0)
+    assert fleet.state(1) is MissionState.CANCELLED and fleet.done() == ['take', 'give']
+
+
+@pytest.mark.parametrize('is_paused', [False, True])
+def test_a_mission_that_a_new_graph_makes_impossible_fails_when_its_step_has_ended(is_paused):
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(2, steps=(Step('work', 900.0, (('seconds', '60'),)),)), Stop(8))
+    fleet.run_until(lambda: fleet.steps['a'].running)
+    if is_paused:
+        fleet.command(1, CommandKind.PAUSE)
+    fleet.restart(corridor(7))
+    fleet.request(2, 5)
+    fleet.run_until(lambda: not fleet.state(1).is_open)
+    assert fleet.state(1) is MissionState.FAILED and 'vertex 8' in fleet.reason(1)
+    assert fleet.done() == ['work'] and fleet.agvs['a'].visited == [1, 2]
+    fleet.run_until_done(2)
+
+
+@pytest.mark.parametrize('event', ['the fleet is stopped', 'the robot is taken out of service'])
+def test_a_step_that_was_ordered_does_not_begin_after(event):
+    fleet = WorkingFleet()
+    steps, lost = fleet.steps['a'], []
+    receive, steps.receive = steps.receive, lost.append
+    fleet.send(1, Stop(1, steps=(Step('work', 60.0),)))
+    fleet.run_until(lambda: lost)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now) if 'fleet' in event
+             else fleet.supervisor.take_out('a', fleet.now))
+    steps.receive = receive
+    fleet.run(10.0)
+    assert not steps.running and not steps.done
+    if 'fleet' in event:
+        fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    else:
+        assert not fleet.bring_in('a')
+    fleet.run_until_done(1)
+    assert fleet.done() == ['work']
+
+
+def test_a_mission_whose_first_step_was_done_by_one_robot_is_not_begun_by_another():
+    fleet = WorkingFleet('a', 'b')
+    open_it = Step('open', 60.0, when=When.BEFORE_ENTRY, blocking=StepBlocking.NONE)
+    fleet.send(1, Stop(4, steps=(open_it, Step('work', 60.0))))
+    fleet.run_until(lambda: fleet.done('a') == ['open'])
+    fleet.run(1.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    assert fleet.state(1) is MissionState.FAILED
+    fleet.run(20.0)
+    assert fleet.done('b') == []
+
+
+def test_a_mission_without_steps_stays_with_the_robot_that_carries_its_load():
+    fleet = WorkingFleet('a', 'b')
+    fleet.request(1, 4)
+    fleet.run_until(lambda: fleet.robot_of(1))
+    name = fleet.robot_of(1)
+    assert not fleet.set_load(name, 1)
+    fleet.do(fleet.supervisor.take_out(name, fleet.now))
+    fleet.run(30.0)
+    assert fleet.robot_of(1) == name and fleet.state(1).is_open
+
+
+# -- keys -----------------------------------------------------------------------------------------
+
+
+def worked_before(fleet: WorkingFleet, name: str, key: int, *, runs: bool = False) -> None:
+    """The robot has taken a step of another fleet manager, which may still run."""
+    steps = fleet.steps[name]
+    seconds = '30' if runs else '0'
+    steps.receive(StepCommand(key, StepAct.DO, 1, 'other', (('seconds', seconds),)))
+    if not runs:
+        steps.advance(0.0)
+
+
+def test_a_clock_that_was_set_back_repeats_no_key():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(2, steps=(Step('one', 60.0),)))
+    fleet.run_until_done(1)
+    fleet.disk._clock = lambda: 1e6 + fleet.now
+    fleet.restart()
+    fleet.send(2, Stop(3, steps=(Step('two', 6e5), Step('three', 6e5))))
+    fleet.run_until_done(2)
+    assert fleet.state(2) is MissionState.SUCCEEDED and fleet.done() == ['one', 'two', 'three']
+
+
+@pytest.mark.parametrize('last', [MOST_KEY, 2 ** 63, 2 ** 64 - 1])
+def test_a_robot_whose_keys_are_used_up_hinders_no_other_and_gets_keys_when_it_restarts(last):
+    fleet = WorkingFleet('a', 'b')
+    worked_before(fleet, 'a', last)
+    fleet.run(2.0)
+    assert not fleet.set_load('a')
+    fleet.send(1, Stop(1, steps=(Step('by hand', 6e5, actor=Actor.PERSON), Step('one', 60.0))),
+               robot='a')
+    fleet.send(2, Stop(8, steps=(Step('two', 60.0),)), robot='b')
+    fleet.run_until_done(2)
+    fleet.answer(1, StepDecision.DONE)
+    fleet.run(5.0)
+    assert fleet.state(1) is MissionState.ACTIVE and 'restart the program' in fleet.reason(1)
+    fleet.steps['a'].restart()
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_a_robot_that_has_worked_since_the_journal_was_kept_needs_a_person_once():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(1, steps=(Step('work', 60.0),)), Stop(4))
+    fleet.run(0.3)
+    worked_before(fleet, 'a', int(3e12))
+    fleet.restart()
+    fleet.run(5.0)
+    assert fleet.state(1) is MissionState.FAILED and 'journal is older' in fleet.reason(1)
+    assert fleet.load() is LoadState.UNKNOWN
+    assert not fleet.set_load('a')
+    fleet.restart()
+    fleet.run(5.0)
+    assert fleet.load() is LoadState.EMPTY
+
+
+@pytest.mark.parametrize('steps, done', [((Step('work', 60.0),), ['other', 'work']),
+                                         ((), ['other'])])
+def test_a_robot_stands_while_it_carries_out_a_step_of_another_fleet_manager(steps, done):
+    fleet = WorkingFleet()
+    worked_before(fleet, 'a', 5, runs=True)
+    fleet.run(2.0)
+    assert not fleet.set_load('a')
+    fleet.send(1, Stop(1, steps=steps), Stop(3))
+    fleet.run(20.0)
+    assert fleet.steps['a'].running == ('other',) and fleet.agvs['a'].visited == [1]
+    assert 'does not know' in fleet.reason(1) or not steps
+    assert 'does not know' in robot_views(fleet.supervisor, fleet.now)[0].waits_for
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED and fleet.done() == done
 
 
 def test_without_its_gate_a_robot_enters_a_stop_before_the_step_has_ended(monkeypatch):

@@ -25,6 +25,7 @@ from enum import Enum, IntEnum
 from typing import NamedTuple, Optional, Tuple
 
 KEPT = 20  # number of ended steps that a robot shows
+MOST_KEY = 2 ** 53 - 1  # the highest key: every reader of messages and of JSON can hold it
 
 
 class StepAct(IntEnum):

@@ -18,6 +18,7 @@ from fleet_core.supervision.pending_missions import PendingMissions
 from fleet_core.work.dependencies import Dependency, Until
 
 MOST_OPEN = 5000   # number of open missions; more are a mistake, and would delay what is urgent
+MOST_AFTER = 100   # number of missions after which one mission may come
 REMEMBERED = 1000  # number of ended missions whose ids are known as repeats
 
 
@@ -39,7 +40,8 @@ class MissionBook:
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and published."""
         self._begun_stays: Set[int] = set()
-        self._waiting: Dict[int, Mission] = {}  # missions that wait for others, by serial
+        self._followers: Dict[int, List[Mission]] = {}
+        """Missions that wait for others, by the serial of each mission for which they wait."""
         for mission in missions:
             mission.stored = mission.status
             mission.stays_since = (stays or {}).get(mission.serial)
@@ -50,8 +52,7 @@ class MissionBook:
                     self.pending.add(mission)
                 if mission.robot:
                     self._by_robot[mission.robot] = mission
-                if mission.request.after:
-                    self._waiting[mission.serial] = mission
+                self._let_wait(mission)
             else:
                 self._ended.append(mission)
 
@@ -109,7 +110,7 @@ class MissionBook:
         self._by_serial[mission.serial] = self._last[request.id] = mission
         if request.after:
             mission.state, mission.reason = MissionState.BLOCKED, _waits_for(request)
-            self._waiting[mission.serial] = mission
+            self._let_wait(mission)
         else:
             self.pending.add(mission)
         self.changed.add(mission.serial)
@@ -121,6 +122,8 @@ class MissionBook:
         All of them were accepted before, so no ring of missions waits for each other.
         """
         found: List[Dependency] = []
+        if len(request.after) > MOST_AFTER:
+            raise RequestRefused(f'it comes after more than {MOST_AFTER} missions')
         for one in request.after:
             other = self._last.get(one.mission)
             if other is None:
@@ -132,31 +135,41 @@ class MissionBook:
                                      f'{other.state.name}')
         return tuple(found)
 
-    def _let_follow(self, ended: Mission) -> None:
-        """A mission has ended: missions that wait for it go on, or have failed."""
-        for mission in list(self._waiting.values()):
-            for one in mission.request.after:
-                if one.serial == ended.serial and mission.state.is_open:
-                    self._is_over(mission, one, ended)
+    def _let_wait(self, mission: Mission) -> None:
+        for serial in {one.serial for one in mission.request.after}:
+            self._followers.setdefault(serial, []).append(mission)
 
-    def _is_over(self, mission: Mission, one: Dependency, ended: Mission) -> None:
-        if not _is_met(one, ended):
-            self.set(mission, MissionState.FAILED, f'it comes after mission {one.mission}, which '
-                                                   f'has ended: {ended.state.name}')
+    def _let_follow(self, mission: Mission) -> None:
+        """A mission has ended: missions that wait for it go on, or have failed as well.
+
+        A chain of them may be longer than Python lets functions call each other.
+        """
+        ended = deque((mission,))
+        while ended:
+            before = ended.popleft()
+            for follower in self._followers.pop(before.serial, ()):
+                if self.is_open(follower.serial):
+                    self._is_over(follower, before)
+                    if not follower.state.is_open:
+                        ended.append(follower)
+
+    def _is_over(self, mission: Mission, ended: Mission) -> None:
+        """One of the missions for which a mission waits has ended."""
+        after = mission.request.after
+        if not all(_is_met(one, ended) for one in after if one.serial == ended.serial):
+            self._set(mission, MissionState.FAILED, f'it comes after mission {ended.request.id}, '
+                                                    f'which has ended: {ended.state.name}')
             return
-        after = tuple(other for other in mission.request.after if other != one)
+        after = tuple(one for one in after if one.serial != ended.serial)
         mission.request = replace(mission.request, after=after)
         self.changed.add(mission.serial)
-        if not after:
-            del self._waiting[mission.serial]
         if mission.state is MissionState.BLOCKED:
-            self.set(mission, MissionState.BLOCKED if after else MissionState.PENDING,
-                     _waits_for(mission.request))
+            self._set(mission, MissionState.BLOCKED if after else MissionState.PENDING,
+                      _waits_for(mission.request))
 
     def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
         """Removes a mission that could not be stored. `before` is the last mission with its id."""
         self.changed.discard(mission.serial)
-        self._waiting.pop(mission.serial, None)
         del self._by_serial[mission.serial]
         if mission in self.pending:
             self.pending.remove(mission)
@@ -167,6 +180,13 @@ class MissionBook:
     def set(self, mission: Mission, state: MissionState, reason: str = '',
             robot: Optional[str] = None) -> None:
         """Changes a mission. A mission that has ended does not change any more."""
+        was_open = mission.state.is_open
+        self._set(mission, state, reason, robot)
+        if was_open and not state.is_open:
+            self._let_follow(mission)
+
+    def _set(self, mission: Mission, state: MissionState, reason: str,
+             robot: Optional[str] = None) -> None:
         if not mission.state.is_open:
             return
         robot = mission.robot if robot is None else robot
@@ -180,9 +200,6 @@ class MissionBook:
             (self.pending.add if state is MissionState.PENDING else self.pending.remove)(mission)
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
-        if not state.is_open:
-            self._waiting.pop(mission.serial, None)
-            self._let_follow(mission)
 
     def change(self, mission: Mission, change: MissionChange) -> None:
         """Changes the priority, and the destinations from now on."""

@@ -66,7 +66,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     reason = f'{robot.name}: {robot.why or robot.outage.value}'
     if not robot.outage.needs_person or mission.is_bound:
         book.set(mission, mission.state, reason)
-    elif mission.reached or mission.stays_since is not None:
+    elif mission.reached or mission.stays_since is not None or mission.has_worked:
         book.set(mission, MissionState.FAILED, reason)
     elif mission.state is MissionState.CANCELLING:
         book.set(mission, MissionState.CANCELLED, reason)

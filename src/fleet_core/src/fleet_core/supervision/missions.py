@@ -160,6 +160,7 @@ class Mission:
     changed_by  -- name of the giver of changes that are not stored yet; empty: none, or not given
     is_held     -- its robot stands, because of what the `WorkDesk` knows of its steps
     is_bound    -- its robot may carry its load, so no other robot may serve it
+    has_worked  -- a step of it was ordered, so it has begun
     asks        -- key of the step that waits for an answer; 0: none does
     """
 
@@ -175,6 +176,7 @@ class Mission:
     changed_by: str = ''
     is_held: bool = False
     is_bound: bool = False
+    has_worked: bool = False
     asks: int = 0
 
     @property
@@ -312,7 +314,8 @@ class Acceptance:
     def robots_for(self, request: Request) -> Tuple[str, ...]:
         """The robots that may serve a request, judged by type, name and docks."""
         vertices = self.graph.vertices
-        docks = frozenset(v for v in request.destinations if v in vertices and vertices[v].dock)
+        places = (*request.destinations, *(stop.place for stop in request.on_cancel))
+        docks = frozenset(v for v in places if v in vertices and vertices[v].dock)
         key = request.robot, request.robot_type, docks
         if key not in self.able:
             self.able[key] = tuple(

@@ -16,7 +16,7 @@ from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.robots import ManagedRobot
-from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two attempts to write while writing fails
@@ -126,8 +126,8 @@ class Outbox:
             return
         self._stale.update(self._interlocking.to_store)
         missions, stays = self._book.changes, self._book.new_stays(now)
-        values = dict(self._values)
         works, loads = self._desk.changes
+        values = {**self._values, **({NEWEST_STEP: self._desk.newest} if works or loads else {})}
         try:
             self._journal.store(missions, {name: self._memory(name)
                                            for name in sorted(self._stale)}, values, self._graph,

@@ -58,7 +58,7 @@ from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.waiting_missions import WaitingMissions
-from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from route_protocol.messages import WrongReport
 from route_protocol.steps import StepReport
 from route_protocol.values import EpochCause
@@ -111,7 +111,7 @@ class Supervisor:
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
-                             journal.milliseconds)
+                             journal.value(NEWEST_STEP), journal.milliseconds)
         self._waiting = WaitingMissions(self.book, self.robots, lambda: self.desk.laden)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
         self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
@@ -136,7 +136,8 @@ class Supervisor:
         if not is_same:
             self._keep_graph(graph)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
-            self.book.set(mission, MissionState.FAILED, why)
+            if not self.desk.fail(mission, why):
+                self.book.set(mission, MissionState.FAILED, why)
 
     @property
     def network(self) -> RoadNetwork:

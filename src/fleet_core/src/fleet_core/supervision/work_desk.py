@@ -5,6 +5,7 @@ the rules where a robot is, lets the mission follow its work, and closes the rob
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from typing import AbstractSet, Callable, Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
@@ -15,15 +16,21 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
 from fleet_core.work.stops import Actor, dwells_of
-from fleet_core.work.tables import LoadState, StepState
+from fleet_core.work.tables import LOAD, LoadEvent, LoadState, StepState, after
 from fleet_core.work.work import Ending, RobotLoad, Situation, Work, work_of
-from route_protocol.steps import StepReport
+from route_protocol.steps import MOST_KEY, StepAct, StepReport
 
+NEWEST_STEP = 'newest_step'  # name in the journal of the highest key of a step that is known
 REPEAT = 0.5  # s between two commands for a step that the robot has not shown
 
 _BY: Mapping[Actor, str] = {
     Actor.ROBOT: '', Actor.PERSON: ' by a person: say `mission answer {} done`',
     Actor.OUTSIDE: ' by a program: it says `mission answer {} done`'}
+_SHOWS_NONE = 'a step is due, but {} shows no steps: is the program running that carries them out?'
+_NO_KEY_LEFT = ('a step is due, but {} shows a step with a key above all that a fleet manager '
+                'gives: restart the program that carries out its steps')
+_STRANGE = ('the end of a step that the fleet manager does not know. If it does not end, restart '
+            'the program that carries it out')
 _STATES: Mapping[WorkPhase, MissionState] = {
     WorkPhase.ACTIVE: MissionState.ACTIVE, WorkPhase.CANCELLING: MissionState.CANCELLING,
     WorkPhase.NEEDS_PERSON: MissionState.NEEDS_PERSON, WorkPhase.SUCCEEDED: MissionState.SUCCEEDED,
@@ -35,25 +42,28 @@ class WorkDesk:
 
     works -- as stored, by the serial of the mission
     loads -- as stored, by the robot's name
+    newest -- the highest key of a step that is known, as stored
     clock -- returns ms since 1970
     """
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
-                 works: Mapping[int, Work], loads: Mapping[str, RobotLoad],
+                 works: Mapping[int, Work], loads: Mapping[str, RobotLoad], newest: int,
                  clock: Callable[[], int]) -> None:
         self._book, self._robots, self._clock = book, robots, clock
         self._works: Dict[int, Work] = dict(works)
         self._loads: Dict[str, RobotLoad] = dict(loads)
         self._stored: Dict[int, Work] = dict(works)
         self._reports: Dict[str, StepReport] = {}
-        self._key = max((own.key for work in works.values() for _, _, own in work.steps),
-                        default=0)
-        self._mute: Set[str] = set()  # robots that are to begin a step but show none
+        self.newest = newest
+        self._strange: Dict[str, FrozenSet[int]] = {}
+        """By robot, keys of running steps that no mission here has ordered."""
+        self._hindered: Dict[str, str] = {}
+        """By robot, why it is not ordered the step that is due, in words."""
         self._changed: Set[int] = set()
         self._changed_loads: Set[str] = set()
-        self._sent: Dict[Tuple[int, int], float] = {}
-        for name, mission in book.serving.items():
-            self._show(name, mission)
+        self._sent: Dict[Tuple[str, int, StepAct], float] = {}
+        for mission in book.serving.values():
+            self._show(mission)
 
     # -- what the fleet has to know ---------------------------------------------------------------
 
@@ -74,7 +84,8 @@ class WorkDesk:
     @property
     def at_work(self) -> AbstractSet[str]:
         """Robots whose motion gate is closed."""
-        return {name for name, work in self._serving() if rules.gate_is_closed(work)}
+        return self._strange.keys() | {
+            name for name, work in self._serving() if rules.gate_is_closed(work)}
 
     @property
     def not_to_enter(self) -> Mapping[str, int]:
@@ -90,6 +101,8 @@ class WorkDesk:
 
     def waits_for(self, name: str, mission: Optional[Mission]) -> str:
         """What a robot waits for because of its work or its load, in words; empty: nothing."""
+        if name in self._strange:
+            return _STRANGE
         if mission is None:
             load = self.load(name)
             if load.state is LoadState.EMPTY:
@@ -114,13 +127,45 @@ class WorkDesk:
 
     def report(self, name: str, report: StepReport) -> bool:
         """Handles a robot's report of its steps. Returns whether it changed anything."""
-        if not report.is_newer_than(self._reports.get(name)):
+        before = self._reports.get(name)
+        if not report.is_newer_than(before):
             return False
         self._reports[name] = report
+        strange = self._note_strange(name, report, before is None)
+        if before is None and report.last > self.newest:
+            self._doubt(name)
         mission = self._book.of_robot(name)
         if mission is None or mission.serial not in self._works:
-            return False
-        return self._use(name, mission, rules.heard(self._situation(name, mission), report))
+            return strange
+        return self._use(mission, rules.heard(self._situation(mission), report)) or strange
+
+    def _note_strange(self, name: str, report: StepReport, is_first: bool) -> bool:
+        """Notes the running steps that no mission here has ordered. Returns whether they changed.
+
+        Such a step was ordered by another fleet manager, or by a mission that this one ended or
+        does not know any more, and is shown by the first report already.
+        """
+        before = self._strange.pop(name, frozenset())
+        running = frozenset(step.key for step in report.steps if not step.word.is_final)
+        if is_first:
+            mission = self._book.of_robot(name)
+            work = None if mission is None else self._works.get(mission.serial)
+            own = () if work is None else (own.key for _, _, own in work.steps)
+            now = running.difference(own)
+        else:
+            now = running & before
+        if now:
+            self._strange[name] = now
+        return now != before
+
+    def _doubt(self, name: str) -> None:
+        """A robot has taken a step that the journal does not know: nobody knows what it carries."""
+        self.newest = max(self.newest, min(self._reports[name].last, MOST_KEY))
+        load = self.load(name)
+        self._put_load(name, replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
+        mission = self._book.of_robot(name)
+        if mission is not None:
+            self.fail(mission, f'the journal is older than a step that {name} has taken')
 
     def go_on(self, may_begin: bool) -> List[str]:
         """Follows all robots with such missions. Returns those for which a step has begun.
@@ -131,43 +176,41 @@ class WorkDesk:
             del self._works[serial]
             self._changed.add(serial)
         return [name for name, mission in (self._book.serving.items() if self._works else ())
-                if mission.serial in self._works and self._follow(name, mission, may_begin)]
+                if mission.serial in self._works and self._follow(mission, may_begin)]
 
-    def _follow(self, name: str, mission: Mission, may_begin: bool) -> bool:
-        robot, situation = self._robots[name], self._situation(name, mission)
+    def _follow(self, mission: Mission, may_begin: bool) -> bool:
+        """Follows one robot. Returns whether a step has begun."""
+        robot, situation = self._robots[mission.robot], self._situation(mission)
         now = self._clock()
-        if situation.work.ending is Ending.NONE:
+        if not situation.work.is_ending:
             situation = rules.passed(situation, mission.reached)
-        after = rules.follow(situation, _where_is(robot, situation.work))
-        after = rules.expire(after, now)
-        where = _where_is(robot, after.work)
-        begins = False
+        followed = rules.expire(rules.follow(situation, _where_is(robot, situation.work)), now)
+        begun = None
         if may_begin and robot.works and mission.state in (
                 MissionState.ACTIVE, MissionState.CANCELLING):
-            place = rules.due_step(after, where)
-            run = None if place is None else self._run_for(name, after.work.step(place).actor)
-            self._set_mute(name, place is not None and run is None)
-            if place is not None and run is not None:
-                self._key = max(now, self._key + 1, self._last_key(name) + 1)
-                after = rules.begin(after, place, self._key, run, now)
-                begins = True
-        if not self._use(name, mission, after):
-            self._show(name, mission)
-        return begins
+            begun = self._begin(robot, followed, now)
+        if not self._use(mission, begun or followed):
+            self._show(mission)
+        return begun is not None
 
-    def _run_for(self, name: str, actor: Actor) -> Optional[int]:
-        """The run for which a step is ordered; None: the robot has not shown its run yet."""
+    def _begin(self, robot: ManagedRobot, situation: Situation, now: int) -> Optional[Situation]:
+        """The situation after the step that is due is ordered; None: none is due, or can be."""
+        name, work = robot.name, situation.work
+        place = rules.due_step(situation, _where_is(robot, work))
+        self._hindered.pop(name, None)
+        if place is None:
+            return None
         report = self._reports.get(name)
-        if actor is not Actor.ROBOT:
-            return 0
-        return None if report is None else report.run
-
-    def _set_mute(self, name: str, is_mute: bool) -> None:
-        (self._mute.add if is_mute else self._mute.discard)(name)
-
-    def _last_key(self, name: str) -> int:
-        report = self._reports.get(name)
-        return 0 if report is None else report.last
+        is_robot = work.step(place).actor is Actor.ROBOT
+        key = rules.next_key(work, report.last if is_robot and report is not None else 0, now)
+        hindrances = ((name in self._strange, _STRANGE), (key > MOST_KEY, _NO_KEY_LEFT),
+                      (is_robot and report is None, _SHOWS_NONE))
+        hindrance = next((words for is_so, words in hindrances if is_so), '')
+        if hindrance:
+            self._hindered[name] = hindrance.format(name)
+            return None
+        self.newest = max(self.newest, key)
+        return rules.begin(situation, place, key, 0 if report is None else report.run, now)
 
     # -- commands of people -----------------------------------------------------------------------
 
@@ -177,17 +220,25 @@ class WorkDesk:
             return False
         if mission.state is MissionState.PAUSED:
             self._book.set(mission, MissionState.CANCELLING, reason)
-        name = mission.robot
-        self._use(name, mission, rules.cancel(self._situation(name, mission), reason))
+        self._use(mission, rules.cancel(self._situation(mission), reason))
+        return True
+
+    def fail(self, mission: Mission, reason: str) -> bool:
+        """Fails a mission with steps that a robot serves. Returns whether it is one.
+
+        It has failed when the steps that run have ended: its robot stands until then.
+        """
+        if mission.serial not in self._works or mission.robot not in self._robots:
+            return False
+        self._use(mission, rules.fail(self._situation(mission), reason))
         return True
 
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step. Returns why not, as a clause; empty: done."""
         if mission.serial not in self._works or not mission.robot:
             return 'it has no step that waits for an answer'
-        situation = self._situation(mission.robot, mission)
-        after, problem = rules.answer(situation, answer.answer, answer.key)
-        self._use(mission.robot, mission, after)
+        answered, problem = rules.answer(self._situation(mission), answer.answer, answer.key)
+        self._use(mission, answered)
         return problem
 
     def set_load(self, name: str, request_id: Optional[int]) -> str:
@@ -207,25 +258,25 @@ class WorkDesk:
             if any(step.load and own.state is StepState.RUNNING
                    for _, step, own in self._works[serial].steps):
                 return f'{name} is just taking or giving its load: wait until that has ended.'
-            situation = self._situation(name, mission)._replace(load=load)
-            self._use(name, mission, rules.settle(situation))
+            self._use(mission, rules.settle(self._situation(mission)._replace(load=load)))
         else:
             self._put_load(name, load)
+            if mission is not None:
+                self._show(mission)
         return ''
 
     # -- keeping ----------------------------------------------------------------------------------
 
-    def _situation(self, name: str, mission: Mission) -> Situation:
-        return Situation(mission.serial, self._works[mission.serial], self.load(name))
+    def _situation(self, mission: Mission) -> Situation:
+        return Situation(mission.serial, self._works[mission.serial], self.load(mission.robot))
 
-    def _use(self, name: str, mission: Mission, after: Situation) -> bool:
+    def _use(self, mission: Mission, situation: Situation) -> bool:
         """Keeps a situation, and lets the mission follow. Returns whether it changed anything."""
-        before = self._situation(name, mission)
-        if after == before:
+        if situation == self._situation(mission):
             return False
-        self._put(mission.serial, after.work)
-        self._put_load(name, after.load)
-        self._show(name, mission)
+        self._put(mission.serial, situation.work)
+        self._put_load(mission.robot, situation.load)
+        self._show(mission)
         return True
 
     def _put(self, serial: int, work: Work) -> None:
@@ -238,34 +289,45 @@ class WorkDesk:
             self._loads[name] = load
             self._changed_loads.add(name)
 
-    def _show(self, name: str, mission: Mission) -> None:
-        """Lets a mission follow its work."""
-        work = self._works.get(mission.serial)
+    def _show(self, mission: Mission) -> None:
+        """Lets a mission follow its work, and the load of its robot."""
+        work, load = self._works.get(mission.serial), self.load(mission.robot)
+        mission.is_bound = load.is_bound_to(mission.serial) or (
+            work is not None and any(rules.open_steps(work)))
         if work is None:
             return
-        situation = self._situation(name, mission)
-        phase, robot = rules.phase_of(situation), self._robots.get(name)
-        mission.is_bound = situation.load.is_bound_to(mission.serial) or any(
-            own.state in (StepState.RUNNING, StepState.ASK) for _, _, own in work.steps)
-        was_held = mission.is_held
-        mission.is_held = phase is WorkPhase.NEEDS_PERSON or (
-            work.ending is not Ending.NONE and not work.is_cut)
-        if mission.is_held and not was_held and robot is not None:
+        phase = rules.phase_of(Situation(mission.serial, work, load))
+        mission.has_worked = any(own.times_ordered for _, _, own in work.steps)
+        self._hold(mission, phase is WorkPhase.NEEDS_PERSON or work.is_ending)
+        self._ask(mission, work)
+        self._let_follow(mission, work, phase)
+        self._tell(mission, phase, _words(work, load, phase, mission))
+
+    def _hold(self, mission: Mission, is_held: bool) -> None:
+        if is_held and not mission.is_held:
+            self._let_rest(mission)
+        mission.is_held = is_held
+
+    def _let_rest(self, mission: Mission) -> None:
+        """Lets the robot of a mission come to rest at the end of its edge."""
+        robot = self._robots.get(mission.robot)
+        if robot is not None:
             robot.comes_to_rest = True
+
+    def _ask(self, mission: Mission, work: Work) -> None:
         place = work.answerable
         asks = work.progress_of(place).key if place is not None else 0
         if asks != mission.asks:
             mission.asks = asks
             self._book.changed.add(mission.serial)
-        self._let_follow(mission, work, phase)
-        state, reason = _STATES[phase], _words(work, situation.load, name, mission)
-        if name in self._mute and not reason:
-            reason = (f'a step is due, but {name} shows no steps: is the program running that '
-                      'carries them out?')
+
+    def _tell(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
+        """Sets the state of a mission. During an outage, its reason is that outage."""
+        state, robot = _STATES[phase], self._robots.get(mission.robot)
         if mission.state is MissionState.PAUSED and state.is_open:
             state = MissionState.PAUSED
         if not state.is_open or robot is not None and robot.outage is None:
-            self._book.set(mission, state, reason)
+            self._book.set(mission, state, reason or self._hindered.get(mission.robot, ''))
 
     def _let_follow(self, mission: Mission, work: Work, phase: WorkPhase) -> None:
         """Sets how many destinations are behind a mission, and which ones it has."""
@@ -273,11 +335,9 @@ class WorkDesk:
             return
         places = tuple(stop.place for stop in work.stops)
         if mission.request.destinations != places and places:
-            robot = self._robots.get(mission.robot)
-            if robot is not None:
-                robot.comes_to_rest = True
+            self._let_rest(mission)
             self._book.divert(mission, places, dwells_of(work.stops), work.current)
-        elif work.ending is Ending.NONE or work.is_cut:
+        elif not work.is_ending:
             behind = work.current - mission.reached
             if behind > 0:
                 self._book.reach(mission, behind)
@@ -310,7 +370,10 @@ class WorkDesk:
         self._changed_loads.clear()
 
     def due(self, now: float) -> List[SendStep]:
-        """The commands that the robots are to be given now. What they rest on is stored."""
+        """The commands that the robots are to be given now. What they rest on is stored.
+
+        A step that was ordered does not begin after the fleet was stopped, or the robot left it.
+        """
         found: List[SendStep] = []
         before, self._sent = self._sent, {}
         for name, mission in self._book.serving.items() if self._stored else ():
@@ -318,9 +381,12 @@ class WorkDesk:
             if work is None or report is None:
                 continue
             for command in rules.commands(work, report):
-                at = before.get((command.key, command.act), -inf)
+                if command.act is StepAct.DO and not self._robots[name].works:
+                    continue
+                key = name, command.key, command.act
+                at = before.get(key, -inf)
                 is_due = now - at >= REPEAT
-                self._sent[command.key, command.act] = now if is_due else at
+                self._sent[key] = now if is_due else at
                 if is_due:
                     found.append(SendStep(name, command))
         return found
@@ -341,7 +407,7 @@ def _where_is(robot: ManagedRobot, work: Work) -> Where:
         graph.end_vertex(edge).id == place for edge in edges))
 
 
-def _words(work: Work, load: RobotLoad, name: str, mission: Mission) -> str:
+def _words(work: Work, load: RobotLoad, phase: WorkPhase, mission: Mission) -> str:
     """What a mission waits for, or why it ended, in words; empty: nothing."""
     place = work.asking
     if place is not None:
@@ -349,13 +415,10 @@ def _words(work: Work, load: RobotLoad, name: str, mission: Mission) -> str:
         return (f'step {place.step + 1} ({work.step(place).type}) of stop {place.stop + 1} needs '
                 f'an answer: {own.text}. Say `mission answer {mission.request.id} '
                 'retry|skip|fail|done`')
-    if mission.is_held and load.is_bound_to(mission.serial) and not mission.asks and (
-            rules.phase_of(Situation(mission.serial, work, load)) is WorkPhase.NEEDS_PERSON):
-        return (f'its load is {load.state.value}: unload {name}, and say '
-                f'`fleet load {name} empty`')
+    if phase is WorkPhase.NEEDS_PERSON:
+        return (f'its load is {load.state.value}: unload {mission.robot}, and say '
+                f'`fleet load {mission.robot} empty`')
     running = [f'step {place.step + 1} ({step.type}) of stop {place.stop + 1}'
                f'{_BY[step.actor].format(mission.request.id)}'
                for place, step, own in work.steps if own.state is StepState.RUNNING]
-    if running:
-        return '; '.join(running)
-    return work.reason if work.ending is not Ending.NONE else ''
+    return '; '.join(running) or (work.reason if work.ending is not Ending.NONE else '')

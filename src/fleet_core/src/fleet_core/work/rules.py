@@ -40,7 +40,6 @@ from fleet_core.work.work import (
 from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
 
 GRACE = 10_000  # ms that a step has to end after it was told to, before a person is asked
-_PHASES = (When.BEFORE_ENTRY, When.AT, When.BEFORE_LEAVING)
 
 
 class StepDecision(IntEnum):
@@ -85,10 +84,10 @@ def phase_of(situation: Situation) -> WorkPhase:
     work, ending = situation.work, situation.work.ending
     if work.asking is not None:
         return WorkPhase.NEEDS_PERSON
-    is_over = work.current == len(work.progress) and not any(_open_steps(work))
+    is_over = work.current == len(work.progress) and not any(open_steps(work))
     if ending is Ending.NONE:
         return WorkPhase.SUCCEEDED if is_over else WorkPhase.ACTIVE
-    if any(_open_steps(work)):
+    if any(open_steps(work)):
         return WorkPhase.CANCELLING
     if ending is Ending.FAIL:
         return WorkPhase.FAILED
@@ -104,25 +103,22 @@ def gate_is_closed(work: Work) -> bool:
     if any(own.state is StepState.ASK or own.state is StepState.RUNNING
            and step.blocking is not StepBlocking.NONE for _, step, own in work.steps):
         return True
-    if work.ending is not Ending.NONE and not work.is_cut:
-        return True
-    number = work.current
-    return number < len(work.progress) and work.progress[number].state is StopState.AT_WORK and (
-        any(own.state is StepState.WAITING for own in work.progress[number].steps))
+    return work.is_ending or is_at_work(work) and any(
+        own.state is StepState.WAITING for own in work.progress[work.current].steps)
 
 
 def place_not_to_enter(work: Work) -> Optional[int]:
     """The vertex that the robot must not enter before other steps have ended; None: there is none.
     """
     number = work.current
-    if number == len(work.progress) or work.progress[number].state is StopState.AT_WORK:
+    if number == len(work.progress) or is_at_work(work):
         return None
     waits = any(step.when is When.BEFORE_ENTRY and not own.state.is_final
                 for place, step, own in work.steps if place.stop == number)
     return work.stops[number].place if waits else None
 
 
-def _open_steps(work: Work) -> Iterator[StepProgress]:
+def open_steps(work: Work) -> Iterator[StepProgress]:
     """The steps that have been ordered and have not ended."""
     return (own for _, _, own in work.steps if own.state in (StepState.RUNNING, StepState.ASK))
 
@@ -157,23 +153,27 @@ def blocks_none(step: WorkStep, work: Work) -> bool:
 
 def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
     """The step that is to begin now; None: none is."""
-    work, number = situation.work, situation.work.current
-    if number == len(work.progress) or not nobody_is_asked(work) or (
-            work.ending is not Ending.NONE and not work.is_cut):
+    work = situation.work
+    if work.is_ending or not nobody_is_asked(work):
         return None
-    is_there = work.progress[number].state is StopState.AT_WORK
-    for when in _PHASES:
-        if (when is When.BEFORE_ENTRY) is is_there:
-            continue
-        some = [(place, step, own) for place, step, own in work.steps
-                if place.stop == number and step.when is when]
-        for place, step, own in some:
-            if own.state is StepState.WAITING:
-                may = stands_for(step, where) and blocks_none(step, work)
-                return place if may else None
-        if not all(own.state.is_final for _, _, own in some):
-            return None
+    for place, step, own in _steps_in_turn(work):
+        if own.state is StepState.WAITING:
+            return place if stands_for(step, where) and blocks_none(step, work) else None
     return None
+
+
+def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
+    """The steps of the present stop up to the first one that may begin, in their order.
+
+    The steps before leaving may begin when all steps at the stop have ended.
+    """
+    phases = (When.AT, When.BEFORE_LEAVING) if is_at_work(work) else (When.BEFORE_ENTRY,)
+    for when in phases:
+        some = [(place, step, own) for place, step, own in work.steps
+                if place.stop == work.current and step.when is when]
+        yield from some
+        if not all(own.state.is_final for _, _, own in some):
+            return
 
 
 # -- stops ----------------------------------------------------------------------------------------
@@ -194,7 +194,7 @@ def follow(situation: Situation, where: Where) -> Situation:
     """
     work = situation.work
     number = work.current
-    if number < len(work.progress) and (work.ending is Ending.NONE or work.is_cut):
+    if number < len(work.progress) and not work.is_ending:
         if work.progress[number].state is StopState.WAITING:
             work = _stop(work, StopEvent.GO)
         if where.is_there and work.progress[number].state is StopState.DRIVING and (
@@ -238,6 +238,15 @@ def _moved(work: Work) -> Work:
 
 
 # -- steps ----------------------------------------------------------------------------------------
+
+
+def next_key(work: Work, last: int, now: int) -> int:
+    """The key for the next order of a step: above all keys of this mission.
+
+    last -- the highest key that the robot has taken
+    now  -- ms since 1970. Its clock may have been set back.
+    """
+    return max(now, last + 1, *(own.key + 1 for _, _, own in work.steps))
 
 
 def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) -> Situation:
@@ -327,7 +336,7 @@ def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
     situation = _known(situation, place)
     work, step = situation.work, situation.work.step(place)
     own = work.progress_of(place)
-    if work.ending is not Ending.NONE and not work.is_cut:
+    if work.is_ending:
         return _event(situation, place, StepEvent.CANCEL, text)
     if own.state is StepState.ASK:
         return _update(situation, place, text=text)
@@ -345,7 +354,7 @@ def _unknown(situation: Situation, place: StepPlace, text: str) -> Situation:
     """It is not known whether a step has been done: a person is asked, unless it is harmless."""
     work, step = situation.work, situation.work.step(place)
     own = work.progress_of(place)
-    if work.ending is not Ending.NONE and not work.is_cut:
+    if work.is_ending:
         return _event(situation, place, StepEvent.CANCEL, text)
     if may_be_repeated(step, own):
         return _event(situation, place, StepEvent.RETRY, text)
@@ -406,7 +415,7 @@ def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
     """Why an answer cannot be taken, as the rest of a clause; empty: it can."""
     if said is StepDecision.RETRY and own.state is StepState.RUNNING:
         return 'runs: there is nothing to retry'
-    if said is StepDecision.RETRY and work.ending is not Ending.NONE and not work.is_cut:
+    if said is StepDecision.RETRY and work.is_ending:
         return 'is not repeated, because its mission ends'
     if own.seen is Seen.NOTHING:
         return ('may still reach the robot: the driver of the robot must run and show the step '
@@ -429,11 +438,16 @@ def cancel(situation: Situation, reason: str = '') -> Situation:
     return settle(_end(situation, Ending.CANCEL, reason))
 
 
+def fail(situation: Situation, reason: str) -> Situation:
+    """The situation of a mission that cannot be completed any more, nor its clean-up be made."""
+    return settle(situation._replace(work=replace(
+        situation.work, ending=Ending.FAIL, is_cut=False, reason=reason)))
+
+
 def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
     """The situation of a mission that ends. One that fails while it is cancelled has failed."""
     before = situation.work.ending
-    if ending is before or before is Ending.FAIL or (
-            before is Ending.CANCEL and not situation.work.is_cut):
+    if ending is before or before is Ending.FAIL or situation.work.is_ending:
         return situation
     return situation._replace(work=replace(situation.work, ending=ending, is_cut=False,
                                            reason=reason))
@@ -441,7 +455,7 @@ def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
 
 def settle(situation: Situation) -> Situation:
     """The situation of a mission that ends, after all that can end at once has ended."""
-    if situation.work.ending is Ending.NONE or situation.work.is_cut:
+    if not situation.work.is_ending:
         return situation
     for place, _, own in tuple(situation.work.steps):
         is_open = own.state is StepState.RUNNING or own.state is StepState.ASK
@@ -452,7 +466,7 @@ def settle(situation: Situation) -> Situation:
         elif is_open:  # if it moves the load, a person must say where that is
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
     work = situation.work
-    if any(_open_steps(work)):
+    if any(open_steps(work)):
         return situation
     if work.ending is Ending.FAIL:
         return situation._replace(work=_cut(work, StopEvent.FAIL))

@@ -4,8 +4,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Iterable, Sequence, Tuple
+from typing import Sequence, Tuple
 
+MOST_STOPS = 1000       # stops of one mission, those of `on_cancel` included
 MOST_STEPS = 50         # steps of one stop
 LONGEST_TIMEOUT = 1e6   # s; more is a mistake
 MOST_RETRIES = 100
@@ -123,8 +124,13 @@ class WrongStops(Exception):
     """Stops that are not accepted. The text is a clause that says why and what to do."""
 
 
-def check_stops(stops: Iterable[WorkStop], on_cancel: Iterable[WorkStop]) -> None:
+def check_stops(stops: Sequence[WorkStop], on_cancel: Sequence[WorkStop]) -> None:
     """Raises WrongStops for stops that could not be carried out."""
+    if len(stops) + len(on_cancel) > MOST_STOPS:
+        raise WrongStops(f'it has more than {MOST_STOPS} stops, those of on_cancel included')
+    for number, stop in enumerate(stops, 1):
+        if stop.condition is not Condition.ALWAYS:
+            raise WrongStops(f'stop {number} has a condition, which only stops of on_cancel have')
     for words, some in (('stop', stops), ('stop of on_cancel', on_cancel)):
         for number, stop in enumerate(some, 1):
             if len(stop.steps) > MOST_STEPS:

@@ -84,6 +84,11 @@ class Work:
     reason: str = ''
 
     @property
+    def is_ending(self) -> bool:
+        """Does the mission end, and what it has begun has not ended yet?"""
+        return self.ending is not Ending.NONE and not self.is_cut
+
+    @property
     def current(self) -> int:
         """Number of the stop that is made now or next; the number of stops: none is."""
         return next((k for k, stop in enumerate(self.progress) if not stop.state.is_final),
