@@ -102,6 +102,11 @@ def test_no_random_walk_in_a_larger_yard_brings_robots_too_near():
         assert not found.flaw, f'walk {seed}: {found}'
 
 
+def test_a_walk_that_found_a_fault_once_finds_none():
+    found = yard_to_walk_in().walk(WIDE, 20, 400)
+    assert not found.flaw, str(found)
+
+
 LIVE = {
     'faults': Search(LINE, at_once(1, 1, 0, Fault.ROUTE, Fault.REFUSAL, Fault.RESTART, Fault.DISK,
                                    Fault.CLOCK)),
@@ -139,7 +144,8 @@ SECOND_LINES = {
                                  'each edge from the place of the others is occupied',
     '_does_not_work': 'a robot at work has a stay without an end, or its errand is to stand',
 }
-"""Guards without which no search finds a flaw, because others stand behind them."""
+"""Guards without which no search finds a flaw, because others stand behind them; see test_gates.py.
+"""
 OF_WORK = {'_stop_may_be_entered'}
 """Guards of the work at stops, which test_work_at_stops.py leaves out."""
 

@@ -11,6 +11,7 @@ import subprocess
 import time
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from fleet_builders import AGV, corridor
@@ -221,6 +222,47 @@ def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
     mission, = journal.missions()
     assert (mission.request, mission.state) == (REQUEST, MissionState.ACTIVE)
     assert journal.works() == journal.loads() == {}
+
+
+def write_file_1_0(path: str) -> None:
+    """Writes a journal of version 1.0.0: the dump of a file that its own code has written."""
+    db = sqlite3.connect(path)
+    db.executescript((Path(__file__).parent / 'journal_1_0_0.sql').read_text(encoding='utf-8'))
+    db.close()
+
+
+def test_a_file_that_version_1_0_wrote_loses_nothing(path):
+    write_file_1_0(path)
+    journal = Journal(path)
+    assert [(mission.request.id, mission.request.destinations, mission.state, mission.robot)
+            for mission in journal.missions()] == [
+        (7, (4, 6), MissionState.ACTIVE, 'a'), (8, (8,), MissionState.SUCCEEDED, 'b')]
+    a, b = (journal.robots()[name] for name in 'ab')
+    assert a.master.held == (2,) and a.master.position == GraphPosition(vertex=2)
+    assert (b.master.held, b.master.position) == ((), GraphPosition(vertex=8))
+    assert (a.outage, b.outage) == (None, Outage.OUT_OF_SERVICE)
+    assert set(journal.graph().edges) == set(range(1, 8))
+    assert [(line.request_id, line.state) for line in history(path)] == [
+        (7, MissionState.ACTIVE), (8, MissionState.SUCCEEDED)]
+
+
+def test_a_fleet_of_version_1_0_stops_once_is_located_and_goes_on():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 2), 'b': (AGV, 8)})
+    disk = fleet.disk
+    disk.journal.close()
+    for file in Path(disk.journal_path).parent.iterdir():
+        file.unlink()
+    write_file_1_0(disk.journal_path)
+    disk.journal = type(disk.journal)(disk.journal_path)  # `restart` closes it
+    fleet.agvs['a'].edge, fleet.agvs['a'].arc = 2, 1.4
+    fleet.restart()
+    assert blocked(fleet, 'a')[1] == (2,)
+    fleet.run_until_done(7)
+    assert fleet.state(7) is MissionState.SUCCEEDED
+    orders = [one.order for one in fleet.sent if one.robot == 'a']
+    assert not orders[0].edges
+    assert {one.number for one in orders if not one.edges} == {orders[0].number}
+    assert fleet.supervisor.robots['b'].outage is Outage.OUT_OF_SERVICE
 
 
 def test_steps_and_loads_come_back(path):

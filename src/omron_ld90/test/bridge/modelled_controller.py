@@ -1,6 +1,7 @@
 """omron_controller without ROS and sockets: its cores, joined to a robot by a link with delays."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Callable, Iterable, Optional
@@ -42,6 +43,7 @@ class ModelledController:
         self._delays = delays
         self._send_line, self._on_motion = send, on_motion
         self._connection = 0  # number of the link
+        self._stalled_until = -math.inf
         self.on_taken: Callable[[Giver, bool], None] = lambda giver, drives: None
         self._memory: Optional[DriveMemory] = None  # memory that survives the process
         self.start()
@@ -118,6 +120,19 @@ class ModelledController:
         self._dispatcher.on_lost('the link broke')
         self.call_back()
 
+    def stall(self, seconds: float) -> None:
+        """The link holds all lines back for some time, and then delivers them at once."""
+        self._stalled_until = max(self._stalled_until, self._timeline.now + seconds)
+
+    @property
+    def is_stalled(self) -> bool:
+        """True while the link holds lines back."""
+        return self._timeline.now < self._stalled_until
+
+    def on_the_way(self, seconds: float) -> float:
+        """The time that a line needs which usually needs `seconds`."""
+        return max(seconds, self._stalled_until - self._timeline.now)
+
     def say(self, line: str) -> None:
         """The robot sends a line."""
         self._carry(self._delays.from_robot, partial(self._hear, line))
@@ -139,7 +154,8 @@ class ModelledController:
         connection = self._connection
         if self.connected:
             self._timeline.later(
-                seconds, lambda: call() if connection == self._connection else None)
+                self.on_the_way(seconds),
+                lambda: call() if connection == self._connection else None)
 
     def _ask_status(self) -> None:
         if self.connected:

@@ -11,6 +11,7 @@ from simulated_robot import SimulatedRobot
 
 from omron_arcl import Execution, Giver, Outcome, Result
 from omron_arcl.drives import LOOK, RETRY
+from omron_arcl.execution import NO_GIVER
 from omron_arcl.records import CommandFate, LastCommand, MotionCause, MotionState, RobotMotion
 from omron_ld90.bridge import events as p
 
@@ -19,6 +20,7 @@ AT_ONCE = 1.0  # s in which commands of two clients may cross
 LATE = 0.5  # s after enabling the motors in which the robot stops by itself
 OBEYED_WITHIN = 6.0  # s after a stop has reached the robot, at each speed
 SENT_WITHIN = LOOK + RETRY + 1.0  # s for which an owed stop may wait while the robot can be reached
+TRUE_WITHIN = 6.0  # s until what is told of a drive is true of the robot
 GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links are connected
 
 
@@ -32,12 +34,16 @@ class Word(NamedTuple):
 REFUSED = Word(Giver('refused by the robot'), False)  # a drive that changed nothing
 REFUSED_OUTCOMES = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
                     Outcome.EMERGENCY_STOPPED)
+# The outcomes of a drive after which the robot may carry it out all the same.
+OPEN_OUTCOMES = (Outcome.LOST, Outcome.TIMED_OUT)
 
 
 class WitnessedController(ModelledController):
     """A controller that reports each command it takes, with the knowledge of its giver."""
 
     on_given: Callable[[str, Giver, int, int], None]
+    given: List[Execution]
+    on_answered: Callable[[str, float, Result], None]
 
     def give(self, command: str, giver: Giver, known_epoch: int,
              on_end: Callable[[Result], None], number: int = 0) -> Execution:
@@ -48,10 +54,12 @@ class WitnessedController(ModelledController):
         def end(result: Result) -> None:
             if result.outcome in REFUSED_OUTCOMES and taken > words:
                 self.on_refused(words)
+            self.on_answered(command, now, result)
             on_end(result)
-        taken = words
+        taken, now = words, self._timeline.now
         execution = super().give(command, giver, known_epoch, end, number)
         taken = self.count_words()
+        self.given.append(execution)
         self.on_given(command, giver, known_epoch, words)
         return execution
 
@@ -83,7 +91,7 @@ class Witness(DelayedDrive):
         self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
-        # time of the last command of another client, by its text
+        # time of the last command of another client, by its text; lines may be held back since then
         self._another_gave: Dict[str, float] = {}
         self._dialect = dialect
         self.is_alone = True  # no other client, outage or person at the robot has acted
@@ -107,10 +115,17 @@ class Witness(DelayedDrive):
         # goal of each drive of the bridge that the controller took, and the time
         self._sent_to: Dict[int, Tuple[str, float]] = {}
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
+        self._stood_at = -100.0
+        self._given: List[Execution] = []  # drives and stops that have not reached the robot
+        # the drive that the robot carries out; None: none of ours
+        self._obeyed: Optional[Execution] = None
+        # time since when something else is told of that drive than what the robot does
+        self._untrue_since: Optional[float] = None
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
         self._time.every(TICK, self._watch_robot)
         self._time.every(TICK, self._watch_stop_of_bridge)
+        self._time.every(TICK, self._watch_what_is_told)
 
     _controller: WitnessedController
 
@@ -120,6 +135,7 @@ class Witness(DelayedDrive):
         controller.on_taken, controller.on_given = self._on_taken, self._on_given
         controller.count_words = lambda: len(self.words)
         controller.on_refused = self._on_refused
+        controller.given, controller.on_answered = self._given, self._judge_answer
         return controller
 
     def make_robot(self, vertex: int, interruption: str, braking: float) -> AnyRobot:
@@ -226,7 +242,17 @@ class Witness(DelayedDrive):
         if link is p.RobotLink.COMMANDS:
             self.is_alone = False
             self._arrived = Counter(self._taken)
+            self._given.clear()
         super().cut(link, seconds)
+
+    def stall(self, seconds: float) -> None:
+        """The link of commands holds all lines back for some seconds."""
+        if not self.spared:
+            self._note(f'stall of {seconds} s')
+            crossing = [one for one in self._another_gave if self._crosses_anothers(one)]
+            self._controller.stall(seconds)
+            for command in crossing:
+                self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
 
     def take_cancellation(self, canceller: Giver) -> None:
         """A giver cancels everything."""
@@ -239,9 +265,9 @@ class Witness(DelayedDrive):
         """A client of the robot's own server gives a command."""
         self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
-        self._another_gave[command] = self.now
+        self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
         self.robot.hear_another(command)
-        self.foreign = False
+        self.foreign, self._obeyed = False, None
 
     def _on_motion(self, motion: RobotMotion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
@@ -255,10 +281,42 @@ class Witness(DelayedDrive):
         """Only a drive whose goal the robot has reached is told as completed."""
         goal, given_at = self._sent_to.get(last.number, ('stop', 0.0))
         if (last.fate is CommandFate.COMPLETED and goal != 'stop'
-                and self._arrived_at.get(goal, -1.0) < given_at
-                and not self.robot.status.startswith((f'Arrived at {goal}',
-                                                      'DockingState: Docked'))):
+                and not self._was_done(goal, given_at)):
             self.broken.append(f'{self.now:.1f} {last} is told, but the robot is not at {goal}')
+
+    def _judge_answer(self, command: str, given_at: float, result: Result) -> None:
+        """Only what the robot has done since a command was given has succeeded."""
+        if result.outcome is Outcome.SUCCEEDED and not self._was_done(
+                command.split()[-1], given_at):
+            self.broken.append(f'{self.now:.1f} "{command}" is answered by {result}, but the robot '
+                               f'shows {self.robot.status}')
+
+    def _was_done(self, goal: str, since: float) -> bool:
+        """True if the robot has reached the goal, or stood for a `stop`, since then or before."""
+        if goal == 'stop':
+            # which of two stops that cross a robot answers cannot be told apart; see `_reach_robot`
+            crosses = max(self._another_gave.get('stop', -100.0) + AT_ONCE,
+                          self._powered_at + LATE) >= since
+            return self.robot.goal is None or self._stood_at >= since or crosses
+        return (self._arrived_at.get(goal, -1.0) >= since
+                or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
+
+    def _watch_what_is_told(self) -> None:
+        """Checks the giver on `motion` and the answer to the drive that the robot carries out."""
+        memory, drive = self._controller.motion.memory, self._obeyed
+        untrue = ''
+        if drive and self.robot.goal is not None and self._can_be_reached and not memory.stop_owed:
+            if memory.giver not in (NO_GIVER, drive.giver):
+                untrue = f'{memory.giver.name} is told as the giver'
+            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
+                untrue = f'{drive.result} is told'
+        if not untrue:
+            self._untrue_since = None
+        elif self._untrue_since is None:
+            self._untrue_since = self.now
+        elif drive and self.now > self._untrue_since + TRUE_WITHIN:
+            self.broken.append(f'{self.now:.1f} {untrue}, but the robot carries out '
+                               f'{drive.command.text} of {drive.giver.name}')
 
     def _say(self, line: str) -> None:
         """A command of another client counts from the time at which the controller learns of it.
@@ -267,13 +325,16 @@ class Witness(DelayedDrive):
         """
         if line.startswith('Arrived at '):
             self._arrived_at[line.split()[-1]] = self.now
+        elif line == 'Stopped':
+            self._stood_at = self.now
         elif line.startswith('DockingState: Docked'):
             self._arrived_at['dock'] = self.now
+        seconds = self._controller.on_the_way(self.delays.from_robot)
         if line == 'Motors enabled':
-            self.later(self.delays.from_robot, self._hear_motors)
+            self.later(seconds, self._hear_motors)
         if line == 'EStop pressed' or self.foreign and (
                 line == 'Stopping' or line.startswith('Going to')):
-            self.later(self.delays.from_robot, lambda: self._heard(line))
+            self.later(seconds, lambda: self._heard(line))
         super()._say(line)
 
     def _hear_motors(self) -> None:
@@ -317,14 +378,31 @@ class Witness(DelayedDrive):
                     and self.came and self.persons == f'goto {self.robot.goal}'):
                 self.broken.append(f'an older stop ended {self.persons} of a person')
         super()._reach_robot(line)
+        self._note_obeyed(line)
+
+    def _note_obeyed(self, line: str) -> None:
+        """Notes which drive the robot carries out after it has taken a line."""
+        given = next((e for e in self._given if e.sent and e.command.text == line), None)
+        if given is not None:
+            self._given.remove(given)
+        if self.robot.goal is None or any(
+                self._crosses_anothers(command) for command in self._another_gave):
+            self._obeyed = None  # drives to one goal cannot be told apart if they cross
+        elif given is not None and line.split()[-1] == self.robot.goal:
+            self._obeyed = given
 
     def _crosses_anothers(self, command: str) -> bool:
         return self.now <= self._another_gave.get(command, -100.0) + AT_ONCE
 
+    @property
+    def _can_be_reached(self) -> bool:
+        """True if lines reach the robot now."""
+        return self._controller.connected and not self._controller.is_stalled
+
     def _watch_robot(self) -> None:
         """Checks, from the controller's view: after a stop the robot must not drive for us."""
         last = self._last_word()
-        if (not self._controller.connected or self._anothers or self.robot.goal is None
+        if (not self._can_be_reached or self._anothers or self.robot.goal is None
                 or last is None or last.drives or last.giver is None):
             self._disobeys_since = None
         elif self._disobeys_since is None:
@@ -335,6 +413,7 @@ class Witness(DelayedDrive):
     def _watch_stop_of_bridge(self) -> None:
         """Checks that the robot stands after a stop of the bridge, even after failed attempts."""
         if (self._demanded is None or not self.is_well or not self.is_heard or self._anothers
+                or not self._can_be_reached
                 or self.robot.goal is None
                 or any(word.drives for word in self.words[self._demanded:])):
             self._ignored_since = None
@@ -345,7 +424,7 @@ class Witness(DelayedDrive):
 
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory
-        if not (memory.stop_owed and self._controller.connected) or memory.drives:
+        if not (memory.stop_owed and self._can_be_reached) or memory.drives:
             self._owed_since = None
             return
         if self._owed_since is None:

@@ -131,6 +131,11 @@ class Robots(RuleBasedStateMachine):
         self.world.cut(p.RobotLink.COMMANDS, seconds)
         self.world.run(seconds + 1.0)
 
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(seconds=st.sampled_from([0.5, 3.0]))
+    def link_stalls(self, seconds: float) -> None:
+        self.world.stall(seconds)
+
     @rule(seconds=st.sampled_from([0.1, 3.0]))
     def bridge_restarts(self, seconds: float) -> None:
         self.world.restart_bridge(seconds)
@@ -213,6 +218,10 @@ class SimulatedRobots(Robots):
     @initialize(strategy=STRATEGIES, dialect=st.sampled_from(DIALECTS), delays=DELAYS)
     def begin(self, strategy: str, dialect: str, delays: Delays) -> None:
         self.start(Witness(strategy, delays, dialect=dialect))
+
+    @rule(program=st.sampled_from(PROGRAMS), late=SECONDS)
+    def program_gives_what_the_robot_refuses(self, program: str, late: float) -> None:
+        self.give(program, 'goto 99', late)
 
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()

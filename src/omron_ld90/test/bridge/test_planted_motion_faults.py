@@ -14,10 +14,11 @@ from hypothesis.stateful import run_state_machine_as_test
 from modelled_controller import ModelledController
 from test_motion_property import SimulatedRobots
 
+from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command
 from omron_arcl.drives import Drives
-from omron_arcl.execution import Outcome
-from omron_arcl.records import MotionCause, RecordKind
+from omron_arcl.execution import NO_GIVER, Execution, Outcome
+from omron_arcl.records import DriveMemory, MotionCause, RecordKind
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
@@ -28,8 +29,8 @@ SEARCH = settings(max_examples=2500, stateful_step_count=30, deadline=None, data
 
 _BEGIN, _ON_LINK, _CONNECT = (
     Drives._begin_epoch, Drives.linked, ModelledController.connect)
-_ENDED, _CHECK, _STOP = (
-    Drives.ended, Drives.check, RobotMonitor.stop)
+_ENDED, _CHECK, _STOP, _OBEYED = (
+    Drives.ended, Drives.check, RobotMonitor.stop, CommandQueue.begin)
 
 
 def _no_epoch_for(cause: MotionCause) -> Callable[..., None]:
@@ -71,6 +72,17 @@ def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int,
         _CHECK(self, giver, command, known_epoch, number)
 
 
+def _begun_is_done(self: Any, execution: Execution) -> None:
+    is_new = not self.records.has_begun(execution)
+    _OBEYED(self, execution)
+    if is_new:
+        self.end(execution, Outcome.SUCCEEDED, '')
+
+
+_GIVER_OF_THE_NEWEST = property(
+    lambda memory: memory.records[-1].giver if memory.records else NO_GIVER)
+
+
 FAULTS = {
     'anybody may drive': (Drives, 'check', lambda *_: None),
     'a stop without a link is forgotten': (
@@ -89,6 +101,8 @@ FAULTS = {
     'a stop begins no epoch': (Drives, '_begin_epoch', _no_epoch_for(MotionCause.STOP)),
     'another client begins no epoch': (
         Drives, '_begin_epoch', _no_epoch_for(MotionCause.OTHER_CLIENT)),
+    'a drive succeeds as soon as the robot sets out': (CommandQueue, 'begin', _begun_is_done),
+    'who gave the newest command is the giver': (DriveMemory, 'giver', _GIVER_OF_THE_NEWEST),
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
 }
 
