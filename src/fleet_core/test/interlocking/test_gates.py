@@ -15,7 +15,7 @@ from fleet_core.interlocking.interlocking import Gate, Grant, Interlocking, Refu
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import ME, RouteMaster
 from fleet_core.interlocking.route_record import RouteRecord
-from route_protocol.values import Location, Motion, RouteReport, SymbolicPose
+from route_protocol.values import Motion, RouteReport, SymbolicPose, VehicleLocation
 
 GRAPH = corridor(4)
 
@@ -37,7 +37,7 @@ def standing(**metres: float) -> Dict[str, Robot]:
         robots[name] = Robot(name, RouteMaster(RouteRecord(GRAPH, AGV), int))
         robots[name].master.hear(Report(RouteReport(
             0, 0, (), (), SymbolicPose(1, 100.0 * arc / GRAPH.curve(1).length),
-            location=Location(arc, 0.0, 0.0), epoch=1, master=ME, motion=Motion.STANDING,
+            location=VehicleLocation(arc, 0.0, 0.0), epoch=1, master=ME, motion=Motion.STANDING,
             number=1)))
     return robots
 

@@ -159,7 +159,7 @@ class WorkDesk:
         return now != before
 
     def _doubt(self, name: str) -> None:
-        """A robot has taken a step that the journal does not know: nobody knows what it carries."""
+        """A robot has taken a step that is not in the journal: what it carries is unknown."""
         self.newest = max(self.newest, min(self._reports[name].last, MOST_KEY))
         load = self.load(name)
         self._put_load(name, replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
