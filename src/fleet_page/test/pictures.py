@@ -17,7 +17,7 @@ from browser import Browser, ServedPage
 from page_builders import graph, request, robot, status
 
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
-from fleet_page.core.fleet import Place, Plan, Robot
+from fleet_page.core.fleet import ShownPlan, ShownPose, ShownRobot
 from fleet_page.core.page import Page
 from fleet_page.core.site import WallMap, wall_map
 
@@ -51,7 +51,7 @@ def walls(columns: int, rows: int) -> WallMap:
     return wall_map(cells.ravel(), wide, tall, CELL, -2.0, -2.0)
 
 
-def robots(count: int, in_trouble: bool) -> Dict[str, Robot]:
+def robots(count: int, in_trouble: bool) -> Dict[str, ShownRobot]:
     """Robots with work, in all groups."""
     found = {}
     for k in range(count):
@@ -77,7 +77,7 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
     fleet = robots(count, in_trouble)
     model.take_robots(fleet.values(), now)
     edges = list(model.graph.edges)
-    model.take_places({name: Place(*model.graph.curve(edges[(3 * k) % len(edges)]).point_at(1.2), (
+    model.take_places({name: ShownPose(*model.graph.curve(edges[(3 * k) % len(edges)]).point_at(1.2), (
         model.graph.curve(edges[(3 * k) % len(edges)]).heading_at(1.2)))
         for k, name in enumerate(fleet)})
     for k, (name, one) in enumerate(fleet.items()):
@@ -93,7 +93,7 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
         if in_trouble and k == 7 % count:
             page.take_status(status(1840021800 + k, 'NEEDS_PERSON', stamp=stamp, robot=name,
                                     reason=ASKS, asks=5))
-    page.take_plans({name: Plan((edges[(3 * k) % len(edges)], ), 1)
+    page.take_plans({name: ShownPlan((edges[(3 * k) % len(edges)], ), 1)
                      for k, name in enumerate(fleet)}, now)
     model.take_robots(fleet.values(), now)
     if is_stopped:

@@ -18,7 +18,7 @@ from fleet_core.supervision.fleet_stop import (  # noqa: E402
     StopCause,
 )
 from fleet_page.core.acts import ActKind  # noqa: E402
-from fleet_page.core.fleet import Place  # noqa: E402
+from fleet_page.core.fleet import ShownPose  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
@@ -73,7 +73,7 @@ def test_robots_missions_alarms_and_plans_are_shown(window, served):
 
 def test_a_robot_that_moves_is_drawn_where_it_is(window, served):
     before = window.one('.robot[data-name=a]').get_attribute('transform')
-    served.do(lambda: served.page.model.take_places({'a': Place(2.5, 0.0, 0.0)}))
+    served.do(lambda: served.page.model.take_places({'a': ShownPose(2.5, 0.0, 0.0)}))
     window.wait(lambda: window.one('.robot[data-name=a]').get_attribute('transform') != before)
 
 
@@ -165,7 +165,7 @@ def test_the_labels_of_robots_that_meet_do_not_cover_each_other(window, served):
     names = [f'ld90_{k}' for k in range(5)]
     served.do(lambda: (
         served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
-        served.page.model.take_places({name: Place(4.0 + 0.9 * (k % 3), 3.0 + 0.9 * (k // 3), 0.0)
+        served.page.model.take_places({name: ShownPose(4.0 + 0.9 * (k % 3), 3.0 + 0.9 * (k // 3), 0.0)
                                        for k, name in enumerate(names)})))
     window.wait(lambda: len(window.driver.find_elements('css selector', '.robot text')) == 5)
     window.wait(lambda: window.script(OVERLAPS) == 0, 'labels without overlaps')
@@ -213,7 +213,7 @@ def test_the_map_follows_a_robot_until_the_user_moves_it(window, served):
             return Math.hypot((at.left + at.right - map.left - map.right) / 2,
                               (at.top + at.bottom - map.top - map.bottom) / 2);''')
     for x in (1.5, 7.0):
-        served.do(lambda: served.page.model.take_places({'a': Place(x, 4.0, 0.0)}))  # noqa: B023
+        served.do(lambda: served.page.model.take_places({'a': ShownPose(x, 4.0, 0.0)}))  # noqa: B023
         window.wait(lambda: from_middle() < 3.0)
     window.click('#zoom_fit')
     window.wait(lambda: from_middle() > 20.0)

@@ -13,7 +13,7 @@ OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLO
 
 
 @dataclass(frozen=True)
-class Place:
+class ShownPose:
     """A pose in the frame `map`: x (m), y (m), theta (rad); None: the heading is not known."""
 
     x: float
@@ -22,7 +22,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Robot:
+class ShownRobot:
     """One robot.
 
     outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE if it works
@@ -54,7 +54,7 @@ _SILENT = 'SILENT'
 ALARMS = (*ALARMING, _SILENT, NEVER_HEARD)
 
 
-def alarm_of(robot: Robot) -> str:
+def alarm_of(robot: ShownRobot) -> str:
     """Why a robot needs a person, as one of ALARMS; empty: it does not."""
     if robot.state == 'UNKNOWN':
         return NEVER_HEARD
@@ -79,7 +79,7 @@ class Group(Enum):
 _WITH_WORK = {'IDLE': Group.IDLE, 'BUSY': Group.DRIVING, 'CHARGING': Group.CHARGING}
 
 
-def group_of(robot: Robot) -> Group:
+def group_of(robot: ShownRobot) -> Group:
     """The group of a robot."""
     if alarm_of(robot):
         return Group.TROUBLE
@@ -88,7 +88,7 @@ def group_of(robot: Robot) -> Group:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ShownPlan:
     """The next edges of a robot, with signed ids. The first `released` edges are released."""
 
     edges: Tuple[int, ...]
