@@ -23,7 +23,15 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fleet_support import READY, Factory, Place, Simulators, free_fleet_ports
 
 from fleet_page.core.acts import ActKind
-from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionRequest, MissionStatus
+from fleet_requests import Sender, mission_request
+from itrci_nav_msgs.msg import (
+    ClosedEdges,
+    FleetRobot,
+    MissionRequest,
+    MissionStatus,
+    MissionStep,
+    MissionStop,
+)
 from node_lifecycle.watchdog import STANDSTILL
 from system_support import Recorder, kill_node, run_cases, wait_until
 
@@ -90,7 +98,9 @@ class FleetOnThePage(unittest.TestCase):
 
     # --- the story -------------------------------------------------------------------------------
 
-    def test_1_a_robot_that_is_away_is_declared_absent(self) -> None:
+    def test_1_a_robot_that_is_away_is_an_alarm_and_is_declared_absent(self) -> None:
+        self.window.click(f'#alarm_list [data-key="robot:{AWAY}"] [data-act=acknowledge]')
+        self.window.wait(lambda: 'seen by local' in self.window.text('#alarms'), 'who has seen it')
         self.window.click('#tab_button_robots')
         self.robot_button(AWAY, ActKind.ABSENT)
         self.window.driver.switch_to.alert.accept()
@@ -104,14 +114,14 @@ class FleetOnThePage(unittest.TestCase):
         self.wait_at(FIRST, 27)
         wait_until(lambda: 'release' in self.factory.robot(FIRST).waits_for, 20.0,
                    f'{FIRST} stays until it is released')
-        self.mission_button(mission, ActKind.RELEASE)
+        self.choose_act(mission, ActKind.RELEASE.value)
         self.wait_until_moved(FIRST)
-        self.mission_button(mission, ActKind.PAUSE)
+        self.choose_act(mission, ActKind.PAUSE.value)
         self.wait_for_status(mission, MissionStatus.PAUSED)
         self.wait_until_standing(FIRST)
-        self.mission_button(mission, ActKind.CONTINUE)
+        self.choose_act(mission, ActKind.CONTINUE.value)
         self.wait_until_moved(FIRST)
-        self.window.click(self.row_of(mission, 'change'))
+        self.choose_act(mission, 'change')
         destinations = self.window.one('#open form input:not([type])')
         destinations.clear()
         destinations.send_keys('6')
@@ -128,14 +138,25 @@ class FleetOnThePage(unittest.TestCase):
         self.window.click('#favourites [data-act=use]')
         mission = self.press_send()
         self.wait_until_moved(FIRST)
-        self.mission_button(mission, ActKind.CANCEL)
+        self.choose_act(mission, ActKind.CANCEL.value)
         self.wait_for_status(mission, MissionStatus.CANCELLED)
         self.wait_until_standing(FIRST)
         self.assertGreater(self.distance(FIRST, 52), 1.0)
         self.window.click('#favourites [data-act=remove]')
         self.window.wait(lambda: not self.window.text('#favourites'), 'no favourites')
 
-    def test_4_nobody_drives_a_closed_edge_and_an_open_one_is_driven(self) -> None:
+    def test_4_a_step_of_a_person_ends_by_a_button(self) -> None:
+        step = MissionStep(type='look', actor=MissionStep.PERSON, timeout=60.0)
+        request = mission_request((), robot=FIRST, stops=[MissionStop(vertex=27, steps=[step])])
+        sender, mission = Sender(MissionRequest), request.request_id
+        wait_until(lambda: sender.is_heard, 10.0, 'a program that takes missions')
+        sender.send(request)
+        self.wait_at(FIRST, 27)
+        self.window.click('#tab_button_missions')
+        self.window.click(f'{self.row_of(mission)} [data-act=answer_done]')
+        self.wait_for_status(mission, MissionStatus.SUCCEEDED)
+
+    def test_5_nobody_drives_a_closed_edge_and_an_open_one_is_driven(self) -> None:
         self.window.click('#tab_button_edges')
         self.window.one('#edge').send_keys('2')
         self.window.click('#close_edge')
@@ -146,7 +167,7 @@ class FleetOnThePage(unittest.TestCase):
         wait_until(lambda: not self.closed.messages[-1].edges, 10.0, 'edge 2 is open')
         self.assertIn(2, self.edges_driven(SECOND, 14))
 
-    def test_5_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
+    def test_6_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
         self.send(33, 26, 33, 26, robot_type='agv', robot=SECOND)
         self.wait_until_moved(SECOND)
         self.assertEqual('', self.stop_bar())
@@ -171,14 +192,14 @@ class FleetOnThePage(unittest.TestCase):
             return self.factory.robot(SECOND).state in READY
         wait_until(is_back, 20.0, f'{SECOND} in service')
 
-    def test_6_all_of_it_is_in_the_audit_list(self) -> None:
+    def test_7_all_of_it_is_in_the_audit_list(self) -> None:
         with urllib.request.urlopen(f'{self.url}api/audit', timeout=5) as answer:
             rows = json.load(answer)['rows']
         done = {row['act'] for row in rows if row['ok']}
         self.assertEqual(set(), {kind.value for kind in ActKind} - done)
         self.assertEqual({'local'}, {row['person'] for row in rows})
 
-    def test_7_no_thread_of_a_node_counted_as_blocked(self) -> None:
+    def test_8_no_thread_of_a_node_counted_as_blocked(self) -> None:
         states = [status for array in self.diagnostics.messages for status in array.status
                   if status.name.endswith(': threads')]
         first, last = (self.diagnostics.messages[at].header.stamp.to_sec() for at in (0, -1))
@@ -240,17 +261,26 @@ class FleetOnThePage(unittest.TestCase):
                      priority=priority)
         return self.press_send()
 
-    def row_of(self, mission: int, act: str) -> str:
-        """The selector of a button of an open mission."""
-        return f'#open li[data-key^="{mission}:"] [data-act={act}]'
+    def row_of(self, mission: int) -> str:
+        """The selector of the row of an open mission."""
+        return f'#open tr[data-key^="{mission}:"]'
 
-    def mission_button(self, mission: int, kind: ActKind) -> None:
-        """Presses a button of a mission."""
-        self.window.click(self.row_of(mission, kind.value))
+    def choose_act(self, mission: int, act: str) -> None:
+        """Chooses an act in the menu of a mission, which has it as soon as the state allows it."""
+        def is_there() -> bool:
+            self.window.click(f'{self.row_of(mission)} [data-act=menu]')
+            found = self.window.driver.find_elements('css selector', f'#menu [data-act={act}]')
+            for button in found:
+                button.click()
+            return bool(found)
+        self.window.wait(is_there, act)
 
     def robot_button(self, robot: str, kind: ActKind) -> None:
         """Presses a button of a robot."""
-        self.window.click(f'#robots li[data-key={robot}] [data-act={kind.value}]')
+        row = f'#robots li[data-key={robot}]'
+        if not self.window.driver.find_elements('css selector', f'{row}.chosen'):
+            self.window.click(f'{row} [data-act=choose]')
+        self.window.click(f'{row} [data-act={kind.value}]')
 
     # --- the robots ------------------------------------------------------------------------------
 

@@ -13,15 +13,44 @@ export function make(tag, attributes = {}, ...children) {
   return element;
 }
 
+// A text in which a command to type stands between backquotes.
+export function withCode(text) {
+  return text.split('`').map((part, k) => k % 2 ? make('code', {}, part) : part);
+}
+
 export function makeSvg(tag, attributes = {}) {
   const element = document.createElementNS(SVG, tag);
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
   return element;
 }
 
+// A menu beside a button: one menu of the page, so that news of a row does not close it.
+export function openMenu(button, items) {
+  const menu = $('menu'), row = button.closest('[data-key]'), list = row.parentElement.id;
+  const back = () => [...$(list).children].find(one => one.dataset.key === row.dataset.key)?.querySelector('[data-act=menu]')?.focus();
+  const close = () => { menu.hidden = true; menu.replaceChildren(); document.removeEventListener('pointerdown', outside); removeEventListener('resize', close); removeEventListener('scroll', close, true); };
+  const outside = event => { if (!menu.contains(event.target)) close(); };
+  close();
+  menu.setAttribute('aria-label', button.getAttribute('aria-label'));
+  menu.append(...items.map(([act, text, run]) => make('button', { role: 'menuitem', tabindex: -1, 'data-act': act, onclick: () => { close(); back(); run(); } }, text)));
+  menu.hidden = false;
+  const at = button.getBoundingClientRect(), size = menu.getBoundingClientRect();
+  menu.style.left = `${Math.max(4, at.right - size.width)}px`;
+  menu.style.top = `${at.bottom + size.height > innerHeight ? Math.max(4, at.top - size.height) : at.bottom}px`;
+  menu.onkeydown = event => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key], buttons = [...menu.children];
+    if (step) { event.preventDefault(); buttons[(buttons.indexOf(document.activeElement) + step + buttons.length) % buttons.length].focus(); }
+    if (event.key === 'Escape' || event.key === 'Tab') { event.preventDefault(); close(); back(); }
+  };
+  menu.firstElementChild.focus();
+  document.addEventListener('pointerdown', outside);
+  addEventListener('resize', close);
+  addEventListener('scroll', close, true);
+}
+
 // Shows items as children of a list. Only changed items are made again, and the focus stays where it was.
 export function showRows(list, items, keyOf, build, context = '') {
-  const known = list.rows || (list.rows = new Map());
+  const known = list.shownRows || (list.shownRows = new Map());
   const wanted = new Set();
   let place = list.firstElementChild;
   for (const item of items) {

@@ -1,16 +1,17 @@
 // The frame of the page: login, tabs, robots, edges, alarms, and the answers to acts.
 import { $, make, showRows } from './dom.js';
-import { all, entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
+import { entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
 import { dateOf, duration, language, momentOf, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
-import { chooseRobot, drawMoving, drawnEdge, framesDrawn, knowsEdge, outageWords, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
+import { drawMoving, drawnEdge, knowsEdge, redraw, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
+import { GROUPS, choose, noteFollowed, showGroup, showRobots, startRobots } from './robots.js';
+import { showAlarms, startAlarms } from './alarms.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
 import { enterReplay, leaveReplay, startReplay } from './replay.js';
 
 const TABS = ['missions', 'robots', 'edges', 'history', 'replay', 'audit'];
-const NEEDS_PERSON = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF'];
 const SILENT = 12000; // ms without a message after which the server counts as lost: it sends one every 5 s
-let me = { role: null, login: false }, chosen = '', tab = 'missions', shownSite = null, sayTimer = null, ageShown = 0;
+let me = { role: null, login: false }, tab = 'missions', shownSite = null, sayTimer = null, ageShown = 0;
 
 async function act(values) {
   const outcome = await post('/api/act', values);
@@ -33,6 +34,7 @@ function showLogin() {
   unfollow();
   me = { role: null, login: true };
   showStop();
+  showCounts();
   $('fleet').hidden = $('alarms').hidden = $('logout').hidden = true;
   $('stop').disabled = $('resume').disabled = true;
   $('login').hidden = false;
@@ -110,37 +112,20 @@ function showStop() {
 }
 
 function showLists() {
-  showMissions(me, language);
-  showRobots();
+  showCounts();
+  showMissions(me);
+  showRobots(me);
   showEdges();
-  showAlarms();
+  showAlarms(me);
 }
 
-function showRobots() {
-  const context = language + me.role + chosen;
-  const robots = all('robot:').map(([name, robot]) => ({ name, ...robot })).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
-  showRows($('robots'), robots, robot => robot.name, robot => {
-    const battery = robot.battery === null ? '' : ` · ${Math.round(100 * robot.battery)} %`;
-    const row = make('li', { class: robot.name === chosen ? 'chosen' : null }, make('b', {}, robot.name), ` ${robot.type}${battery} · `, robotWords(robot),
-      robot.mission ? ` · ${t('mission')} ${robot.mission}` : '');
-    if (me.role === 'see') return row;
-    const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));
-    row.append(make('p', { class: 'row' }, make('button', { 'data-act': 'choose', 'aria-pressed': String(robot.name === chosen), onclick: () => choose(robot.name) }, t('choose')),
-      robot.state === 'OUT_OF_SERVICE' ? '' : button('out'), button('in'), me.role === 'admin' ? button('absent') : ''));
-    return row;
-  }, context);
-}
-
-function robotAct(kind, robot) {
-  if (kind === 'absent' && !confirm(t('sure_absent', { robot }))) return;
-  act({ act: kind, robot });
-}
-
-function choose(name) {
-  chosen = chosen === name ? '' : name;
-  chooseRobot(chosen);
-  if ([...$('send_robot').options].some(option => option.value === chosen)) $('send_robot').value = chosen;
-  showRobots();
+// What the fleet does, in figures; each opens the list of what it counts.
+function showCounts() {
+  const counts = me.role && entries.get('counts');
+  const opens = { open: () => openTab('missions'), done: () => openTab('history') };
+  showRows($('counts'), counts ? [...GROUPS, 'open', 'done'].map(name => ({ name, count: counts[name] })) : [], one => one.name, ({ name, count }) => make('li', {},
+    make('button', { 'data-act': name, class: ['count', name, count ? '' : 'none'].filter(Boolean).join(' '), onclick: opens[name] || (() => { openTab('robots'); showGroup(name); }) },
+      make('b', {}, String(count)), ' ', make('span', {}, t(`count_${name}`)))), language);
 }
 
 function showEdges() {
@@ -153,16 +138,6 @@ function edgesTyped() {
   if (edges.length && edges.every(knowsEdge)) return edges;
   say(t('no_edge'));
   return null;
-}
-
-function showAlarms() {
-  const robots = all('robot:').filter(([, robot]) => NEEDS_PERSON.includes(robot.outage) || robot.state === 'UNKNOWN' || (robot.outage === 'SILENT' && robot.mission))
-    .map(([name, robot]) => ({ name, why: outageWords(robot), todo: `→ ${t(`todo_${robot.state === 'UNKNOWN' ? 'NEVER_HEARD' : robot.outage}`)}` }));
-  const missions = all('mission:').filter(([, mission]) => mission.state === 'NEEDS_PERSON')
-    .map(([, mission]) => ({ name: `${t('mission')} ${mission.id}`, why: `${mission.robot}: ${said(mission.reason)}`, todo: '' }));
-  const alarms = [...robots, ...missions];
-  showRows($('alarms').querySelector('ul'), alarms, alarm => alarm.name, alarm => make('li', {}, make('b', {}, alarm.name), ` ${alarm.why} `, make('span', {}, alarm.todo)), language);
-  $('alarms').hidden = !alarms.length || !me.role;
 }
 
 // -- tabs --------------------------------------------------------------------------------------
@@ -181,6 +156,7 @@ function makeTabs() {
 }
 
 function openTab(name) {
+  if ($('fleet').dataset.panel === 'folded') showPanel('open');
   if (tab === 'history' && name !== tab) leaveHistory();
   if (tab === 'replay' && name !== tab) leaveReplay();
   tab = name;
@@ -194,6 +170,16 @@ function openTab(name) {
   if (name === 'audit') loadAudit();
 }
 
+// The panel beside the map: open, wide or folded, as this browser had it last.
+function showPanel(state) {
+  store('panel', state);
+  $('fleet').dataset.panel = state;
+  $('fold').textContent = state === 'folded' ? '⟨' : '⟩';
+  $('fold').setAttribute('aria-label', t(state === 'folded' ? 'unfold' : 'fold'));
+  $('fold').setAttribute('aria-expanded', String(state !== 'folded'));
+  $('widen').setAttribute('aria-pressed', String(state === 'wide'));
+}
+
 async function loadAudit() {
   const { rows } = await get('/api/audit').catch(() => ({ rows: [] }));
   $('audit').replaceChildren(...rows.map(row => make('li', {},
@@ -201,9 +187,11 @@ async function loadAudit() {
     make('p', { class: row.ok ? 'soft' : 'bad' }, `${row.ok ? '' : `${t('not_done')}: `}${becameWords(row.outcome)}`))));
 }
 
+const HIDDEN = ['step']; // a number that no person knows
 const DETAILS = { mission: 'mission', destinations: 'add_destination', stays: 'stay', edges: 'edge', robot: 'robot', robot_type: 'robot_type', priority: 'priority' };
 function detailWords(details) {
-  return Object.entries(details).map(([name, value]) => `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`).join(', ');
+  const shown = (name, value) => name === 'answer' ? t(`answer_${value}`) : `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`;
+  return Object.entries(details).filter(([name]) => !HIDDEN.includes(name)).map(([name, value]) => shown(name, value)).join(', ');
 }
 
 // The outcome of a mission has the form STATE robot: reason.
@@ -222,15 +210,19 @@ async function setLanguage(name) {
   await useLanguage(name);
   $('language').value = language;
   for (const element of [$('stop'), $('resume')]) element.title = element.textContent;
-  showLists(); drawMoving(null); showLink(); showStop();
+  $('widen').title = t('widen');
+  showLists(); drawMoving(null); showLink(); showStop(); showPanel($('fleet').dataset.panel);
 }
 
 async function main() {
   makeTabs();
   openTab('missions');
-  startMissions(act); startHistory(); startReplay();
+  showPanel(stored('panel') || 'open');
+  $('fold').onclick = () => showPanel($('fleet').dataset.panel === 'folded' ? 'open' : 'folded');
+  $('widen').onclick = () => showPanel($('fleet').dataset.panel === 'wide' ? 'open' : 'wide');
+  startMissions(act); startRobots(act); startAlarms(act); startHistory(); startReplay();
   startMap({ vertex: vertex => { if (me.role !== 'see') { openTab('missions'); chooseVertex(vertex); } },
-    edge: edge => { openTab('edges'); $('edge').value = String(edge); }, robot: name => { openTab('robots'); choose(name); } });
+    edge: edge => { openTab('edges'); $('edge').value = String(edge); }, robot: name => { openTab('robots'); choose(name); }, followed: noteFollowed });
   $('stop').onclick = () => { makeWay(); act({ act: 'stop' }); };
   $('resume').onclick = () => act({ act: 'resume' });
   $('edges').addEventListener('submit', event => { event.preventDefault(); const edges = edgesTyped(); if (edges) act({ act: 'close', edges }); });

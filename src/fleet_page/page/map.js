@@ -2,8 +2,12 @@
 import { $, makeSvg } from './dom.js';
 import { entries, all, site } from './server.js';
 import { language, said, t } from './texts.js';
+import { ABOVE_FIRST, BELOW_RIGHT_FIRST, Places, boxOf } from './placing.js';
+import { Walls } from './walls.js';
 
 const REACH = 16; // pixels around a vertex within which a click selects it
+const NAMES_FROM = 12, BATTERY_FROM = 20; // px per m from which all vertices have their names, and robots their charge
+const GOLDEN = 0.618034; // as in rviz_drawing: each new hue is far from all earlier ones
 const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
 const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
 const canvas = $('site'), svg = $('moving');
@@ -12,6 +16,8 @@ const edgesById = new Map(), verticesById = new Map(), robots = new Map();
 let drawnEdges = new Set(); // ids of the edges of the user's graph; an edge may be a section of one
 let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0;
 let isFree = false; // the user has moved the view: it stays when the window changes
+let rem = 16; // px; larger on a wall screen
+let followed = '', fixed = []; // the robot in the middle of the view; the boxes of vertices and of their names
 
 const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), robotLayer = makeSvg('g');
 svg.append(planLayer, robotLayer);
@@ -21,7 +27,7 @@ export function startMap(given) {
   new ResizeObserver(() => { if (!isFree) fit(); redraw(); }).observe($('map'));
   $('zoom_in').onclick = () => zoom(1.3);
   $('zoom_out').onclick = () => zoom(1 / 1.3);
-  $('zoom_fit').onclick = () => { isFree = false; fit(); redraw(); };
+  $('zoom_fit').onclick = () => { isFree = false; followRobot(''); fit(); redraw(); };
   $('map').addEventListener('wheel', event => { event.preventDefault(); zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15, event); }, { passive: false });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   followPointers();
@@ -41,6 +47,7 @@ function followPointers() {
     moved += Math.hypot(...shift);
     if (moved < 6) return;
     isFree = true;
+    followRobot('');
     if (held.size === 2) {
       const other = [...held].find(([id]) => id !== event.pointerId)[1];
       const size = point => Math.hypot(point[0] - other[0], point[1] - other[1]);
@@ -91,7 +98,7 @@ export function siteChanged() {
   walls = null;
   if (site.map) {
     const image = new Image();
-    image.onload = () => { walls = image; redraw(); };
+    image.onload = () => { walls = new Walls(image, site.map); if (!isFree) fit(); redraw(); };
     image.src = `/api/map.png?${entries.get('site')}`;
   }
   if (!isFree) fit();
@@ -110,6 +117,7 @@ export const drawnEdge = id => edgesById.has(id) ? edgesById.get(id)[4] : id;
 function fit() {
   const box = $('map').getBoundingClientRect();
   const xs = site.vertices.map(v => v[1]), ys = site.vertices.map(v => v[2]);
+  if (walls && walls.bounds) { xs.push(walls.bounds[0], walls.bounds[2]); ys.push(walls.bounds[1], walls.bounds[3]); }
   if (!xs.length || !box.width) return;
   const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
   view.x = (left + right) / 2; view.y = (low + high) / 2;
@@ -157,11 +165,7 @@ function drawSite() {
   const colour = name => style.getPropertyValue(`--${name}`).trim();
   paint.setTransform(ratio, 0, 0, ratio, 0, 0);
   paint.clearRect(0, 0, box.width, box.height);
-  if (walls) {
-    const [x, y, width, height] = site.map, [left, top] = pixel(x, y + height);
-    paint.imageSmoothingEnabled = false;
-    paint.drawImage(walls, left, top, width * view.scale, height * view.scale);
-  }
+  if (walls) walls.draw(paint, pixel, view.scale, ratio);
   const closed = new Set(entries.get('closed') || []);
   const lines = (edges, width, stroke) => {
     paint.beginPath();
@@ -191,16 +195,10 @@ function drawSite() {
     }
     paint.fillStyle = colour(fill); paint.fill();
   }
-  const rem = parseFloat(style.fontSize); // larger on a wall screen
-  paint.font = `${0.75 * rem}px system-ui, sans-serif`; paint.fillStyle = colour('soft');
-  if (view.scale > 12) {
-    for (const [id, x, y, kind] of site.vertices) {
-      if (kind === 'cut') continue;
-      const [px, py] = pixel(x, y), name = vertexName(id), gap = radius + 3, width = paint.measureText(name).width;
-      const left = px + gap + width > size.width && px - gap >= width ? px - gap - width : px + gap; // left of the vertex if the right side would cut it off
-      paint.fillText(name, left, py + radius + 0.6 * rem);
-    }
-  }
+  rem = parseFloat(style.fontSize);
+  paint.font = `${0.75 * rem}px system-ui, sans-serif`; paint.fillStyle = colour('soft'); paint.textBaseline = 'middle';
+  drawNames(paint, radius);
+  paint.textBaseline = 'alphabetic';
   paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = `bold ${0.875 * rem}px system-ui, sans-serif`;
   chosen.forEach((id, k) => {
     const vertex = verticesById.get(id);
@@ -211,16 +209,48 @@ function drawSite() {
   });
 }
 
+// Names of places choose first; a name for which there is no room is left out until the view is nearer.
+function drawNames(paint, radius) {
+  const places = new Places(size.width, size.height), texts = [];
+  fixed = [];
+  for (const [id, x, y, kind] of site.vertices) {
+    const [px, py] = pixel(x, y), name = vertexName(id), isPlace = kind === 'dock' || kind === 'parking' || name !== String(id);
+    if (kind === 'cut' || px < 0 || py < 0 || px > size.width || py > size.height) continue;
+    fixed.push([px - radius, py - radius, px + radius, py + radius]);
+    if (isPlace || view.scale > NAMES_FROM * rem / 16) texts.push({ name, isPlace, x: px, y: py, away: 1.4 * radius + 2, width: paint.measureText(name).width, height: 0.85 * rem });
+  }
+  for (const box of fixed) places.cover(box);
+  for (const text of texts.sort((a, b) => b.isPlace - a.isPlace)) {
+    const side = places.place(text, BELOW_RIGHT_FIRST);
+    if (side < 0) continue;
+    const box = boxOf(text, BELOW_RIGHT_FIRST[side]);
+    fixed.push(box);
+    paint.fillText(text.name, box[0], (box[1] + box[3]) / 2);
+  }
+}
+
 export function showChosen(vertices) { chosen = vertices; redraw(); }
 export function showHeat(edges) { heat = edges; redraw(); }
 export function chooseRobot(name) { chosenRobot = name; drawMoving(null); }
 export function showPast(moment) { past = moment; drawMoving(null); }
 
-export const hueOf = name => {
-  let sum = 7;
-  for (const letter of name) sum = (sum * 31 + letter.codePointAt(0)) % 3600;
-  return (sum * 0.61803 * 360) % 360;
-};
+// The hue of a robot is that of RViz, which counts the robots in the same order.
+export const hueOf = name => 360 * ((0.55 + ((entries.get(`robot:${name}`) || {}).number || 0) * GOLDEN) % 1);
+
+export function followRobot(name) {
+  if (followed === name) return;
+  followed = name;
+  if (handlers.followed) handlers.followed(name);
+  keepInMiddle();
+}
+
+function keepInMiddle() {
+  const pose = entries.get(`pose:${followed}`);
+  if (!pose || past || (view.x === pose[0] && view.y === pose[1])) return;
+  isFree = true;
+  [view.x, view.y] = pose;
+  redraw();
+}
 
 // Updates the moving objects; keys: entries that changed, null: all.
 export function drawMoving(keys) {
@@ -234,6 +264,8 @@ export function drawMoving(keys) {
     placeRobot(name, pose, robot);
   }
   dropRobots(wanted);
+  placeLabels();
+  if (followed) keepInMiddle();
   if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
 }
 
@@ -245,11 +277,37 @@ function drawPast() {
     placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, battery: null, destination: 0 });
   }
   dropRobots(wanted);
+  placeLabels();
   planLayer.replaceChildren();
 }
 
 function dropRobots(wanted) {
   for (const [name, shapes] of robots) if (!wanted.has(name)) { shapes.group.remove(); robots.delete(name); }
+}
+
+// A robot's label keeps its side while that is free; robots in trouble choose first.
+function placeLabels() {
+  const places = new Places(size.width, size.height);
+  for (const box of fixed) places.cover(box);
+  for (const { x, y, radius } of robots.values()) places.cover([x - radius - 4, y - radius - 4, x + radius + 4, y + radius + 4]);
+  for (const shapes of [...robots.values()].sort((a, b) => b.isInTrouble - a.isInTrouble)) {
+    const text = { x: shapes.x, y: shapes.y, away: shapes.radius + 6, width: widthOf(shapes.label), height: 1.05 * rem, must: true };
+    shapes.side = places.place(text, ABOVE_FIRST, shapes.side);
+    const [left, top, right, bottom] = boxOf(text, ABOVE_FIRST[shapes.side]);
+    shapes.text.setAttribute('x', ((left + right) / 2 - shapes.x).toFixed(1));
+    shapes.text.setAttribute('y', ((top + bottom) / 2 - shapes.y).toFixed(1));
+  }
+}
+
+const widths = new Map(), measure = document.createElement('canvas').getContext('2d');
+function widthOf(text) {
+  const key = `${rem} ${text}`;
+  if (!widths.has(key)) {
+    if (widths.size > 5000) widths.clear();
+    measure.font = `${0.8125 * rem}px system-ui, sans-serif`;
+    widths.set(key, measure.measureText(text).width + 4);
+  }
+  return widths.get(key);
 }
 
 function placeRobot(name, [x, y, theta], robot) {
@@ -260,9 +318,11 @@ function placeRobot(name, [x, y, theta], robot) {
   shapes.body.setAttribute('transform', `rotate(${turn.toFixed(1)}) scale(${(radius / 10).toFixed(3)})`);
   shapes.nose.style.display = theta === null ? 'none' : '';
   shapes.ring.setAttribute('r', radius + 4);
-  shapes.text.setAttribute('y', -radius - 10);
-  const label = shapes.text.textContent = robot.battery === null || robot.battery === undefined ? name : `${name} ${Math.round(100 * robot.battery)} %`;
-  const kind = ['robot', TROUBLE.includes(robot.state) ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
+  const isInTrouble = Boolean(robot.alarm) || TROUBLE.includes(robot.state);
+  const label = robot.battery === null || robot.battery === undefined ? name : `${name} ${Math.round(100 * robot.battery)} %`;
+  Object.assign(shapes, { x: px, y: py, radius, isInTrouble, label: view.scale < BATTERY_FROM * rem / 16 ? name : label });
+  if (shapes.text.textContent !== shapes.label) shapes.text.textContent = shapes.label;
+  const kind = ['robot', isInTrouble ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
   if (shapes.group.getAttribute('class') !== kind) shapes.group.setAttribute('class', kind);
   const words = `${label}: ${robotWords(robot)}`;
   if (shapes.words !== words) { shapes.words = words; shapes.group.setAttribute('aria-label', words); shapes.title.textContent = words; }
@@ -286,14 +346,14 @@ export function outageWords(robot) {
 function newRobot(name) {
   const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name }), hue = hueOf(name);
   const ring = makeSvg('circle', { class: 'ring', r: 14 }), body = makeSvg('g');
-  const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle' }), title = makeSvg('title');
+  const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle', 'dominant-baseline': 'central' }), title = makeSvg('title');
   body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: `hsl(${hue} 60% 42%)` }), nose);
   group.append(title, ring, body, text);
   group.addEventListener('keydown', event => {
     if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.robot(name); }
   });
   robotLayer.append(group);
-  const shapes = { group, ring, body, nose, text, title, words: '' };
+  const shapes = { group, ring, body, nose, text, title, words: '', side: -1 };
   robots.set(name, shapes);
   return shapes;
 }

@@ -1,12 +1,22 @@
-// Missions: a new mission by clicks, favourites, open and ended missions.
-import { $, make, showRows } from './dom.js';
+// Missions: a new mission by clicks, favourites, and the tables of open and ended missions.
+import { $, make, openMenu, showRows, withCode } from './dom.js';
 import { entries, all } from './server.js';
-import { t, duration, said } from './texts.js';
+import { t, clockOf, dateOf, duration, language, said, store, stored } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
+import { colourDot } from './robots.js';
 
 const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED'];
+const ENDED = ['SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED'];
+const URGENT = ['NEEDS_PERSON']; // states that come first
+const BAD = ['FAILED', 'REFUSED', 'NEEDS_PERSON'];
+const MOST_ENDED = 100;
+// Each column has its value for the order; the lists begin in the order `urgency`.
+const ORDERS = {
+  urgency: null, state: mission => t(`mission_${mission.state}`), id: mission => mission.id, robot: mission => mission.robot || '',
+  asked: mission => mission.stamp, to_end: mission => mission.ended || mission.ends_at || Infinity, by: mission => mission.by || '', priority: mission => -(mission.priority || 0) };
+const COLUMNS = ['state', 'id', 'robot', 'way', 'to_end', 'asked', 'by', 'priority'];
 let chosen = []; // {vertex, stay}
-let editing = null, form = null, act = null, me = { role: 'see' };
+let editing = null, form = null, act = null, me = { role: 'see' }, order = 'urgency', isBackwards = false;
 
 export function startMissions(given) {
   act = given;
@@ -21,9 +31,20 @@ export function startMissions(given) {
     const name = $('favourite_name').value.trim();
     if (name && chosen.length && await act({ act: 'add_favourite', name, ...draft() })) $('favourite_name').value = '';
   };
+  $('new_mission').open = stored('new_mission') !== 'folded';
+  $('new_mission').addEventListener('toggle', () => store('new_mission', $('new_mission').open ? 'open' : 'folded'));
+  $('mission_search').oninput = $('mission_state').onchange = () => showTables();
+  $('mission_sort').onchange = () => sortBy($('mission_sort').value, false);
+}
+
+function sortBy(name, backwards) {
+  order = name; isBackwards = backwards;
+  $('mission_sort').value = name;
+  showTables();
 }
 
 export function chooseVertex(vertex) {
+  $('new_mission').open = true;
   chosen.push({ vertex, stay: 0 });
   showChoice();
 }
@@ -69,22 +90,65 @@ export function showPlaces(vertices) {
   $('places').replaceChildren(...vertices.filter(vertex => vertex[3] !== 'cut').map(vertex => make('option', { value: vertexName(vertex[0]) })));
 }
 
-export function showMissions(person, language) {
+export function showMissions(person) {
   me = person;
   const robots = all('robot:');
   options($('send_robot'), robots.map(([name]) => name).sort());
   options($('send_type'), [...new Set(robots.map(([, robot]) => robot.type))].sort());
-  showFavourites(language);
-  const missions = all('mission:').map(([key, mission]) => ({ key, ...mission }));
-  const open = missions.filter(mission => OPEN.includes(mission.state)).sort((a, b) => (b.priority || 0) - (a.priority || 0) || a.stamp - b.stamp);
-  const ended = missions.filter(mission => !OPEN.includes(mission.state)).reverse().slice(0, 100);
-  const now = Date.now() / 1000;
-  const isStopped = Boolean(entries.get('stop'));
-  showRows($('open'), open.map(mission => ({ ...mission, stands: isStopped && mission.state === 'ACTIVE', left: mission.ends_at && !isStopped ? duration(mission.ends_at - now) : '', editing: editing === mission.id })), mission => mission.key, missionRow, language + me.role);
-  showRows($('ended'), ended, mission => mission.key, missionRow, language);
+  showFavourites();
+  showTables();
 }
 
-function showFavourites(language) {
+function showTables() {
+  showHeads();
+  const now = Date.now() / 1000, isStopped = Boolean(entries.get('stop'));
+  const missions = all('mission:').map(([key, mission]) => ({ key, ...mission }));
+  const open = missions.filter(mission => OPEN.includes(mission.state)).sort((a, b) => URGENT.includes(b.state) - URGENT.includes(a.state) || (b.priority || 0) - (a.priority || 0) || a.stamp - b.stamp);
+  const ended = missions.filter(mission => !OPEN.includes(mission.state)).reverse();
+  const shownOpen = sorted(open.filter(isWanted)), shownEnded = sorted(ended.filter(isWanted)).slice(0, MOST_ENDED);
+  showRows($('open'), shownOpen.map(mission => ({ ...mission, stands: isStopped && mission.state === 'ACTIVE', left: mission.ends_at && !isStopped ? duration(mission.ends_at - now) : '', editing: editing === mission.id })), mission => mission.key, missionRow, language + me.role);
+  showRows($('ended'), shownEnded, mission => mission.key, missionRow, language);
+  $('open_count').textContent = countWords(shownOpen.length, open.length);
+  $('ended_count').textContent = countWords(shownEnded.length, ended.length);
+}
+
+const countWords = (shown, whole) => shown === whole ? `(${whole})` : t('shown_of', { shown, whole });
+
+function isWanted(mission) {
+  const state = $('mission_state').value, words = $('mission_search').value.trim().toLowerCase();
+  if (state && mission.state !== state) return false;
+  const text = [mission.id, mission.robot, mission.by, t(`mission_${mission.state}`), said(mission.reason || ''), ...(mission.destinations || []).map(vertexName)].join(' ').toLowerCase();
+  return words.split(/\s+/).every(word => text.includes(word));
+}
+
+function sorted(missions) {
+  const value = ORDERS[order], sign = isBackwards ? -1 : 1;
+  if (!value) return missions;
+  const compare = (a, b) => typeof a === 'string' ? a.localeCompare(b, language, { numeric: true }) : a < b ? -1 : a > b ? 1 : 0;
+  return [...missions].sort((a, b) => sign * compare(value(a), value(b)));
+}
+
+function showHeads() {
+  const shown = JSON.stringify([language, order, isBackwards]);
+  for (const head of document.querySelectorAll('.missions thead')) {
+    if (head.shown === shown) continue;
+    head.shown = shown;
+    const active = head.contains(document.activeElement) ? document.activeElement.dataset.order : null;
+    head.replaceChildren(make('tr', {}, ...COLUMNS.map(name => make('th', { scope: 'col', class: name, 'aria-sort': order !== name ? null : isBackwards ? 'descending' : 'ascending' },
+      ORDERS[name] ? make('button', { 'data-order': name, onclick: () => sortBy(name, order === name && !isBackwards) }, t(`column_${name}`)) : t(`column_${name}`))), make('td', {})));
+    if (active) head.querySelector(`[data-order=${active}]`).focus();
+  }
+  const selects = language + order;
+  if ($('mission_sort').shown === selects) return;
+  $('mission_sort').shown = selects;
+  $('mission_sort').replaceChildren(...Object.keys(ORDERS).map(name => make('option', { value: name }, t(`column_${name}`))));
+  $('mission_sort').value = order;
+  const state = $('mission_state').value;
+  $('mission_state').replaceChildren(make('option', { value: '' }, t('all')), ...[...OPEN, ...ENDED].map(name => make('option', { value: name }, t(`mission_${name}`))));
+  $('mission_state').value = state;
+}
+
+function showFavourites() {
   const favourites = Object.entries(entries.get('favourites') || {}).map(([name, content]) => ({ name, ...content }));
   showRows($('favourites'), favourites, favourite => favourite.name, favourite => make('li', { class: 'row' },
     make('span', {}, `${favourite.name}: ${favourite.destinations.join(' → ')}`),
@@ -99,31 +163,62 @@ function use(favourite) {
 }
 
 function missionRow(mission) {
-  const isOpen = OPEN.includes(mission.state);
+  const isOpen = OPEN.includes(mission.state), stops = (mission.destinations || []).length;
   const way = (mission.destinations || []).map((vertex, k) => k < mission.reached ? `✓${vertex}` : k === mission.reached && isOpen ? `▶${vertexName(vertex)}` : String(vertex)).join(' → ');
-  const words = [mission.robot || mission.wanted_robot || mission.robot_type || t('any'), way,
-    mission.left ? t('to_go', { time: mission.left }) : '', mission.priority ? `${t('priority')} ${mission.priority}` : '', mission.by ? t('by', { person: mission.by }) : ''].filter(Boolean).join(' · ');
-  const row = make('li', {}, make('span', { class: ['FAILED', 'REFUSED', 'NEEDS_PERSON'].includes(mission.state) ? 'state bad' : 'state' }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ` ${mission.id} · ${words}`,
-    mission.reason ? make('p', { class: 'soft' }, said(mission.reason)) : '');
+  const robot = mission.robot || mission.wanted_robot || mission.robot_type || t('any');
+  const progress = isOpen && stops > 1 ? make('progress', { value: mission.reached, max: stops, 'aria-label': t('progress', { reached: mission.reached, stops }) }) : '';
+  const row = make('tr', { class: BAD.includes(mission.state) && isOpen ? 'urgent' : null },
+    make('td', { class: 'state' }, make('span', { class: BAD.includes(mission.state) ? 'bad' : null }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ' '),
+    make('td', { class: 'id' }, String(mission.id)),
+    make('td', { class: 'robot_name' }, mission.robot ? colourDot(mission.robot) : '', robot),
+    make('td', { class: 'way' }, way, progress, mission.reason ? make('p', { class: 'soft' }, ...withCode(said(mission.reason))) : '', answerButtons(mission, me)),
+    make('td', { class: 'to_end' }, mission.left ? t('to_go', { time: mission.left }) : '', ...mission.ended ? at('ended', mission.ended) : []),
+    make('td', { class: 'asked' }, ...at('asked', mission.stamp)),
+    make('td', { class: 'by' }, ...mission.by ? [word('by'), mission.by] : []),
+    make('td', { class: 'priority' }, ...mission.priority ? [word('priority'), String(mission.priority)] : []));
+  const menu = make('td', { class: 'acts' });
   if (isOpen && me.role !== 'see') {
-    const button = (name, kind) => make('button', { 'data-act': kind, onclick: () => act({ act: kind, mission: mission.id }) }, t(name));
-    row.append(make('p', { class: 'row' }, button('cancel', 'cancel'),
-      mission.state === 'PAUSED' ? button('continue', 'continue') : button('pause', 'pause'), button('release', 'release'),
-      make('button', { 'data-act': 'change', 'aria-expanded': String(mission.editing), onclick: () => { editing = mission.editing ? null : mission.id; form = null; showMissions(me, ''); } }, t('change'))));
-    if (mission.editing) row.append(form = form || changeForm(mission)); // keeps the user's input when the mission changes
+    const button = make('button', { 'data-act': 'menu', 'aria-haspopup': 'menu', 'aria-label': t('acts_of', { mission: mission.id }) }, '⋯');
+    button.addEventListener('click', () => openMenu(button, actsOf(mission)));
+    menu.append(button);
   }
+  row.append(menu);
+  if (mission.editing) row.append(make('td', { class: 'edit' }, form = form || changeForm(mission))); // keeps the user's input when the mission changes
   return row;
+}
+
+// In a narrow panel a value has its word, in a wide one its column.
+const word = key => make('span', { class: 'word' }, `${t(key)} `);
+const at = (key, seconds) => [word(key), make('time', { title: dateOf(seconds) }, clockOf(seconds))];
+
+function actsOf(mission) {
+  const one = kind => [kind, t(kind), () => act({ act: kind, mission: mission.id })];
+  return [one(mission.state === 'PAUSED' ? 'continue' : 'pause'), one('release'), ['change', t('change'), () => edit(mission.editing ? null : mission.id)], one('cancel')];
+}
+
+function edit(id) {
+  editing = id; form = null;
+  showTables();
+  if (form) form.querySelector('input').focus();
+}
+
+// The answers that a step takes: one that only waits for a person to do it cannot be tried again.
+export function answerButtons(mission, person) {
+  if (!mission.asks || person.role === 'see') return '';
+  const answers = mission.state === 'NEEDS_PERSON' ? ['retry', 'skip', 'fail', 'done'] : ['skip', 'fail', 'done'];
+  return make('p', { class: 'row', role: 'group', 'aria-label': t('answer_to', { mission: mission.id }) }, ...answers.map(answer => make('button',
+    { 'data-act': `answer_${answer}`, onclick: () => act({ act: 'answer', mission: mission.id, answer, step: mission.asks }) }, t(`answer_${answer}`))));
 }
 
 function changeForm(mission) {
   const priority = make('input', { type: 'number', value: mission.priority || 0 });
   const way = make('input', { value: (mission.destinations || []).slice(mission.reached).join(' ') });
-  const form = make('form', { class: 'row' }, make('label', {}, t('priority'), ' ', priority), make('label', {}, t('remaining_destinations'), ' ', way), make('button', { class: 'main' }, t('apply')));
+  const form = make('form', { class: 'row' }, make('label', {}, t('priority'), ' ', priority), make('label', {}, t('remaining_destinations'), ' ', way), make('button', { class: 'main' }, t('apply')), make('button', { type: 'button', 'data-act': 'close_form', onclick: () => edit(null) }, t('do_not_change')));
   form.addEventListener('submit', event => {
     event.preventDefault();
     const destinations = way.value.split(/[\s,]+/).filter(Boolean).map(Number);
     if (destinations.some(vertex => !knowsVertex(vertex))) { act.say(t('no_vertex')); return; }
-    editing = null;
+    edit(null);
     const same = JSON.stringify(destinations) === JSON.stringify((mission.destinations || []).slice(mission.reached));
     act({ act: 'modify', mission: mission.id, priority: parseInt(priority.value, 10) || 0, destinations: same ? [] : destinations });
   });

@@ -64,6 +64,6 @@ export function leaveReplay() {
   wanted = null;
   $('past').hidden = true;
   $('past_robots').replaceChildren();
-  $('past_robots').rows = null;
+  $('past_robots').shownRows = null;
   showPast(null);
 }

@@ -50,6 +50,11 @@ export function timeOf(seconds) {
   return new Date(seconds * 1000).toLocaleTimeString(language);
 }
 
+export function clockOf(seconds) {
+  const isToday = new Date(seconds * 1000).toDateString() === new Date().toDateString();
+  return isToday ? new Date(seconds * 1000).toLocaleTimeString(language, { hour: '2-digit', minute: '2-digit' }) : dateOf(seconds);
+}
+
 // The time alone for a moment of today.
 export function momentOf(seconds) {
   return new Date(seconds * 1000).toDateString() === new Date().toDateString() ? timeOf(seconds) : dateOf(seconds);

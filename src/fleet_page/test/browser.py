@@ -32,7 +32,8 @@ PATIENCE = 8.0  # s
 class ServedPage:
     """A page on a free port, in a thread of its own; `do` runs a function in this thread."""
 
-    def __init__(self, folder: Path, secured: bool = False, chart: str = CHART) -> None:
+    def __init__(self, folder: Path, secured: bool = False, chart: str = CHART,
+                 fill: Callable[[Page], None] = show_fleet) -> None:
         self._site = ServedSite(folder, secured, chart=chart)
         self.fleet, self.web = self._site.fleet, self._site.web
         self.page: Page = self._site.page
@@ -41,7 +42,7 @@ class ServedPage:
         self._alive = True
         asyncio.run_coroutine_threadsafe(self._site.open(), self._loop).result(PATIENCE)
         self.url = f'http://127.0.0.1:{self._site.port}/'
-        self.do(lambda: show_fleet(self.page))
+        self.do(lambda: fill(self.page))
         self._ticking = asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
 
     async def _tick(self) -> None:

@@ -49,7 +49,8 @@ def robot(name: str = 'a', **values: Any) -> ShownRobot:
 
 def status(id: int = 7, state: str = 'ACTIVE', **values: Any) -> MissionStatus:
     """The published state of a mission."""
-    known = {'stamp': id * 10 ** 9, 'robot': 'a', 'reached': 0, 'reason': ''}
+    known = {'stamp': id * 10 ** 9, 'robot': 'a', 'reached': 0, 'reason': '',
+             'told': time.time()}
     return MissionStatus(id, state=state, **{**known, **values})
 
 

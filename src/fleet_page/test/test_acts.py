@@ -18,6 +18,11 @@ def test_a_mission_has_destinations_stays_and_a_robot():
         ActKind.SEND, robot='a', priority=2, destinations=(3, 4), stays=(0.0, -1.0))
 
 
+def test_an_answer_keeps_all_digits_of_the_key():
+    assert act_of({'act': 'answer', 'mission': 7, 'answer': 'skip', 'step': str(2 ** 64 - 1)}) == (
+        Act(ActKind.ANSWER, mission=7, answer='skip', step=2 ** 64 - 1))
+
+
 @pytest.mark.parametrize('request_, words', [
     ([], 'JSON object'), ({}, 'no such act'), ({'act': []}, 'no such act'),
     ({'act': 'stop', 'robot': 'a'}, 'takes nothing'),
@@ -32,6 +37,12 @@ def test_a_mission_has_destinations_stays_and_a_robot():
     ({'act': 'send', 'destinations': [1], 'stays': [-10 ** 400]}, 'or negative'),
     ({'act': 'out', 'robot': 'a\n'}, 'printable'), ({'act': 'out', 'robot': ' '}, 'printable'),
     ({'act': 'cancel', 'mission': '1'}, 'whole number'),
+    ({'act': 'answer', 'mission': 1, 'answer': 'retry'}, 'step is missing'),
+    ({'act': 'answer', 'mission': 1, 'answer': 'RETRY', 'step': '1'}, 'retry, skip, fail, done'),
+    ({'act': 'answer', 'mission': 1, 'answer': [], 'step': '1'}, 'retry, skip, fail, done'),
+    ({'act': 'answer', 'mission': 1, 'answer': 'done', 'step': 1}, 'as text'),
+    ({'act': 'answer', 'mission': 1, 'answer': 'done', 'step': '٣'}, 'as text'),
+    ({'act': 'answer', 'mission': 1, 'answer': 'done', 'step': str(2 ** 64)}, 'as text'),
     ({'act': 'close', 'edges': [1] * 1001}, 'list of 1 to 1000')])
 def test_a_wrong_request_is_refused_in_words(request_, words):
     with pytest.raises(WrongAct, match=words):

@@ -1,12 +1,14 @@
 """The content of the page, made from the fleet manager's messages."""
+import pytest
 from page_builders import graph, page, request, robot, show_fleet, status
 
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.outages import Outage
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import ShownPose
+from fleet_page.core.fleet import NEVER_HEARD, Group, ShownPose, alarm_of
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.readiness import LIMIT, Readiness
 
@@ -32,6 +34,84 @@ def test_a_stop_is_shown_until_the_fleet_goes_on_also_if_the_fleet_manager_dies(
         'cause': 'PERSON', 'by': 'anna (page)', 'since': 90.0, 'why': ''}
     model.show_stop(NOT_STOPPED)
     assert model.live.get('stop') is None
+
+
+@pytest.mark.parametrize('values, group, alarm', [
+    ({'state': 'IDLE', 'mission': None}, Group.IDLE, ''), ({}, Group.DRIVING, ''),
+    ({'waits_for': 'b'}, Group.STANDING, ''), ({'state': 'CHARGING'}, Group.CHARGING, ''),
+    ({'state': 'OFFLINE', 'outage': 'SILENT'}, Group.TROUBLE, 'SILENT'),
+    ({'state': 'OFFLINE', 'outage': 'SILENT', 'mission': None}, Group.AWAY, ''),
+    ({'state': 'OFFLINE', 'outage': 'CLOCK'}, Group.TROUBLE, 'CLOCK'),
+    ({'state': 'UNKNOWN', 'outage': 'UNSEEN'}, Group.TROUBLE, NEVER_HEARD),
+    ({'state': 'OUT_OF_SERVICE', 'outage': 'OUT_OF_SERVICE'}, Group.AWAY, '')])
+def test_each_robot_counts_once_and_its_alarm_says_why(values, group, alarm):
+    model = FleetModel()
+    model.take_robots([robot(**values)], 100.0)
+    counts = model.live.get('counts')
+    assert counts[group.value] == 1 == sum(counts[one.value] for one in Group)
+    assert (model.live.get('alarm:robot:a') or {'cause': ''})['cause'] == alarm
+
+
+@pytest.mark.parametrize('outage', Outage)
+def test_every_outage_that_ends_only_by_a_person_is_an_alarm_or_was_ordered(outage):
+    shown = alarm_of(robot(outage=outage.name, state='OFFLINE'))
+    assert bool(shown) or not outage.needs_person or outage is Outage.OUT_OF_SERVICE
+
+
+def test_an_alarm_keeps_its_time_and_who_has_seen_it_until_its_cause_changes():
+    model = FleetModel()
+
+    def told(now, *robots):
+        model.take_robots(robots, now)
+        return model.live.get('alarm:robot:a')
+    failed = robot(state='FAILED', outage='FAILED')
+    assert told(100.0, failed) == {'cause': 'FAILED', 'since': 100, 'seen_by': ''}
+    assert model.acknowledge('robot:a', 'anna') and model.acknowledge('robot:a', 'boris')
+    assert told(200.0, failed) == {'cause': 'FAILED', 'since': 100, 'seen_by': 'anna'}
+    assert told(300.0, robot(state='STOPPED', outage='STOPPED'))['seen_by'] == ''
+    assert told(400.0, robot()) is None and not model.acknowledge('robot:a', 'anna')
+    assert told(500.0, failed)['since'] == 500
+    assert told(600.0) is None
+
+
+def test_a_mission_that_needs_a_person_is_an_alarm_as_long_as_it_does():
+    model = FleetModel()
+    model.take_status(status(7, 'NEEDS_PERSON', told=100.0))
+    name, = model.live.entries('alarm:')
+    assert model.live.entries('mission:').keys() == {name[len('mission:'):]}
+    model.take_status(status(7, told=110.0))
+    assert model.live.entries('alarm:') == {}
+
+
+def test_the_missions_done_in_the_last_hour_are_counted_also_those_before_the_start():
+    model = FleetModel()
+    lines = [HistoryLine(id, (2,), '', 0, state, 'a', 1, 0.0, 10.0, ended, '') for id, state, ended
+             in ((1, MissionState.SUCCEEDED, 50.0), (2, MissionState.FAILED, 60.0),
+                 (3, MissionState.ACTIVE, None), (4, MissionState.SUCCEEDED, 101.0))]
+    model.count_done(lines, 100.0)
+    model.take_status(status(4, 'SUCCEEDED', told=101.0))
+    model.take_status(status(4, 'SUCCEEDED', told=102.0))
+    model.tick(200.0)
+    assert model.live.get('counts')['done'] == 2
+    model.tick(50.0 + fleet_model.HOUR + 1.0)
+    assert model.live.get('counts')['done'] == 1
+
+
+def test_a_mission_shows_when_it_started_and_ended():
+    model = FleetModel()
+    for state, told in (('PENDING', 10.0), ('ACTIVE', 20.0), ('PAUSED', 30.0), ('ACTIVE', 40.0),
+                        ('SUCCEEDED', 50.0), ('SUCCEEDED', 60.0)):
+        model.take_status(status(7, state, told=told))
+    shown, = model.live.entries('mission:').values()
+    assert (shown['started'], shown['ended']) == (20, 50)
+
+
+def test_robots_are_numbered_in_the_order_of_the_fleet_and_keep_their_numbers():
+    model = FleetModel()
+    model.take_robots([robot('b'), robot('a')], 0.0)
+    model.take_robots([robot('c'), robot('a')], 1.0)
+    assert {name: shown['number'] for name, shown in model.live.entries('robot:').items()} == {
+        'a': 1, 'c': 2}
 
 
 def test_a_robot_without_a_location_stands_where_its_edge_says():

@@ -1,6 +1,7 @@
 """The page in a real Chromium: each act from click to fleet, languages, sizes, keyboard."""
 from __future__ import annotations
 
+import colorsys
 import time
 
 import pytest
@@ -9,6 +10,7 @@ pytest.importorskip('aiohttp')
 
 from browser import Browser, ServedPage, needs_browser  # noqa: E402
 from page_builders import TOKENS, robot, status  # noqa: E402
+from pictures import walls  # noqa: E402
 
 from fleet_core.supervision.fleet_stop import (  # noqa: E402
     NOT_STOPPED,
@@ -20,6 +22,7 @@ from fleet_page.core.fleet import ShownPose  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
+MISSION = '#open tr[data-key^="7:"]'
 
 
 @pytest.fixture(scope='module')
@@ -64,7 +67,7 @@ def test_robots_missions_alarms_and_plans_are_shown(window, served):
     assert window.one('.released[data-robot=a]')
     window.wait(lambda: 'wheel blocked' in window.text('#alarms'), 'the alarm')
     window.wait(lambda: '▶2 → 3' in window.text('#open'), 'the mission')
-    assert window.one('#ended li')
+    assert window.one('#ended tr')
     window.picture('live')
 
 
@@ -72,6 +75,215 @@ def test_a_robot_that_moves_is_drawn_where_it_is(window, served):
     before = window.one('.robot[data-name=a]').get_attribute('transform')
     served.do(lambda: served.page.model.take_places({'a': ShownPose(2.5, 0.0, 0.0)}))
     window.wait(lambda: window.one('.robot[data-name=a]').get_attribute('transform') != before)
+
+
+def test_the_header_counts_robots_and_missions_and_opens_their_lists(window, served):
+    def count(name):
+        return window.text(f'#counts [data-act={name}] b')
+    window.wait(lambda: (count('driving'), count('trouble'), count('open'), count('done'))
+                == ('1', '1', '2', '1'))
+    window.click('#counts [data-act=trouble]')
+    window.wait(lambda: [row.get_attribute('data-key') for row in window.driver.find_elements(
+        'css selector', '#robots > li')] == ['b'])
+    window.click('#counts [data-act=open]')
+    assert window.one('#tab_missions').is_displayed()
+
+
+def test_the_panel_folds_away_for_the_map_and_stays_so_after_a_reload(window, served):
+    def width():
+        return window.script("return document.getElementById('map').clientWidth")
+    open_width = width()
+    try:
+        window.click('#fold')
+        window.wait(lambda: width() > open_width and not window.one('#panel').is_displayed())
+        window.open(served.url)
+        window.one('.robot[data-name=a]')
+        assert not window.one('#panel').is_displayed()
+        window.click('#tab_button_robots')
+        window.wait(lambda: window.one('#robots').is_displayed())
+        window.click('#widen')
+        window.wait(lambda: width() < open_width)
+    finally:
+        window.script('localStorage.clear()')
+
+
+WHOLE = '''
+const [scales, done] = arguments;
+const frame = document.createElement('canvas'), image = new Image();
+frame.width = frame.height = 1400;
+image.onload = async () => {
+    const { Walls } = await import('/page/walls.js');
+    const site = await (await fetch('/api/site')).json();
+    const walls = new Walls(image, site.map), [x, y, width, height] = site.map;
+    done([walls.bounds, scales.map(scale => {
+        const paint = frame.getContext('2d', { willReadFrequently: true });
+        paint.clearRect(0, 0, 1400, 1400);
+        const pixel = (px, py) => [20 + (px - x) * scale, 20 + (y + height - py) * scale];
+        walls.draw(paint, pixel, scale, 1);
+        const has = (px, py) => paint.getImageData(px - 1, py - 1, 3, 3).data.some(value => value);
+        const right = Math.round(width * scale), low = Math.round(height * scale);
+        let gaps = 0;
+        for (let k = 2; k < right - 2; k++) gaps += !has(20 + k, 20) + !has(20 + k, 19 + low);
+        for (let k = 2; k < low - 2; k++) gaps += !has(20, 20 + k) + !has(19 + right, 20 + k);
+        return gaps;
+    })]);
+};
+image.src = '/api/map.png';'''
+
+
+def test_walls_of_one_cell_are_whole_at_every_zoom(window, served):
+    def build():
+        served.page.site.walls = walls(14, 14)  # 43 m with cells of 0.05 m
+        served.page.model.site_changed()
+    served.do(build)
+    scales = [0.7, 1.0, 2.3, 4.9, 7.0, 11.0, 19.9, 20.0, 31.0]
+    bounds, gaps = window.driver.execute_async_script(WHOLE, scales)
+    assert gaps == [0] * len(scales)
+    assert bounds == pytest.approx([-2.0, -2.0, 41.0, 41.0], abs=43 / 32)
+
+
+def test_a_robot_has_the_colour_that_it_has_in_rviz(window, served):
+    drawing = pytest.importorskip('rviz_drawing.drawing')
+    served.do(lambda: served.page.model.take_robots(
+        [robot(name) for name in ('a', 'b', 'c', 'd')], time.time()))
+    for number, name in enumerate('abcd'):
+        own = drawing.own_colour(number)
+        hue = 360.0 * colorsys.rgb_to_hsv(own.r, own.g, own.b)[0]
+        shown = window.one(f'.robot[data-name={name}] .body').get_attribute('fill')
+        assert float(shown[4:].split()[0]) == pytest.approx(hue, abs=0.1), name
+
+
+OVERLAPS = '''
+const texts = [...document.querySelectorAll('.robot text')];
+const boxes = texts.map(text => text.getBoundingClientRect()); // as high as a line of the font
+const cover = (one, other) => one.left < other.right && other.left < one.right &&
+    one.top + 4 < other.bottom && other.top + 4 < one.bottom;
+return boxes.filter((one, k) => boxes.slice(k + 1).some(other => cover(one, other))).length;'''
+
+
+def test_the_labels_of_robots_that_meet_do_not_cover_each_other(window, served):
+    names = [f'ld90_{k}' for k in range(5)]
+    served.do(lambda: (
+        served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
+        served.page.model.take_places({name: ShownPose(4.0 + 0.9 * (k % 3), 3.0 + 0.9 * (k // 3), 0.0)
+                                       for k, name in enumerate(names)})))
+    window.wait(lambda: len(window.driver.find_elements('css selector', '.robot text')) == 5)
+    window.wait(lambda: window.script(OVERLAPS) == 0, 'labels without overlaps')
+    window.picture('labels')
+
+
+CROWDS = '''
+const done = arguments[0];
+import('/page/placing.js').then(({ Places, boxOf, BELOW_RIGHT_FIRST }) => {
+    let covered = 0, shown = 0;
+    for (let seed = 1; seed < 100; seed++) {
+        let state = seed;
+        const next = () => (state = state * 16807 % 2147483647) / 2147483647;
+        const places = new Places(800, 600), boxes = [];
+        for (let k = 0; k < 60; k++) {
+            const text = { x: next() * 800, y: next() * 600, away: 5, width: 20 + 40 * next(),
+                           height: 12 };
+            const side = places.place(text, BELOW_RIGHT_FIRST);
+            if (side >= 0) boxes.push(boxOf(text, BELOW_RIGHT_FIRST[side]));
+        }
+        shown += boxes.length;
+        for (const [k, a] of boxes.entries())
+            for (const b of boxes.slice(k + 1))
+                covered += Math.min(a[2], b[2]) - Math.max(a[0], b[0]) > 1e-6 &&
+                    Math.min(a[3], b[3]) - Math.max(a[1], b[1]) > 1e-6;
+    }
+    done([covered, shown]);
+});'''
+
+
+def test_no_name_of_a_crowd_covers_another_and_most_are_shown(window, served):
+    covered, shown = window.driver.execute_async_script(CROWDS)
+    assert covered == 0 and shown > 0.8 * 99 * 60
+
+
+def test_the_map_follows_a_robot_until_the_user_moves_it(window, served):
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    window.click('#robots li[data-key=a] [data-act=follow]')
+
+    def from_middle():
+        return window.script('''
+            const map = document.getElementById('map').getBoundingClientRect();
+            const at = document.querySelector('.robot[data-name=a] .ring').getBoundingClientRect();
+            return Math.hypot((at.left + at.right - map.left - map.right) / 2,
+                              (at.top + at.bottom - map.top - map.bottom) / 2);''')
+    for x in (1.5, 7.0):
+        served.do(lambda: served.page.model.take_places({'a': ShownPose(x, 4.0, 0.0)}))  # noqa: B023
+        window.wait(lambda: from_middle() < 3.0)
+    window.click('#zoom_fit')
+    window.wait(lambda: from_middle() > 20.0)
+    assert window.one('[data-act=follow]').get_attribute('aria-pressed') == 'false'
+
+
+def test_an_alarm_sounds_until_a_person_has_seen_it_and_stays_until_its_cause_is_gone(
+        window, served):
+    def sounds():
+        return window.driver.execute_async_script(
+            "import('/page/alarms.js').then(alarms => arguments[0](alarms.isSounding()));")
+    window.click('#tab_button_robots')  # a browser plays nothing before
+    window.wait(sounds)
+    window.click('#sound')
+    assert not sounds()
+    window.click('#sound')
+    assert sounds()
+    window.click('#alarm_list [data-act=acknowledge]')
+    window.wait(lambda: 'seen by local' in window.text('#alarms'))
+    assert not sounds() and 'wheel blocked' in window.text('#alarms')
+    served.do(lambda: served.page.model.take_robots([robot('a'), robot(
+        'b', state='STOPPED', outage='STOPPED', waits_for='emergency stop')], time.time()))
+    window.wait(lambda: sounds() and 'seen by' not in window.text('#alarms'), 'the next cause')
+    served.do(lambda: served.page.model.take_robots([robot('a'), robot('b')], time.time()))
+    window.wait(lambda: not window.one('#alarms').is_displayed())
+
+
+def shown_missions(window):
+    return [row.get_attribute('data-key').split(':')[0] for row in window.driver.find_elements(
+        'css selector', '#open > tr')]
+
+
+def test_missions_are_searched_filtered_and_sorted(window, served):
+    served.do(lambda: served.page.take_status(status(8, 'PENDING', robot='', reason='no way')))
+    window.wait(lambda: shown_missions(window) == ['7', '8'])
+    window.one('#mission_search').send_keys('NO WAY')
+    window.wait(lambda: shown_missions(window) == ['8'])
+    assert '(1 of 2)' in window.text('#open_count')
+    window.one('#mission_search').clear()
+    window.one('#mission_search').send_keys(' ')
+    window.script('''const state = document.getElementById('mission_state');
+        state.value = 'ACTIVE'; state.dispatchEvent(new Event('change'));''')
+    window.wait(lambda: shown_missions(window) == ['7'])
+    window.script('''const state = document.getElementById('mission_state');
+        state.value = ''; state.dispatchEvent(new Event('change'));''')
+    try:
+        window.click('#widen')
+        window.click('thead [data-order=id]')
+        window.click('thead [data-order=id]')
+        window.wait(lambda: shown_missions(window) == ['8', '7'])
+        assert window.one('thead th.id').get_attribute('aria-sort') == 'descending'
+        window.picture('wide')
+    finally:
+        window.script('localStorage.clear()')
+
+
+def test_the_menu_of_a_mission_works_by_keyboard_and_outlives_news(window, served):
+    from selenium.webdriver.common.keys import Keys
+    window.one(f'{MISSION} [data-act=menu]').send_keys(Keys.ENTER)
+    window.wait(lambda: window.one('#menu').is_displayed())
+    served.do(lambda: served.page.take_status(status(7, 'ACTIVE', reached=1, reason='news')))
+    window.wait(lambda: 'news' in window.text('#open'))
+    window.driver.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
+    window.driver.switch_to.active_element.send_keys(Keys.ESCAPE)
+    assert not window.one('#menu').is_displayed()
+    assert window.script("return document.activeElement.dataset.act") == 'menu'
+    window.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    window.driver.switch_to.active_element.send_keys(Keys.ARROW_UP)
+    window.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    asked(window, served, ActKind.CANCEL, mission=7)
 
 
 def test_the_stop_button_stops(window, served):
@@ -114,12 +326,17 @@ def test_a_stopped_fleet_says_so_until_it_goes_on(window, served):
 
 
 ASKS = 'needs an answer: no pallet. Say `mission answer 7 retry|skip|fail|done`'
+STEP = 2 ** 63 + 1
+
+
+def ask(served, state='NEEDS_PERSON', reason=f'step 1 (pick) of stop 2 {ASKS}'):
+    served.do(lambda: served.page.take_status(status(7, state, reason=reason, asks=STEP)))
 
 
 def test_a_mission_that_needs_a_person_is_told_above_the_lists_until_it_goes_on(window, served):
-    served.do(lambda: served.page.take_status(status(
-        7, 'NEEDS_PERSON', reason=f'step 1 (pick) of stop 2 {ASKS}')))
-    window.wait(lambda: f'Mission 7 a: step 1 (pick) of stop 2 {ASKS}' in window.text('#alarms'))
+    ask(served)
+    window.wait(lambda: f'Mission 7 a: step 1 (pick) of stop 2 {ASKS}'.replace('`', '')
+                in window.text('#alarms'))
     stop_the_fleet(window, served)
     window.wait(lambda: 'needs a person 7' in window.text('#open'))
     window.picture('needs_person_stopped')
@@ -131,6 +348,22 @@ def test_a_mission_that_needs_a_person_is_told_above_the_lists_until_it_goes_on(
     served.do(lambda: served.page.take_status(status(7)))
     window.wait(lambda: 'Auftrag 7' not in window.text('#alarms'))
     assert 'wheel blocked' in window.text('#alarms')
+
+
+@pytest.mark.parametrize('place', ['#alarms', MISSION])
+@pytest.mark.parametrize('answer', ['retry', 'skip', 'fail', 'done'])
+def test_a_step_that_asks_is_answered_by_a_button(window, served, place, answer):
+    ask(served)
+    window.click(f'{place} [data-act=answer_{answer}]')
+    asked(window, served, ActKind.ANSWER, mission=7, answer=answer, step=STEP)
+
+
+def test_a_step_that_a_person_does_is_ended_by_a_button_and_cannot_be_tried_again(window, served):
+    assert not window.driver.find_elements('css selector', '[data-act^=answer_]')
+    ask(served, 'ACTIVE', 'step 1 (pick) of stop 2 by a person: say `mission answer 7 done`')
+    window.click('#open [data-act=answer_done]')
+    asked(window, served, ActKind.ANSWER, answer='done', step=STEP)
+    assert not window.driver.find_elements('css selector', '[data-act=answer_retry]')
 
 
 def test_the_stop_is_told_after_a_reload_and_in_a_second_window_and_while_the_manager_is_dead(
@@ -230,20 +463,27 @@ def test_favourites_are_kept_used_and_removed(window, served):
     window.wait(lambda: window.text('#favourites') == '')
 
 
+def act_on_mission(window, act):
+    """Chooses an act in the menu of mission 7."""
+    window.click(f'{MISSION} [data-act=menu]')
+    window.click(f'#menu [data-act={act}]')
+
+
 @pytest.mark.parametrize('kind', [ActKind.CANCEL, ActKind.PAUSE, ActKind.RELEASE])
 def test_an_open_mission_is_changed_by_its_buttons(window, served, kind):
-    window.click(f'#open li[data-key^="7:"] [data-act={kind.value}]')
+    act_on_mission(window, kind.value)
     asked(window, served, kind, mission=7)
 
 
 def test_a_paused_mission_goes_on(window, served):
     served.do(lambda: served.page.take_status(status(7, 'PAUSED')))
-    window.click('#open li[data-key^="7:"] [data-act=continue]')
+    window.wait(lambda: 'paused' in window.text('#open'))
+    act_on_mission(window, 'continue')
     asked(window, served, ActKind.CONTINUE, mission=7)
 
 
 def test_priority_and_destinations_of_a_mission_are_changed(window, served):
-    window.click('#open li[data-key^="7:"] [data-act=change]')
+    act_on_mission(window, 'change')
     window.one('#open form input[type=number]').clear()
     window.one('#open form input[type=number]').send_keys('9')
     way = window.one('#open form input:not([type])')
@@ -254,7 +494,7 @@ def test_priority_and_destinations_of_a_mission_are_changed(window, served):
 
 
 def test_what_is_typed_outlives_news_of_the_mission(window, served):
-    window.click('#open li[data-key^="7:"] [data-act=change]')
+    act_on_mission(window, 'change')
     way = window.one('#open form input:not([type])')
     way.clear()
     way.send_keys('4 ')
@@ -295,6 +535,7 @@ def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sectio
 @pytest.mark.parametrize('kind', [ActKind.OUT, ActKind.IN, ActKind.ABSENT])
 def test_a_robot_is_taken_out_put_back_and_declared_absent(window, served, kind):
     window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
     window.click(f'#robots li[data-key=a] [data-act={kind.value}]')
     if kind is ActKind.ABSENT:
         window.driver.switch_to.alert.accept()
@@ -357,7 +598,7 @@ def test_german_and_dark_are_chosen_and_remembered(window, served):
         window.wait(lambda: words in window.text('#ended'), words)  # noqa: B023
     for reason in ('the disk: a.b*(c', 'x'):
         served.do(lambda: served.page.take_status(status(7, 'PAUSED', reason=reason)))  # noqa: B023
-    window.wait(lambda: window.text('#open li p') == 'x')
+    window.wait(lambda: window.text('#open .soft') == 'x')
     window.picture('german_dark')
     window.script('localStorage.clear()')
 

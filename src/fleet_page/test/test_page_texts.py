@@ -9,8 +9,8 @@ from page_builders import PAGE_FOLDER
 
 from fleet_core.supervision.fleet_view import RobotState
 from fleet_core.supervision.outages import Outage
-from fleet_page.core.acts import ActKind
-from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES
+from fleet_page.core.acts import ANSWERS, ActKind
+from fleet_page.core.fleet import ALARMS, MISSION_STATES, ROBOT_STATES, Group
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -22,14 +22,17 @@ def used_keys():
     for text in SOURCES.values():
         found |= set(re.findall(r'data-(?:t|label)="(\w+)"', text))
         found |= set(re.findall(r"\bt\('(\w+)'", text))
-    found |= set(re.findall(r"button\('(\w+)', '\w+'\)", SOURCES['missions.js']))
+    found |= set(re.findall(r"\bone\('(\w+)'\)", SOURCES['missions.js']))
     found |= {f'act_{kind.value}' for kind in ActKind}
+    found |= {f'answer_{word}' for word in ANSWERS}
     found |= {f'robot_{state}' for state in ROBOT_STATES}
     found |= {f'mission_{state}' for state in MISSION_STATES}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
-    needs = re.search(r'NEEDS_PERSON = \[(.*?)\]', SOURCES['main.js']).group(1)
-    return found | {f'todo_{name}' for name in re.findall(r"'(\w+)'", needs)}
+    columns = re.search(r'COLUMNS = \[(.*?)\]', SOURCES['missions.js']).group(1)
+    found |= {f'column_{name}' for name in (*re.findall(r"'(\w+)'", columns), 'urgency')}
+    found |= {f'count_{group.value}' for group in Group} | {'count_open', 'count_done'}
+    return found | {f'todo_{name}' for name in ALARMS}
 
 
 @pytest.mark.parametrize('language', TABLES)

@@ -88,7 +88,8 @@ LAYERS: Dict[str, Layer] = {
         'graph_fleet_manager.messages graph_fleet_manager.multimaster graph_topic node_lifecycle '
         'route_protocol rviz_drawing trajectory_graph', ros=True),
     'fleet_page': layer(),
-    'fleet_page.core': layer('fleet_core.supervision node_program trajectory_graph'),
+    'fleet_page.core': layer(
+        'fleet_core.supervision fleet_core.work node_program trajectory_graph'),
     'fleet_page.door': layer('fleet_page.core', sockets='*'),
     'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
     'fleet_page.nodes': layer(

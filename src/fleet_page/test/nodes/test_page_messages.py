@@ -112,6 +112,18 @@ def test_a_mission_is_changed_by_its_command(commands, kind, command):
     assert (sent.request_id, sent.command, sent.priority) == (7, command, 2)
 
 
+@pytest.mark.parametrize('word, answer', [
+    ('retry', msg.MissionCommand.RETRY), ('skip', msg.MissionCommand.SKIP),
+    ('fail', msg.MissionCommand.FAIL), ('done', msg.MissionCommand.DONE)])
+def test_a_step_is_answered_as_by_the_command_mission_answer(commands, word, answer):
+    act = Act(ActKind.ANSWER, mission=7, answer=word, step=2 ** 63 + 1)
+    assert commands.do(act, ANNA).ok
+    sent = commands._commands._publisher.sent[0]
+    assert (sent.command, sent.answer, sent.step_key) == (
+        msg.MissionCommand.ANSWER, answer, 2 ** 63 + 1)
+    assert messages.command_of(sent) == act
+
+
 @pytest.mark.parametrize('kind, command', [
     (ActKind.CLOSE, msg.EdgeCommand.CLOSE), (ActKind.OPEN, msg.EdgeCommand.OPEN)])
 def test_edges_are_closed_and_opened_by_a_command(commands, kind, command):
@@ -195,5 +207,6 @@ def test_an_act_that_the_fleet_manager_did_not_carry_out_is_told():
     told = msg.MissionStatus(request_id=7, command=msg.MissionCommand.MODIFY,
                              command_code=msg.MissionStatus.COMMAND_NOT_DONE)
     assert messages.status_of(told).not_done == 'modify'
+    assert messages.status_of(msg.MissionStatus(asks=2 ** 64 - 1)).asks == 2 ** 64 - 1
     told.command_code = msg.MissionStatus.COMMAND_NOT_STORED
     assert messages.status_of(told).not_done == ''

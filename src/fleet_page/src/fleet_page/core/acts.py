@@ -2,10 +2,12 @@
 """
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Callable, Dict, Mapping, Tuple
 
+from fleet_core.work.rules import StepDecision
 from fleet_page.core.roles import UserRole
 
 MOST_DESTINATIONS = 100
@@ -13,6 +15,8 @@ MOST_EDGES = 1000
 LONGEST_STAY = 1e6  # s, the limit of the fleet manager
 _LONGEST_NAME = 100
 _INT32 = 2 ** 31 - 1
+_UINT64 = 2 ** 64 - 1
+ANSWERS = {decision.name.lower(): decision for decision in StepDecision if decision}
 
 
 class ActKind(Enum):
@@ -26,6 +30,7 @@ class ActKind(Enum):
     CONTINUE = 'continue'
     RELEASE = 'release'
     MODIFY = 'modify'
+    ANSWER = 'answer'
     CLOSE = 'close'
     OPEN = 'open'
     OUT = 'out'
@@ -33,6 +38,7 @@ class ActKind(Enum):
     ABSENT = 'absent'
     ADD_FAVOURITE = 'add_favourite'
     REMOVE_FAVOURITE = 'remove_favourite'
+    ACKNOWLEDGE = 'acknowledge'
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,9 @@ class Act:
     mission -- request id
     robot   -- the robot that the act concerns, or that must serve the mission
     stays   -- s at each destination, negative: until released; empty: no stays
-    name    -- name of a favourite
+    name    -- name of a favourite, or key of an alarm
+    answer  -- to a step: one of ANSWERS
+    step    -- key of the step that the answer is about; 0: the one that asks now
     """
 
     kind: ActKind
@@ -54,6 +62,8 @@ class Act:
     stays: Tuple[float, ...] = ()
     edges: Tuple[int, ...] = ()
     name: str = ''
+    answer: str = ''
+    step: int = 0
 
 
 @dataclass(frozen=True)
@@ -118,6 +128,20 @@ def _stays(value: Any) -> Tuple[float, ...]:
     return tuple(float(element) for element in value)
 
 
+def _answer(value: Any) -> str:
+    if not isinstance(value, str) or value not in ANSWERS:
+        raise WrongAct(f'must be one of {", ".join(ANSWERS)}')
+    return value
+
+
+def _step(value: Any) -> int:
+    """The key of a step, as text: the numbers of a browser have 53 bits."""
+    if not isinstance(value, str) or not re.fullmatch('[0-9]{1,20}', value) or (
+            int(value) > _UINT64):
+        raise WrongAct('must be the key of a step, as text')
+    return int(value)
+
+
 Field = Callable[[Any], Any]
 _MISSION: Dict[str, Field] = {'mission': _whole}
 _ROBOT: Dict[str, Field] = {'robot': _text}
@@ -148,6 +172,7 @@ RULES: Dict[ActKind, Rule] = {
     ActKind.RELEASE: _rule(UserRole.OPERATE, _MISSION),
     ActKind.MODIFY: _rule(UserRole.OPERATE, {**_MISSION, 'priority': _whole},
                           destinations=_changed_destinations),
+    ActKind.ANSWER: _rule(UserRole.OPERATE, {**_MISSION, 'answer': _answer, 'step': _step}),
     ActKind.CLOSE: _rule(UserRole.OPERATE, _EDGES),
     ActKind.OPEN: _rule(UserRole.OPERATE, _EDGES),
     ActKind.OUT: _rule(UserRole.OPERATE, _ROBOT),
@@ -157,6 +182,7 @@ RULES: Dict[ActKind, Rule] = {
                                  robot=_text_or_empty, robot_type=_text_or_empty,
                                  priority=_whole, stays=_stays),
     ActKind.REMOVE_FAVOURITE: _rule(UserRole.OPERATE, {'name': _text}),
+    ActKind.ACKNOWLEDGE: _rule(UserRole.OPERATE, {'name': _text}),
 }
 
 

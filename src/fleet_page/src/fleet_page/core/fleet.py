@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Optional, Tuple
 
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
@@ -47,6 +48,45 @@ class ShownRobot:
     to_end: Optional[float] = None
 
 
+ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
+NEVER_HEARD = 'NEVER_HEARD'
+_SILENT = 'SILENT'
+ALARMS = (*ALARMING, _SILENT, NEVER_HEARD)
+
+
+def alarm_of(robot: ShownRobot) -> str:
+    """Why a robot needs a person, as one of ALARMS; empty: it does not."""
+    if robot.state == 'UNKNOWN':
+        return NEVER_HEARD
+    is_missed = robot.outage == _SILENT and robot.mission is not None
+    return robot.outage if is_missed or robot.outage in ALARMING else ''
+
+
+class Group(Enum):
+    """What a robot counts as in the header of the page; the value is its key there."""
+
+    IDLE = 'idle'
+    DRIVING = 'driving'
+    STANDING = 'standing'
+    """It has something to do, and stands: it waits, or works at a stop."""
+    CHARGING = 'charging'
+    TROUBLE = 'trouble'
+    """It needs a person."""
+    AWAY = 'away'
+    """It is offline, out of service or absent."""
+
+
+_WITH_WORK = {'IDLE': Group.IDLE, 'BUSY': Group.DRIVING, 'CHARGING': Group.CHARGING}
+
+
+def group_of(robot: ShownRobot) -> Group:
+    """The group of a robot."""
+    if alarm_of(robot):
+        return Group.TROUBLE
+    group = _WITH_WORK.get(robot.state, Group.AWAY)
+    return Group.STANDING if group is Group.DRIVING and robot.waits_for else group
+
+
 @dataclass(frozen=True)
 class ShownPlan:
     """The next edges of a robot, with signed ids. The first `released` edges are released."""
@@ -61,6 +101,8 @@ class MissionStatus:
 
     not_done -- the act that was not carried out, for the given reason; empty: the reason concerns
                 the mission itself
+    asks     -- key of the step that waits for an answer; 0: none does
+    told     -- when the fleet manager told it, s since 1970
     """
 
     id: int
@@ -70,6 +112,8 @@ class MissionStatus:
     reached: int
     reason: str
     not_done: str = ''
+    asks: int = 0
+    told: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,28 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
-Keys of the live state: `fleet`, `stop`, `site`, `closed`, `favourites`, `robot:NAME`, `pose:NAME`,
-`plan:NAME`, `mission:ID:STAMP`.
+Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `robot:NAME`,
+`pose:NAME`, `plan:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 
 import math
+from collections import Counter, deque
 from dataclasses import asdict
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
+from typing import Any, Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.history import HistoryLine
+from fleet_core.supervision.missions import MissionState
 from fleet_page.core.fleet import (
     OPEN_STATES,
+    Group,
     MissionRequest,
     MissionStatus,
     ShownPlan,
     ShownPose,
     ShownRobot,
+    alarm_of,
+    group_of,
 )
 from fleet_page.core.live_state import LiveState
 from fleet_page.core.records import Sums
@@ -30,6 +35,8 @@ LONGEST_STEP = 5.0    # m between two poses; a longer step is not counted as dri
 LONGEST_GAP = 2.0     # s between two states that are counted at most
 LEAST_CHANGE = 2.0    # s by which the expected end of a mission must change to be shown
 SMALL_PART = 0.1      # the same, as a part of the time to go
+HOUR = 3600.0         # s of which the missions done are counted
+NEEDS_PERSON = 'NEEDS_PERSON'  # state of a mission, and the cause of its alarm
 
 Key = Tuple[int, int]
 
@@ -52,6 +59,9 @@ class FleetModel:
         self._sums: Dict[str, Sums] = {}
         self._edge_waiting: Dict[int, float] = {}
         self._heard: Optional[float] = None
+        self._numbers: Dict[str, int] = {}
+        self._times: Dict[Key, Tuple[Optional[float], Optional[float]]] = {}
+        self._done: Deque[float] = deque()
         self.site_revision = 0
         self.live.put('fleet', {'alive': False, 'heard': None})
         self.live.put('stop', None)
@@ -80,8 +90,15 @@ class FleetModel:
         if self._heard is not None:
             self._sum_up(found, min(max(now - self._heard, 0.0), LONGEST_GAP))
         self._heard = now
+        for name in found:
+            # RViz numbers the robots in the same order: the number selects the colour.
+            self._numbers.setdefault(name, len(self._numbers))
+        self.live.replace('robot:', {
+            name: {**_robot_values(robot), 'number': self._numbers[name]}
+            for name, robot in found.items()})
+        for name in {*self.robots, *found}:
+            self._raise_alarm(f'robot:{name}', alarm_of(found[name]) if name in found else '', now)
         self.robots = found
-        self.live.replace('robot:', {name: _robot_values(robot) for name, robot in found.items()})
         for name in [name for name in self.places if name not in found]:
             del self.places[name]
             self.live.remove(f'pose:{name}')
@@ -133,6 +150,33 @@ class FleetModel:
         alive = self._heard is not None and now - self._heard < DEAD_AFTER
         # While it is alive the time is omitted, because each message would be a change.
         self.live.put('fleet', {'alive': alive, 'heard': None if alive else self._heard})
+        while self._done and now - self._done[0] > HOUR:
+            self._done.popleft()
+        self._count()
+
+    def _count(self) -> None:
+        groups = Counter(map(group_of, self.robots.values()))
+        self.live.put('counts', {
+            **{group.value: groups[group] for group in Group}, 'done': len(self._done),
+            'open': sum(status.state in OPEN_STATES for status in self.missions.values())})
+
+    # -- alarms -----------------------------------------------------------------------------------
+
+    def _raise_alarm(self, alarm: str, cause: str, now: float) -> None:
+        """Keeps an alarm as long as its cause; an empty cause is none."""
+        known = self.live.get(f'alarm:{alarm}')
+        if not cause:
+            self.live.remove(f'alarm:{alarm}')
+        elif known is None or known['cause'] != cause:
+            self.live.put(f'alarm:{alarm}', {'cause': cause, 'since': round(now), 'seen_by': ''})
+
+    def acknowledge(self, alarm: str, person: str) -> bool:
+        """Notes that a person has seen an alarm. Returns whether there is such an alarm."""
+        known = self.live.get(f'alarm:{alarm}')
+        if known is None:
+            return False
+        self.live.put(f'alarm:{alarm}', {**known, 'seen_by': known['seen_by'] or person})
+        return True
 
     def _show_place(self, name: str, place: ShownPose) -> None:
         self.live.put(f'pose:{name}', [
@@ -205,8 +249,15 @@ class FleetModel:
         for key, status in list(self.missions.items()):
             line = last.get(status.id)
             if key not in self._requests and line is not None:
+                self._times[key] = line.started, line.ended
                 self.take_request(MissionRequest(*key, line.destinations, '', line.robot_type,
                                                  line.priority, line.requested_by))
+
+    def count_done(self, lines: Iterable[HistoryLine], until: float) -> None:
+        """Counts the missions in the journal that were done before the page listened."""
+        earlier = sorted(line.ended for line in lines if line.state is MissionState.SUCCEEDED
+                         and line.ended is not None and line.ended < until)
+        self._done.extendleft(reversed(earlier))
 
     def forget_request(self, id: int) -> None:
         """Forgets the request of a mission that may have changed, so that the journal is read."""
@@ -222,18 +273,41 @@ class FleetModel:
         if status.state not in OPEN_STATES and (
                 before is None or before.state in OPEN_STATES):
             self.ended[status.state] = self.ended.get(status.state, 0) + 1
+            if status.state == 'SUCCEEDED':
+                self._done.append(status.told)
+        self._note_times(key, before, status)
         self._show_mission(key)
+        self._raise_alarm(_name_of(key), NEEDS_PERSON if status.state == NEEDS_PERSON else '',
+                          status.told)
+        self._count()
         ended = [key for key, known in self.missions.items() if known.state not in OPEN_STATES]
         for old in ended[:-MOST_ENDED]:
             del self.missions[old]
             self._ends.pop(old, None)
+            self._times.pop(old, None)
             self.live.remove(_name_of(old))
+
+    def _note_times(self, key: Key, before: Optional[MissionStatus],
+                    status: MissionStatus) -> None:
+        """Notes when a mission started and ended, if the page was there."""
+        if before is None or before.state == status.state:
+            return
+        started, ended = self._times.get(key, (None, None))
+        if status.state == 'ACTIVE' and started is None:
+            started = status.told
+        if status.state not in OPEN_STATES:
+            ended = status.told
+        self._times[key] = started, ended
 
     def _show_mission(self, key: Key) -> None:
         status, request = self.missions[key], self._requests.get(key)
         values: Dict[str, Any] = {
             'id': status.id, 'stamp': status.stamp // 10 ** 9, 'state': status.state,
-            'robot': status.robot, 'reached': status.reached, 'reason': status.reason}
+            'robot': status.robot, 'reached': status.reached, 'reason': status.reason,
+            'asks': str(status.asks) if status.asks else ''}  # as text: a browser rounds it
+        for name, time in zip(('started', 'ended'), self._times.get(key, ())):
+            if time is not None:
+                values[name] = round(time)
         if request is not None:
             values.update(destinations=list(request.destinations), priority=request.priority,
                           wanted_robot=request.robot, robot_type=request.robot_type,
@@ -253,6 +327,7 @@ def _robot_values(robot: ShownRobot) -> Dict[str, Any]:
     values = asdict(robot)
     for name in ('name', 'edge', 'fraction', 'seen', 'to_end'):
         del values[name]
+    values.update(alarm=alarm_of(robot), group=group_of(robot).value)
     values['battery'] = None if robot.battery is None else round(robot.battery, 2)
     if robot.state in ('OFFLINE', 'ABSENT', 'UNKNOWN', 'OUT_OF_SERVICE'):
         values['seen'] = round(robot.seen)

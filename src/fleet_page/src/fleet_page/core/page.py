@@ -130,6 +130,11 @@ class Page:
         self.model.show_favourites(self.records.favourites())
         return outcome
 
+    def acknowledge(self, alarm: str, person: Person) -> ActOutcome:
+        """Notes that a person has seen an alarm."""
+        found = self.model.acknowledge(alarm, person.name)
+        return ActOutcome(found, '' if found else 'Its cause is gone.')
+
     def site_values(self) -> Callable[[], Dict[str, Any]]:
         """Returns a function that makes the JSON values of the site as it is now, in any thread."""
         site = self.site

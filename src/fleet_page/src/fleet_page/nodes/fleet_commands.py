@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, Tuple, Type
 
 from std_srvs.srv import Trigger
 
-from fleet_page.core.acts import Act, ActKind, ActOutcome
+from fleet_page.core.acts import ANSWERS, Act, ActKind, ActOutcome
 from fleet_page.core.roles import Person
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
 from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
@@ -14,7 +14,7 @@ from itrci_nav_msgs.srv import DeclareAbsent
 COMMANDS: Dict[ActKind, int] = {
     ActKind.CANCEL: MissionCommand.CANCEL, ActKind.PAUSE: MissionCommand.PAUSE,
     ActKind.CONTINUE: MissionCommand.RESUME, ActKind.RELEASE: MissionCommand.RELEASE,
-    ActKind.MODIFY: MissionCommand.MODIFY}
+    ActKind.MODIFY: MissionCommand.MODIFY, ActKind.ANSWER: MissionCommand.ANSWER}
 EDGES: Dict[ActKind, int] = {ActKind.CLOSE: EdgeCommand.CLOSE, ActKind.OPEN: EdgeCommand.OPEN}
 _SERVICES: Dict[ActKind, Tuple[str, Type[Any]]] = {
     ActKind.RESUME: ('/resume_fleet', Trigger), ActKind.OUT: ('/{}/leave_fleet', Trigger),
@@ -60,7 +60,8 @@ class FleetCommands:
     def _command(self, act: Act, by: str) -> ActOutcome:
         self._commands.send(MissionCommand(
             request_id=act.mission, command=COMMANDS[act.kind], priority=act.priority,
-            destination_vertices_id=list(act.destinations), requested_by=by))
+            destination_vertices_id=list(act.destinations), requested_by=by,
+            answer=int(ANSWERS.get(act.answer, 0)), step_key=act.step))
         return ActOutcome(True, f'Asked for mission {act.mission}.')
 
     def _edge(self, act: Act, by: str) -> ActOutcome:

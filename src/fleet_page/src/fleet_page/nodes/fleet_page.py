@@ -46,6 +46,7 @@ from rospy.numpy_msg import numpy_msg
 from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import Act
+from fleet_page.core.fleet_model import HOUR
 from fleet_page.core.page import Page
 from fleet_page.core.readiness import Readiness
 from fleet_page.core.records import Records
@@ -115,6 +116,7 @@ class FleetPageNode:
         except DoorError as error:
             raise ConfigurationError(str(error)) from None
         threading.Thread(target=self._end_with_door, name='door', daemon=True).start()
+        self._begun = time.time()
         asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
         shown = 'localhost' if is_loopback(settings.listen) else settings.listen
         self._address = f'{"https" if settings.is_secure else "http"}://{shown}:{settings.port}'
@@ -142,23 +144,28 @@ class FleetPageNode:
 
     async def _tick(self) -> None:
         looked = 0.0
+        await self._look_up(time.time() - HOUR)
         while not rospy.is_shutdown():
             now = time.time()
             self._page.tick(now)
             if self._page.model.unknown and abs(now - looked) >= LOOK_UP:
                 looked = now
-                await self._look_up()
+                await self._look_up(math.inf)
             await asyncio.sleep(TICK)
 
-    async def _look_up(self) -> None:
-        """Reads in the journal the missions from before the page's start, and changed ones."""
+    async def _look_up(self, since: float) -> None:
+        """Reads in the journal the missions from before the page's start, and changed ones.
+
+        since -- the missions that have changed since then, and all open ones
+        """
         try:
-            lines = await self._loop.run_in_executor(None, self._page.missions, math.inf)
+            lines = await self._loop.run_in_executor(None, self._page.missions, since)
         except JournalError as error:
             rospy.logwarn_throttle(600.0, 'The destinations of missions from before the start are '
                                           f'not shown: {error}')
         else:
             self._page.model.take_history(lines)
+            self._page.model.count_done(lines, self._begun)
 
     def _subscribe(self, map_topic: str) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],

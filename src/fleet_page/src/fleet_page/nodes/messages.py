@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, Iterable, Optional
 
-from fleet_page.core.acts import Act, ActKind
+from fleet_page.core.acts import ANSWERS, Act, ActKind
 from fleet_page.core.fleet import (
     MISSION_STATES,
     ROBOT_STATES,
@@ -25,6 +25,7 @@ _OUTAGES: Dict[int, str] = {
 
 
 _COMMANDS: Dict[int, ActKind] = {number: kind for kind, number in COMMANDS.items()}
+_ANSWERS: Dict[int, str] = {int(decision): word for word, decision in ANSWERS.items()}
 _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
@@ -58,7 +59,7 @@ def status_of(message: msg.MissionStatus) -> MissionStatus:
     return MissionStatus(message.request_id, message.request_stamp.to_nsec(),
                          _word(MISSION_STATES, message.state), message.robot,
                          message.destinations_reached, message.reason,
-                         _not_done(message))
+                         _not_done(message), message.asks, message.header.stamp.to_sec())
 
 
 def _not_done(message: msg.MissionStatus) -> str:
@@ -72,7 +73,8 @@ def command_of(message: msg.MissionCommand) -> Optional[Act]:
     kind = _COMMANDS.get(message.command)
     return None if kind is None else Act(
         kind, mission=message.request_id, priority=message.priority,
-        destinations=tuple(message.destination_vertices_id))
+        destinations=tuple(message.destination_vertices_id),
+        answer=_ANSWERS.get(message.answer, ''), step=message.step_key)
 
 
 def edges_of(message: msg.EdgeCommand) -> Optional[Act]:

@@ -218,6 +218,8 @@ class WebServer:
         """Carries out an act and records its outcome, even if the client does not wait for it."""
         if act.kind in (ActKind.ADD_FAVOURITE, ActKind.REMOVE_FAVOURITE):
             outcome = self._page.change_favourites(act)
+        elif act.kind is ActKind.ACKNOWLEDGE:
+            outcome = self._page.acknowledge(act.name, person)
         else:
             outcome = await asyncio.get_event_loop().run_in_executor(
                 self._threads, self._do, act, person)

@@ -1,0 +1,142 @@
+"""Makes pictures of the page at four sizes, with 1, 8 and 60 robots, in trouble and stopped.
+
+    pictures.py FOLDER [WORD...]    only the pictures whose names contain one of the words
+"""
+from __future__ import annotations
+
+import itertools
+import sys
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+from typing import Callable, Dict
+
+import numpy as np
+from browser import Browser, ServedPage
+from page_builders import graph, request, robot, status
+
+from fleet_core.supervision.fleet_stop import FleetStop, StopCause
+from fleet_page.core.fleet import ShownPlan, ShownPose, ShownRobot
+from fleet_page.core.page import Page
+from fleet_page.core.site import WallMap, wall_map
+
+SIZES = {'phone': (390, 844), 'tablet': (820, 1180), 'desktop': (1440, 900), 'wall': (2560, 1440)}
+FLEETS = {1: (4, 3), 8: (6, 4), 60: (16, 9)}  # columns and rows of the graph, by number of robots
+TROUBLES = {3: ('FAILED', 'FAILED', 'wheel blocked'), 4: ('STOPPED', 'STOPPED', 'emergency stop'),
+            5: ('OFFLINE', 'SILENT', 'it does not report'),
+            6: ('OUT_OF_SERVICE', 'OUT_OF_SERVICE', 'it was taken out of service')}
+ASKS = ('step 1 (pick) of stop 2 needs an answer: no pallet under the fork. Say `mission answer '
+        '1840021807 retry|skip|fail|done`')
+CELL = 0.05  # m
+AT_REST = '''
+    const done = arguments[0], frame = () => new Promise(requestAnimationFrame);
+    import('/page/map.js').then(async map => {
+        for (let quiet = 0, before = -1; quiet < 40; before = map.framesDrawn()) {
+            await frame();
+            quiet = map.framesDrawn() === before ? quiet + 1 : 0;
+        }
+        done();
+    });'''
+
+
+def walls(columns: int, rows: int) -> WallMap:
+    """A hall around the graph, with pillars; walls are one cell thick."""
+    wide, tall = int((3 * columns + 1) / CELL), int((3 * rows + 1) / CELL)
+    cells = np.zeros((tall, wide), np.int8)
+    cells[[0, -1], :] = cells[:, [0, -1]] = 100
+    for x, y in itertools.product(range(columns - 1), range(rows - 1)):
+        left, low = int((3.5 + 3 * x) / CELL), int((3.5 + 3 * y) / CELL)
+        cells[low - 8:low + 8, left - 8] = cells[low - 8:low + 8, left + 8] = 100
+    return wall_map(cells.ravel(), wide, tall, CELL, -2.0, -2.0)
+
+
+def robots(count: int, in_trouble: bool) -> Dict[str, ShownRobot]:
+    """Robots with work, in all groups."""
+    found = {}
+    for k in range(count):
+        state, outage, waits_for = TROUBLES.get(k % 20, ('', '', '')) if in_trouble else ('',) * 3
+        kind = k % 4
+        found[f'ld90_{k + 1}'] = robot(
+            f'ld90_{k + 1}', type='omron_ld90', edge=k + 1, outage=outage or 'NONE',
+            state=state or ('IDLE' if kind == 3 else 'CHARGING' if k % 7 == 5 else 'BUSY'),
+            battery=0.15 + 0.8 * ((k * 7) % 11) / 11, mission=None if kind == 3 else 1840021800 + k,
+            destination=0 if kind == 3 else 2 + k, to_end=None if kind == 3 else 60.0 + 17 * k,
+            waits_for=waits_for or ('ld90_1' if kind == 2 else ''))
+    return found
+
+
+def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
+    """Fills a page."""
+    columns, rows = FLEETS[count]
+    now, model = time.time(), page.model
+    model.graph = graph(columns, rows)
+    page.site.walls, page.site.radii = walls(columns, rows), {'omron_ld90': 0.4}
+    page.site.parking = frozenset(range(columns, columns * rows, columns))
+    model.site_changed()
+    fleet = robots(count, in_trouble)
+    model.take_robots(fleet.values(), now)
+    edges = list(model.graph.edges)
+    model.take_places({name: ShownPose(*model.graph.curve(edges[(3 * k) % len(edges)]).point_at(1.2), (
+        model.graph.curve(edges[(3 * k) % len(edges)]).heading_at(1.2)))
+        for k, name in enumerate(fleet)})
+    for k, (name, one) in enumerate(fleet.items()):
+        for id, state in ((1840021800 + k, 'ACTIVE' if one.mission else 'PENDING'),
+                          (731005200 + 13 * k, ('SUCCEEDED', 'FAILED', 'CANCELLED')[k % 3])):
+            made = request(id, 2 + k, 5, 9)
+            stamp = int((now - 700 - 31 * k) * 1e9)
+            model.take_request(type(made)(id, stamp, made.destinations, '', '', k % 3, 'anna'))
+            for became in ('PENDING', state):
+                page.take_status(status(
+                    id, became, stamp=stamp, robot='' if became == 'PENDING' else name,
+                    reached=k % 2, reason='wheel blocked' if became == 'FAILED' else ''))
+        if in_trouble and k == 7 % count:
+            page.take_status(status(1840021800 + k, 'NEEDS_PERSON', stamp=stamp, robot=name,
+                                    reason=ASKS, asks=5))
+    page.take_plans({name: ShownPlan((edges[(3 * k) % len(edges)], ), 1)
+                     for k, name in enumerate(fleet)}, now)
+    model.take_robots(fleet.values(), now)
+    if is_stopped:
+        model.show_stop(FleetStop(StopCause.PERSON, 'anna (page)', now - 65))
+
+
+def make(folder: Path, wanted: Callable[[str], bool]) -> None:
+    """Makes the wanted pictures."""
+    window = Browser(1440, 900)
+    for count, in_trouble, is_stopped in itertools.product(
+            FLEETS, (False, True), (False, True)):
+        mood = ('stopped_' if is_stopped else '') + ('trouble' if in_trouble else 'calm')
+        names = [f'{count}_{mood}_{size}_{view}' for size in SIZES for view in (
+            'missions', 'robots', 'folded', 'dark')]
+        if not any(map(wanted, names)):
+            continue
+        with tempfile.TemporaryDirectory() as own:
+            served = ServedPage(Path(own), fill=partial(
+                show, count=count, in_trouble=in_trouble, is_stopped=is_stopped))
+            for name in filter(wanted, names):
+                size, view = name.split('_')[-2:]
+                window.resize(*SIZES[size])
+                window.open(served.url)
+                window.one('.robot')
+                window.script('''localStorage.clear();
+                    document.documentElement.dataset.theme = arguments[0] ? 'dark' : 'light';
+                    dispatchEvent(new Event('resize'));''', view == 'dark')
+                if view == 'robots':
+                    window.click('#tab_button_robots')
+                    window.click('#robots [data-act=choose]')
+                if view == 'folded':
+                    window.click('#fold')
+                if view == 'dark':
+                    window.script("document.getElementById('widen').click()")
+                    window.script("document.getElementById('new_mission').open = false")
+                window.wait(lambda: window.text('#open_count'), 'the missions')
+                window.driver.execute_async_script(AT_REST)
+                window.driver.save_screenshot(str(folder / f'{name}.png'))
+                print(name, window.problems() or '', flush=True)
+            served.close()
+    window.close()
+
+
+if __name__ == '__main__':
+    words = sys.argv[2:]
+    make(Path(sys.argv[1]), lambda name: not words or any(word in name for word in words))
