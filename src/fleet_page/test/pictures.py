@@ -77,9 +77,9 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
     fleet = robots(count, in_trouble)
     model.take_robots(fleet.values(), now)
     edges = list(model.graph.edges)
-    model.take_places({name: ShownPose(*model.graph.curve(edges[(3 * k) % len(edges)]).point_at(1.2), (
-        model.graph.curve(edges[(3 * k) % len(edges)]).heading_at(1.2)))
-        for k, name in enumerate(fleet)})
+    curves = [model.graph.curve(edges[(3 * k) % len(edges)]) for k in range(len(fleet))]
+    model.take_places({name: ShownPose(*curve.point_at(1.2), curve.heading_at(1.2))
+                       for name, curve in zip(fleet, curves)})
     for k, (name, one) in enumerate(fleet.items()):
         for id, state in ((1840021800 + k, 'ACTIVE' if one.mission else 'PENDING'),
                           (731005200 + 13 * k, ('SUCCEEDED', 'FAILED', 'CANCELLED')[k % 3])):

@@ -165,8 +165,9 @@ def test_the_labels_of_robots_that_meet_do_not_cover_each_other(window, served):
     names = [f'ld90_{k}' for k in range(5)]
     served.do(lambda: (
         served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
-        served.page.model.take_places({name: ShownPose(4.0 + 0.9 * (k % 3), 3.0 + 0.9 * (k // 3), 0.0)
-                                       for k, name in enumerate(names)})))
+        served.page.model.take_places({
+            name: ShownPose(4.0 + 0.9 * (k % 3), 3.0 + 0.9 * (k // 3), 0.0)
+            for k, name in enumerate(names)})))
     window.wait(lambda: len(window.driver.find_elements('css selector', '.robot text')) == 5)
     window.wait(lambda: window.script(OVERLAPS) == 0, 'labels without overlaps')
     window.picture('labels')
