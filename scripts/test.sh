@@ -144,6 +144,7 @@ else
   if wants unit; then
     [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
     provide_vda5050_schemas  # before the tests that run beside each other
+    provide_vda5050_master
     provide_z3
   fi
   # All parts run at the same time, because unit tests mostly compute, and system tests mostly wait for robots that drive.
