@@ -301,6 +301,10 @@ provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps || true; }
 # provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
 provide_z3() { virtual_environment z3 /usr/bin/python3 || true; }
 
+# provide_vda5050_master: installs vda5050-sdk with all that it needs in build/vda5050_master. The tests with its master are skipped if
+# it cannot be installed, as with Python before 3.10.
+provide_vda5050_master() { virtual_environment vda5050_master /usr/bin/python3 || true; }
+
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 

@@ -170,7 +170,7 @@ failed_system_tests_once_more() {
 }
 
 case "$kind" in
-  unit) provide_vda5050_schemas; provide_z3; unit_tests ;;
+  unit) provide_vda5050_schemas; provide_vda5050_master; provide_z3; unit_tests ;;
   python3.8) unit_tests_of_python38 ;;
   system) system_tests "$@" ;;
   once-more) failed_units_once_more; failed_system_tests_once_more ;;

@@ -11,6 +11,7 @@ for name in "$@"; do
   case "$name" in
     python3.8) options=(--python-version 3.8 --python-platform linux) ;;
     vda5050_sdk) options=(--python-version 3.11 --no-deps) ;;
+    vda5050_master) options=(--universal --python-version 3.10) ;;
     axe) options+=(--no-deps) ;;
   esac
   uv pip compile --quiet --generate-hashes --no-header --no-annotate "${options[@]}" "$name.in" --output-file "$name.txt"

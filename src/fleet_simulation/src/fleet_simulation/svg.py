@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from html import escape
-from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -136,7 +136,7 @@ def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int]) -
     width, tall = np.maximum(high - low, 1.0)
     scale = min((WIDTH * 1.4 - 60) / width, 620.0 / tall)
 
-    def at(point: Sequence[float]) -> Tuple[float, float]:
+    def at(point: Union[Sequence[float], np.ndarray]) -> Tuple[float, float]:
         return 30 + (point[0] - low[0]) * scale, 30 + (high[1] - point[1]) * scale
     most = max(heat.values(), default=0.0) or 1.0
     parts = []

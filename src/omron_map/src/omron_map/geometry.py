@@ -73,7 +73,7 @@ class RotatedRectangle:
 
     def to_extent(self) -> Extent:
         """Returns the corners to store together with theta = `yaw`, rounded to whole mm."""
-        x, y = (_rotation(-self.yaw) @ (self.centre_x, self.centre_y)).tolist()
+        x, y = map(float, _rotation(-self.yaw) @ (self.centre_x, self.centre_y))
         half_width, half_height = self.width / 2.0, self.height / 2.0
         return Extent(round(x - half_width), round(y - half_height),
                       round(x + half_width), round(y + half_height))

@@ -52,7 +52,8 @@ class _Floor:
         bounds = bounds_of(*seen)
         assert bounds is not None, 'there is at least a home'
         border = 4 * half_width  # space for a robot to drive around obstacles at the edge
-        low, high = bounds[0] - border, bounds[1] + border
+        low: np.ndarray = bounds[0] - border
+        high: np.ndarray = bounds[1] + border
         width, height = ((high - low) // PITCH).astype(int) + 1
         if width * height > MAX_CELLS:
             return None

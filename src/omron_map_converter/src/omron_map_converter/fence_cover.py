@@ -105,7 +105,7 @@ class _Cover:
                     if len(side) * STEP >= STRAIGHT]
         for length, number, side in sorted(straight, key=lambda item: -item[0]):
             for at in sorted(range(length), key=lambda at: abs(2 * at - length)):
-                yield self._region.rings[number], side[at]
+                yield self._region.rings[number], int(side[at])
         for ring in self._region.rings:
             for position in range(len(ring)):
                 yield ring, position

@@ -98,7 +98,8 @@ class Fence(NamedTuple):
     def line(self) -> Tuple[float, float, float, float]:
         """x1, y1, x2, y2 of the side that faces the floor, in the map frame."""
         ends = np.array(((self.left, self.near), (self.right, self.near)))
-        return tuple(self.frame.to_map(ends).reshape(-1).tolist())
+        x1, y1, x2, y2 = map(float, self.frame.to_map(ends).ravel())
+        return x1, y1, x2, y2
 
 
 def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[float, float]]:

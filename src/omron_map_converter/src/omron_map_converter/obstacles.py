@@ -37,7 +37,7 @@ def obstacle_points(document: MapDocument,
     points += [_along(*line) for line in document.lines.tolist()]
     for obj in document.forbidden_lines:
         if not ignored(obj):
-            points.append(_along(*obj.ends.ravel().tolist()))
+            points.append(_along(*map(float, obj.ends.ravel())))
     points += [_inside(obj.rectangle) for obj in document.forbidden_areas if not ignored(obj)]
     return np.concatenate(points)
 

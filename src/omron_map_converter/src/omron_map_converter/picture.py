@@ -22,9 +22,9 @@ def draw(document: MapDocument, graph: Graph, conversion: Conversion, path: str)
     Corridors are light blue, curves blue, fences orange, other forbidden areas and lines red.
     """
     floor = conversion.corridors.floor
-    shapes = [floor, *map(shape_of, conversion.fences)]
-    corners = np.reshape([shape.bounds for shape in shapes], (-1, 2))
-    picture = MapPicture(document, LONG_SIDE, also=corners.tolist())
+    bounds = [shape.bounds for shape in (floor, *map(shape_of, conversion.fences))]
+    picture = MapPicture(document, LONG_SIDE, also=[
+        corner for each in bounds for corner in (each[:2], each[2:])])
     for part in getattr(floor, 'geoms', [floor]):
         picture.canvas.polygon(np.array(part.exterior.coords), CORRIDOR)
         for hole in part.interiors:

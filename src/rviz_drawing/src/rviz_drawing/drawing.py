@@ -4,7 +4,7 @@ from __future__ import annotations
 import colorsys
 import math
 import unicodedata
-from typing import Iterable, Optional, Tuple
+from typing import Iterable, List, Optional, Tuple, cast
 
 import numpy as np
 from geometry_msgs.msg import Point, Pose, Vector3
@@ -91,7 +91,7 @@ def lines(namespace: str, number: int, paint: ColorRGBA, width: float,
                    frame=frame)
     for polyline in polylines:
         ends = np.repeat(polyline, 2, axis=0)[1:-1]
-        marker.points += [Point(x, y, z) for x, y in ends.tolist()]
+        marker.points += [Point(x, y, z) for x, y in cast(List[List[float]], ends.tolist())]
     marker.action = Marker.ADD if marker.points else Marker.DELETE
     return marker
 

@@ -6,7 +6,7 @@ are one list of triangles: with a thousand edges this is ten times as fast.
 from __future__ import annotations
 
 import math
-from typing import Iterable, List, NamedTuple, Tuple
+from typing import Iterable, List, NamedTuple, Tuple, cast
 
 import numpy as np
 from geometry_msgs.msg import Point
@@ -50,7 +50,8 @@ def flat(parts: Iterable[FlatShape], at: Tuple[float, float] = (0.0, 0.0)) -> Ma
     marker = Marker(type=Marker.TRIANGLE_LIST, pose=pose_at(at), color=colour(1.0, 1.0, 1.0))
     marker.scale.x = marker.scale.y = marker.scale.z = 1.0
     for part in parts:
-        marker.points += [Point(x, y, part.z) for x, y in part.corners.tolist()]
+        corners = cast(List[List[float]], part.corners.tolist())
+        marker.points += [Point(x, y, part.z) for x, y in corners]
         marker.colors += [part.paint] * len(part.corners)
     return marker
 

@@ -38,7 +38,7 @@ class Label:
 
     def middle(self, side: int) -> Tuple[float, float]:
         """The centre of the text (m) if it is drawn on this one of SIDES."""
-        x, y = self.middles()[side].tolist()
+        x, y = map(float, self.middles()[side])
         return x, y
 
     def middles(self) -> np.ndarray:
@@ -77,7 +77,7 @@ class LabelPlaces:
                         + _overlap(middles[number], halves[number], words, halves[others])
                         + _overlap(middles[number], halves[number], robots[others], radii[others]))
                 sides[number] = int(np.argmin(cost))
-        self._sides = dict(zip(names, sides.tolist()))
+        self._sides = dict(zip(names, map(int, sides)))
 
 
 def _overlap(middles: np.ndarray, half: np.ndarray, others: np.ndarray,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple, cast
 
 import numpy as np
 
@@ -46,8 +46,8 @@ class Curve:
         self._lengths = np.diff(self._arc)
         self.length = float(self._arc[-1])
         """The arc length, in m; 0 if all points coincide."""
-        self._corners: List[Tuple[float, float, float]] = np.column_stack(
-            (self._arc, self.points)).tolist()  # for single points lists are faster than numpy
+        self._corners = cast(  # for single points lists are faster than numpy
+            List[Tuple[float, float, float]], np.column_stack((self._arc, self.points)).tolist())
 
     def reversed(self) -> Curve:
         """Returns the same curve in the opposite direction."""
@@ -135,7 +135,8 @@ def line(start: Tuple[float, float], end: Tuple[float, float]) -> Curve:
 def cubic_bezier(control: np.ndarray) -> Curve:
     """Returns the cubic Bezier curve with the four `control` points (4,2)."""
     p0, p1, p2, p3 = control
-    bend = 6.0 * max(np.linalg.norm(p0 - 2 * p1 + p2), np.linalg.norm(p1 - 2 * p2 + p3))
+    bend = 6.0 * max(float(np.linalg.norm(p0 - 2 * p1 + p2)),
+                     float(np.linalg.norm(p1 - 2 * p2 + p3)))
     segments = max(1, int(math.ceil(math.sqrt(bend / (8.0 * FLATNESS)))))
     t = np.linspace(0.0, 1.0, segments + 1)
     arc = bezier_arc_lengths(control, t)

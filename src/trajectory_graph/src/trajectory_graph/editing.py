@@ -233,7 +233,7 @@ def cut_edge(draft: Draft, id: int, fraction: float) -> Tuple[Draft, int]:
         raise EditError(str(error)) from None
     t = _parameter_at(control, fraction)
     first, second = bezier_section(control, 0.0, t), bezier_section(control, t, 1.0)
-    x, y = first[3].tolist()
+    x, y = map(float, first[3])
     theta = math.atan2(*(second[1] - second[0])[::-1].tolist())
     draft, middle = add_vertex(draft, round(x, 4), round(y, 4), theta=round(theta, 6),
                                theta_holonomic=round(theta, 6))

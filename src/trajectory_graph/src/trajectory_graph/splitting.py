@@ -62,7 +62,7 @@ def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
         part = bezier_section(control, cuts[k], cuts[k + 1])
         end = edge.destination if k == count - 1 else first_vertex + k
         if end != edge.destination:
-            x, y = part[3].tolist()
+            x, y = map(float, part[3])
             theta = _direction(part)
             vertices.append(Vertex(end, x, y, theta, theta, f'{edge.id}/{k + 1}', origin.frame_id,
                                    parking=False))

@@ -105,7 +105,10 @@ class BenchMaster:
         """Returns whether a new client receives the last message on a topic."""
         got = threading.Event()
         client = make_client(f'late_{uuid.uuid4().hex[:12]}')
-        client.on_connect = lambda *_: client.subscribe(f'{self.prefix}/{topic}')
+
+        def subscribe(*_: Any) -> None:
+            client.subscribe(f'{self.prefix}/{topic}')
+        client.on_connect = subscribe
         client.on_message = lambda *_: got.set()
         secure(client, self._broker)
         client.connect(self._broker.host, self._broker.port)

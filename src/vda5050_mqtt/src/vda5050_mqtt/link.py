@@ -9,7 +9,7 @@ import socket
 import ssl
 import threading
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Tuple
 
 import paho.mqtt.client as mqtt
 
@@ -122,9 +122,10 @@ class MqttLink:
 
 def make_client(client_id: str) -> mqtt.Client:
     """Returns a client that sends small messages at once, with any version of paho-mqtt."""
-    versions = getattr(mqtt, 'CallbackAPIVersion', None)
-    client = (mqtt.Client(client_id) if versions is None
-              else mqtt.Client(versions.VERSION1, client_id))
+    versions = getattr(mqtt, 'CallbackAPIVersion', None)  # since paho-mqtt 2
+    options: Dict[str, Any] = ({} if versions is None
+                               else {'callback_api_version': versions.VERSION1})
+    client = mqtt.Client(client_id=client_id, **options)
     client.on_socket_open = _without_delay
     return client
 
@@ -138,9 +139,9 @@ def secure(client: mqtt.Client, broker: Broker) -> None:
                        cert_reqs=ssl.CERT_REQUIRED, tls_version=ssl.PROTOCOL_TLS_CLIENT)
 
 
-def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Optional[socket.socket]) -> None:
+def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Any) -> None:
     """Disables Nagle's algorithm; without this a loaded broker adds some 40 ms."""
-    if sock is not None:
+    if isinstance(sock, socket.socket):
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 

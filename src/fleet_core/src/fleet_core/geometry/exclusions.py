@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from math import inf
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple, Union, cast
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -51,7 +51,12 @@ class Conflicts(NamedTuple):
 
     def row(self, place: int) -> List[int]:
         """The places that exclude `place`."""
-        return self.other[self.starts[place]:self.starts[place + 1]].tolist()
+        return cast(List[int], self.other[self.starts[place]:self.starts[place + 1]].tolist())
+
+    def fractions(self, pairs: Union[slice, np.ndarray]) -> Iterator[Tuple[float, float]]:
+        """The fractions of some pairs, driven forward and backward."""
+        return zip(cast(List[float], self.forward[pairs].tolist()),
+                   cast(List[float], self.backward[pairs].tolist()))
 
 
 class Conflict(NamedTuple):
@@ -124,9 +129,9 @@ class Exclusions:
                                       distance - ROUNDING + pieces.margin)
             met = np.flatnonzero(entry <= exit)
             share = pieces.ends[met] - pieces.begins[met]
-            for place, low, high in zip(pieces.place[met].tolist(),
-                                        (pieces.begins[met] + entry[met] * share).tolist(),
-                                        (pieces.begins[met] + exit[met] * share).tolist()):
+            for place, low, high in zip(map(int, pieces.place[met]),
+                                        map(float, pieces.begins[met] + entry[met] * share),
+                                        map(float, pieces.begins[met] + exit[met] * share)):
                 before = found.get(place, (low, high))
                 found[place] = min(before[0], low), max(before[1], high)
         return found
@@ -141,7 +146,7 @@ class Exclusions:
         one, other = _candidates(stretches, distance)
         combinations = stretches.pieces[one] * stretches.pieces[other]
         blocks = np.cumsum(combinations) // _AT_ONCE
-        begins = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
+        begins = [int(k) for k in np.flatnonzero(np.diff(blocks, prepend=-1))]
         for begin, end in zip(begins, [*begins[1:], len(one)]):
             if time.monotonic() > self.deadline:
                 raise OutOfTime()
@@ -182,7 +187,8 @@ class _Pairs:
     def __init__(self, places: int) -> None:
         self._places = places
         self.place = self.other = np.zeros(0, dtype=np.int64)
-        self.low = self.high = np.zeros(0)
+        self.low: np.ndarray = np.zeros(0)
+        self.high: np.ndarray = np.zeros(0)
         self._new: List[Tuple[np.ndarray, ...]] = []
 
     def add(self, place: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
@@ -206,8 +212,7 @@ class _Pairs:
 
     def make_symmetric(self) -> None:
         """If rounding made only one of two places conflict with the other, adds the other fully."""
-        key = self.place * self._places + self.other
-        mirrored = self.other * self._places + self.place
+        key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():
             count = int(missing.sum())
@@ -215,10 +220,14 @@ class _Pairs:
             self.merge()
 
     def conflicts(self) -> Conflicts:
-        key = self.place * self._places + self.other
-        transpose = np.searchsorted(key, self.other * self._places + self.place)
         starts = np.searchsorted(self.place, np.arange(self._places + 1))
-        return Conflicts(starts, self.other, self.high, 1.0 - self.low, transpose)
+        return Conflicts(starts, self.other, self.high, 1.0 - self.low,
+                         np.searchsorted(*self._keys()))
+
+    def _keys(self) -> Tuple[np.ndarray, np.ndarray]:
+        """A number for each pair, and that of the same pair seen from the other place."""
+        return (self.place * self._places + self.other,
+                self.other * self._places + self.place)
 
 
 def _cut(pieces: Pieces, longest: float) -> Pieces:
@@ -229,10 +238,10 @@ def _cut(pieces: Pieces, longest: float) -> Pieces:
     which = np.repeat(np.arange(len(parts)), parts)
     low = count_up(parts) / parts[which]
     high = (count_up(parts) + 1) / parts[which]
-    place, start, end, begins, ends, margin = (column.take(which, axis=-1) for column in pieces)
-    path, share = end - start, ends - begins
-    return Pieces(place, start + low * path, start + high * path,
-                  begins + low * share, begins + high * share, margin)
+    whole = Pieces(*(column.take(which, axis=-1) for column in pieces))
+    path, share = whole.end - whole.start, whole.ends - whole.begins
+    return whole._replace(start=whole.start + low * path, end=whole.start + high * path,
+                          begins=whole.begins + low * share, ends=whole.begins + high * share)
 
 
 class _Stretches(NamedTuple):
@@ -282,7 +291,9 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
     """Distances (m) of some `points` (2,N) from some of the `others`."""
-    x, y = points.take(one, axis=1) - others.take(other, axis=1)
+    here: np.ndarray = points.take(one, axis=1)
+    there: np.ndarray = others.take(other, axis=1)
+    x, y = here - there
     return np.sqrt(x * x + y * y)
 
 

@@ -120,11 +120,11 @@ def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np
     A chord leads from point `begins` to point `begins` + `step` of curve `which`.
     """
     at = (which * arcs.shape[1] + begins)[:, None] + np.arange(step + 1)
-    arc = arcs.ravel().take(at)
+    arc: np.ndarray = arcs.ravel().take(at)
     share = (arc - arc[:, :1]) / np.maximum(arc[:, -1:] - arc[:, :1], 1e-12)
     square = np.zeros_like(share)
     for k in (0, 1):
-        curve = points[..., k].ravel().take(at)
+        curve: np.ndarray = points[..., k].ravel().take(at)
         off = curve - curve[:, :1] - share * (curve[:, -1:] - curve[:, :1])
         square += off * off
     return np.sqrt(square.max(axis=1))

@@ -57,7 +57,7 @@ class SiteGeometry:
             return ()
         roads: List[List[Road]] = [[] for _ in self.vertex_ids]
         for edge, (origin, destination), length in zip(
-                self.edge_ids, self.ends.tolist(), self.lengths.tolist()):
+                self.edge_ids, self.ends.tolist(), map(float, self.lengths)):
             roads[origin].append(Road(destination, length, edge))
             roads[destination].append(Road(origin, length, -edge))
         return tuple(self._approach(self.index[dock], roads)
@@ -67,7 +67,7 @@ class SiteGeometry:
         near = self._near(dock, roads)
         reach = self.dock_approach
         edges: Dict[int, Tuple[float, float]] = {}
-        for edge, (ends, length) in enumerate(zip(self.ends.tolist(), self.lengths.tolist())):
+        for edge, (ends, length) in enumerate(zip(self.ends.tolist(), map(float, self.lengths))):
             from_origin, from_destination = (
                 min(max((reach - near.get(end, reach)) / length, 0.0), 1.0) for end in ends)
             place = len(self.vertex_ids) + edge

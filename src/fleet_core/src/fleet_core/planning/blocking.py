@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from array import array
 from functools import cached_property
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Tuple
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Tuple, cast
 
 import numpy as np
 
@@ -88,12 +88,11 @@ class Blocking:
     def meeting(self, place: int) -> List[Meeting]:
         """The places where the other robot blocks this place, with what one block needs."""
         if place not in self._meeting:
-            starts, other, forward, backward, mirrored = self.conflicts
-            row = slice(starts[place], starts[place + 1])
-            pairs = mirrored[row]
-            self._meeting[place] = list(map(Meeting, other[row].tolist(), zip(
-                forward[pairs].tolist(), backward[pairs].tolist()), zip(
-                forward[row].tolist(), backward[row].tolist())))
+            conflicts = self.conflicts
+            row = slice(conflicts.starts[place], conflicts.starts[place + 1])
+            self._meeting[place] = list(map(
+                Meeting, conflicts.row(place), conflicts.fractions(conflicts.transpose[row]),
+                conflicts.fractions(row)))
         return self._meeting[place]
 
     def excluded(self, place: int) -> List[int]:
@@ -116,8 +115,8 @@ class Blocking:
         starts, other, forward, backward, _ = self.conflicts
         edge = self._network.vertices + (drive >> 1)
         row = slice(starts[edge], starts[edge + 1])
-        places: List[int] = other[row][(forward, backward)[drive & 1][row] > begun].tolist()
-        return places
+        ahead = (forward, backward)[drive & 1][row] > begun
+        return cast(List[int], other[row][ahead].tolist())
 
     def beside(self, near: Mapping[int, Tuple[float, float]]) -> List[Tuple[int, float]]:
         """(slot, lead) blocked by a robot that stands too near to these places.

@@ -162,7 +162,7 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
             excluded[vertex] = frozenset(row(vertex))
         return network.vertices + (drive >> 1) in excluded[vertex]
 
-    for k in np.flatnonzero(~fixed & (drives.is_next[first] | drives.is_last[then])).tolist():
+    for k in map(int, np.flatnonzero(~fixed & (drives.is_next[first] | drives.is_last[then]))):
         one, other = int(drives.drive[first[k]]), int(drives.drive[then[k]])
         fixed[k] = (drives.is_next[first[k]] and excludes(network.origin[one], other)
                     or drives.is_last[then[k]] and excludes(network.destination(other), one))
@@ -179,9 +179,12 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
     key = ((one * len(names) + other) * width + before) * width + then
     order = np.argsort(key)
     key = key[order]
-    ends = [np.searchsorted(key, key + step * width + side) for step, side in _TOUCHING]
-    joined = [(np.flatnonzero(hit), end[hit]) for (step, side), end in zip(_TOUCHING, ends)
-              for hit in [key[np.minimum(end, count - 1)] == key + step * width + side]]
+    joined = []
+    for step, side in _TOUCHING:
+        touching: np.ndarray = key + step * width + side
+        end = np.searchsorted(key, touching)
+        hit = key[np.minimum(end, count - 1)] == touching
+        joined.append((np.flatnonzero(hit), end[hit]))
     row, column = (np.concatenate(side) for side in zip(*joined))
     group = np.empty(count, dtype=np.int64)
     groups, group[order] = connected_components(
@@ -192,18 +195,18 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
     pairs[group, 0], pairs[group, 1] = one, other
     kept: List[List[Constraint]] = [[] for _ in range(groups)]
     reverse: List[List[Constraint]] = [[] for _ in range(groups)]
-    for k in _needed(group, before, marks.first_clear, then).tolist():
+    for k in map(int, _needed(group, before, marks.first_clear, then)):
         kept[group[k]].append(Constraint(names[one[k]], int(before[k]),
                                             float(marks.first_clear[k]), names[other[k]],
                                             int(then[k])))
     loose = np.flatnonzero(~fixed[group])
-    for k in loose[_needed(group[loose], then[loose], marks.then_clear[loose],
-                           before[loose])].tolist():
+    for k in map(int, loose[_needed(group[loose], then[loose], marks.then_clear[loose],
+                                    before[loose])]):
         reverse[group[k]].append(Constraint(names[other[k]], int(then[k]),
                                                float(marks.then_clear[k]), names[one[k]],
                                                int(before[k])))
     return [EdgeGroup(names[a], names[b], tuple(kept[k]), tuple(reverse[k]))
-            for k, (a, b) in enumerate(pairs.tolist())]
+            for k, (a, b) in enumerate(pairs)]
 
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,

@@ -137,7 +137,7 @@ class WellFormedSets:
     def _by_promise(self) -> List[int]:
         """The candidates: dead ends first, then vertices with few edges."""
         import networkx as nx  # imported here: most nodes need not load its 8 MB
-        roads = nx.Graph(zip(self._begin.tolist(), self._end.tolist()))
+        roads = nx.Graph(zip(map(int, self._begin), map(int, self._end)))
         roads.add_nodes_from(range(self._vertices))
         cut = set(nx.articulation_points(roads))
         return sorted(self._candidates, key=lambda v: (v in cut, roads.degree(v), v))

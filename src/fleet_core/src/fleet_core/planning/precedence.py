@@ -80,7 +80,7 @@ def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str,
     pairs = _without_what_follows(drives, pairs)
     return [Constraint(names[a], i, fraction, names[b], j) for a, i, fraction, b, j in zip(
         drives.robot[pairs.first].tolist(), drives.number[pairs.first].tolist(),
-        pairs.fraction.tolist(), drives.robot[pairs.then].tolist(),
+        map(float, pairs.fraction), drives.robot[pairs.then].tolist(),
         drives.number[pairs.then].tolist())]
 
 
@@ -155,7 +155,7 @@ def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: 
     clear = conflicts.forward, conflicts.backward
     place = reservations.network.vertices + (drives.drive >> 1)
     found = [_Pairs(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))]
-    for then in np.flatnonzero(observes & drives.planned & (drives.begun > 0.0)).tolist():
+    for then in map(int, np.flatnonzero(observes & drives.planned & (drives.begun > 0.0))):
         row = slice(conflicts.starts[place[then]], conflicts.starts[place[then] + 1])
         ahead = clear[drives.drive[then] % 2][row] > drives.begun[then]
         mirrored = dict(zip(conflicts.other[row][ahead].tolist(),

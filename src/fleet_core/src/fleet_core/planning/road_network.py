@@ -110,7 +110,7 @@ class RoadNetwork:
         """
         if kind not in self._times:
             times: List[float] = []
-            for edge, length in zip(self.graph.edges.values(), self._lengths.tolist()):
+            for edge, length in zip(self.graph.edges.values(), map(float, self._lengths)):
                 for id, edge_speed in ((edge.id, edge.velocity_forward),
                                        (-edge.id, edge.velocity_backwards)):
                     speed = kind.drives_at(edge_speed)

@@ -44,10 +44,11 @@ class ShortestPaths:
         self._round: List[int] = [-1] * vertices
         self._rounds: List[_Round] = []
         self._take_out()
-        self._core = np.array([v for v in range(vertices) if self._round[v] < 0], dtype=np.int64)
+        core = [v for v in range(vertices) if self._round[v] < 0]
+        self._core = np.array(core, dtype=np.int64)
         self._number = np.zeros(vertices, dtype=np.int64)
         self._number[self._core] = np.arange(len(self._core))
-        rows = [self._back[v] for v in self._core.tolist()]
+        rows = [self._back[v] for v in core]
         self._starts = np.concatenate(([0], np.cumsum([len(row) for row in rows]))).astype(np.int64)
         self._ends = self._number[np.array([v for row in rows for v in row], dtype=np.int64)]
         self._seconds = np.array([s for row in rows for s in row.values()], dtype=float)

@@ -79,7 +79,7 @@ class SpeedLimits:
         allowed = np.minimum(top, self._drive.bend_rate / np.maximum(bends, 1e-9))
         allowed = np.maximum(np.floor(allowed / top * _STEPS) / _STEPS * top, min(CREEP, top))
         stretches: List[Stretch] = []
-        for arc, limit in zip(arcs[:-1].tolist(), allowed.tolist()):
+        for arc, limit in zip(map(float, arcs[:-1]), map(float, allowed)):
             if not stretches or stretches[-1][1] != limit:
                 stretches.append((arc, limit))
         return stretches

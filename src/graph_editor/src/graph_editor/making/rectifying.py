@@ -104,7 +104,7 @@ class _Rectifier:
         for node, k in self._index.items():
             weight = HOLD if node in self._held else STAY
             for axis in (0, 1):
-                equation([(2 * k + axis, 1.0)], self._start[node][axis], weight)
+                equation([(2 * k + axis, 1.0)], float(self._start[node][axis]), weight)
         for key, lane in self._lanes.items():
             i, j = (self._index[node] for node in key)
             n = (-math.sin(self._directions[key]), math.cos(self._directions[key]))

@@ -76,7 +76,7 @@ def _chains(skeleton: np.ndarray, clusters: np.ndarray) -> Iterator[Tuple[int, i
 
 def _cells(image: np.ndarray) -> List[Cell]:
     rows, columns = np.nonzero(image)
-    return list(zip(rows.tolist(), columns.tolist()))
+    return list(zip(map(int, rows), map(int, columns)))
 
 
 def _neighbours(cell: Cell, cells: set) -> List[Cell]:

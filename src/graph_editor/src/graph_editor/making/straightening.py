@@ -68,7 +68,8 @@ def _stops(path: np.ndarray) -> List[int]:
     """Returns the indices of points about STEP apart, including both ends."""
     arc = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
     count = max(int(round(arc[-1] / STEP)), 1)
-    return np.unique(np.searchsorted(arc, np.linspace(0.0, arc[-1], count + 1) - 1e-9)).tolist()
+    at = np.searchsorted(arc, np.linspace(0.0, arc[-1], count + 1) - 1e-9)
+    return [int(k) for k in np.unique(at)]
 
 
 def _moments(path: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 from PyQt5 import QtCore, QtGui, QtWidgets
 
-from graph_editor.checking.findings import Severity
+from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import EditingSession, Selected
 from trajectory_graph import CurveType, Edge, Vertex
 
@@ -30,6 +30,7 @@ class EditorWindow(QtWidgets.QMainWindow):
         self._node = node
         self._shown: Optional[Tuple] = None
         self._form = _Form(self._edit)
+        self._texts: List[str] = []
         self._findings = QtWidgets.QListWidget()
         self._findings.setWordWrap(True)
         self._findings.itemClicked.connect(self._select_finding)
@@ -57,12 +58,16 @@ class EditorWindow(QtWidgets.QMainWindow):
 
     def _put_beside_rviz(self) -> None:
         """Moves the window to the right edge of the screen, with space for some findings."""
-        screen = QtWidgets.QApplication.primaryScreen().availableGeometry()
-        self.resize(WIDTH, min(HEIGHT, screen.height()))
-        self.move(screen.right() - WIDTH, screen.top())
+        screen = QtWidgets.QApplication.primaryScreen()
+        if screen is None:
+            return
+        space = screen.availableGeometry()
+        self.resize(WIDTH, min(HEIGHT, space.height()))
+        self.move(space.right() - WIDTH, space.top())
 
-    def closeEvent(self, event: QtGui.QCloseEvent) -> None:  # noqa: N802, Qt's name
+    def closeEvent(self, event: Optional[QtGui.QCloseEvent]) -> None:  # noqa: N802, Qt's name
         """Asks the person before unsaved edits are lost."""
+        assert event is not None, 'Qt gives an event'
         with self._node.lock:
             lost = not self._node.session.is_saved
         box = QtWidgets.QMessageBox
@@ -116,14 +121,14 @@ class EditorWindow(QtWidgets.QMainWindow):
         self.setWindowTitle(f'{"" if saved else "* "}{path.rsplit("/", 1)[-1]}: graph editor')
         self._list(findings)
 
-    def _list(self, findings: List) -> None:
+    def _list(self, findings: List[Finding]) -> None:
         texts = [str(finding) for finding in findings] or ['Nothing']
-        if texts == [self._findings.item(row).text() for row in range(self._findings.count())]:
+        if texts == self._texts:
             return
+        self._texts = texts
         self._findings.clear()
-        self._findings.addItems(texts)
-        for row, finding in enumerate(findings):
-            item = self._findings.item(row)
+        items = [QtWidgets.QListWidgetItem(text, self._findings) for text in texts]
+        for item, finding in zip(items, findings):
             item.setForeground(ERROR if finding.severity is Severity.ERROR else WARNING)
             if finding.id is not None:
                 item.setData(QtCore.Qt.ItemDataRole.UserRole, (finding.kind, finding.id))

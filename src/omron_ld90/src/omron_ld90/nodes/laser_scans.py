@@ -11,6 +11,7 @@ import math
 import threading
 from typing import NamedTuple, Optional
 
+import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Pose
@@ -88,7 +89,7 @@ class LaserScans:
             base.pose.position.x + ahead * math.cos(yaw) - left * math.sin(yaw),
             base.pose.position.y + ahead * math.sin(yaw) + left * math.cos(yaw),
             yaw + yaw_from_quaternion(laser.rotation))
-        return scan_of(laser_scan.ranges_of(hits, place).tolist(), base.stamp, self._laser_frame)
+        return scan_of(laser_scan.ranges_of(hits, place), base.stamp, self._laser_frame)
 
 
 def nearest_in_time(stamp: rospy.Time, *candidates: Optional[StampedPose]
@@ -99,12 +100,13 @@ def nearest_in_time(stamp: rospy.Time, *candidates: Optional[StampedPose]
     return nearest if nearest is not None and abs(nearest.stamp - stamp) <= MAX_SKEW else None
 
 
-def scan_of(ranges: list, stamp: rospy.Time, frame: str) -> LaserScan:
+def scan_of(ranges: np.ndarray, stamp: rospy.Time, frame: str) -> LaserScan:
     """The message for ranges from right to left; infinite without a hit (REP 117)."""
     message = LaserScan(
         angle_min=laser_scan.FIRST_ANGLE, angle_increment=laser_scan.INCREMENT,
         angle_max=laser_scan.FIRST_ANGLE + (len(ranges) - 1) * laser_scan.INCREMENT,
-        range_min=laser_scan.NEAREST, range_max=robot_model.LASER_RANGE, ranges=ranges)
+        range_min=laser_scan.NEAREST, range_max=robot_model.LASER_RANGE,
+        ranges=ranges.tolist())
     message.header.stamp = stamp
     message.header.frame_id = frame
     return message

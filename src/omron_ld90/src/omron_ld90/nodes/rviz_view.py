@@ -126,7 +126,7 @@ def configuration_for(document: MapDocument, text: str, size: PixelSize = FULL) 
     bounds = bounds_of(document.points, document.lines)
     if bounds is None or not configuration.is_from_above:
         return None
-    (west, south), (east, north) = ((corner / MM_PER_M).tolist() for corner in bounds)
+    west, south, east, north = (float(at) / MM_PER_M for corner in bounds for at in corner)
     north += BANNER
     changed = configuration.fit_window(size)
     if not configuration.view.shows(west, south, east, north, size):

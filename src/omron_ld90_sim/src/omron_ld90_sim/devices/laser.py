@@ -55,7 +55,8 @@ def _march(floor: SimFloor, origin: np.ndarray, direction: np.ndarray) -> np.nda
     with np.errstate(divide='ignore', invalid='ignore'):    # mm to where a ray leaves the map
         sides = np.where(along == 0, np.inf, edge / along)
     limit = np.minimum(sides.min(axis=0), RANGE)
-    rays, travelled = np.arange(len(direction)), np.zeros(len(direction))
+    rays: np.ndarray = np.arange(len(direction))
+    travelled: np.ndarray = np.zeros(len(direction))
     while len(rays):
         for _ in range(STEPS_AT_ONCE):
             x, y = start[0] + travelled * along[0], start[1] + travelled * along[1]

@@ -41,7 +41,7 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
                              [_drop_end(lead_in, run)], way.space, clearance)
             first = SmoothTrack(joined[0], limits, final=len(joined) == 1, entry_speed=entry_speed)
             if first.entry_fits:
-                return [first, *_stretches(joined[1:], limits, joined[0][-1, 2], way)]
+                return [first, *_stretches(joined[1:], limits, float(joined[0][-1, 2]), way)]
     begin: List[Manoeuvre] = []
     if lead_in is not None:     # the corner cannot be rounded at this speed: stop in front of it
         begin.append(SmoothTrack(lead_in, limits, final=False, entry_speed=entry_speed))
@@ -56,9 +56,9 @@ def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
     """The tracks, each begun from standing, with turns before them and at the end of `way`."""
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
-        result += _turn(direction, samples[0, 2], limits.path_rotation)
+        result += _turn(direction, float(samples[0, 2]), limits.path_rotation)
         result.append(SmoothTrack(samples, limits, final=number == len(tracks) - 1))
-        direction = samples[-1, 2]
+        direction = float(samples[-1, 2])
     if way.final_heading is not None:
         result += _turn(direction, math.radians(way.final_heading), limits.goal_rotation)
     return result
@@ -97,7 +97,7 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
     finished: List[np.ndarray] = []
     current: List[np.ndarray] = list(lines)
     at = points[0]
-    direction: Optional[float] = current[-1][-1, 2] if current and len(current[-1]) else None
+    direction: Optional[float] = float(current[-1][-1, 2]) if current and len(current[-1]) else None
     for k in range(1, len(points)):
         raw = math.atan2(*(points[k] - points[k - 1])[::-1])
         direction = raw if direction is None else direction + math.remainder(raw - direction,
@@ -113,7 +113,7 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
             corner = corner.copy()
             corner[:, 2] += direction - corner[0, 2]
             current.append(corner)
-            at, direction = corner[-1, :2], corner[-1, 2]
+            at, direction = corner[-1, :2], float(corner[-1, 2])
         else:
             if current:
                 finished.append(np.concatenate(current))

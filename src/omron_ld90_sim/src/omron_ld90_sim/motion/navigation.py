@@ -111,11 +111,11 @@ class Navigation:
     def _join(self, track: SmoothTrack) -> float:
         """Where on the present track a new one can begin: with room to turn, and to brake."""
         first = self.base.place + self.base.stopping_distance() + JOIN_AHEAD
-        for s in np.arange(first, track.length, LOOK_STEP):
+        for s in map(float, np.arange(first, track.length, LOOK_STEP)):
             pose = track.pose_at(s)
             if (track.curvature_at(s) == 0.0 and self.floor.clearance_of(pose.x, pose.y)
                     >= self.planner.turn_clearance):
-                return float(s)
+                return s
         return track.length
 
     def blocked_ahead(self) -> bool:
@@ -138,7 +138,7 @@ class Navigation:
         gaps = self._gaps([track.pose_at(s) for s in np.linspace(base.place, end, count)],
                           obstacles)
         # the robot may leave an obstacle that is already too near, but not come nearer to it
-        return bool(gaps[1:].min() < min(gaps[0], 0.0) - 1.0)
+        return float(gaps[1:].min()) < min(float(gaps[0]), 0.0) - 1.0
 
     def _gaps(self, poses: Sequence[SimPose], obstacles: Sequence[Disc]) -> np.ndarray:
         """Distances from the body at each pose to the nearest obstacle (mm); negative inside."""

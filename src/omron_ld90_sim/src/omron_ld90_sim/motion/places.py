@@ -20,7 +20,7 @@ def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
     """The pose of a robot that charges at `dock`: as far in as there is room, up to 250 mm."""
     pose = SimPose(dock.x, dock.y, dock.theta)
     steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
-    fronts = [pose.ahead(step + floor.body.half_length) for step in steps]
+    fronts = [pose.ahead(float(step) + floor.body.half_length) for step in steps]
     clear = floor.clearance_at(np.array([[front.x, front.y] for front in fronts]))
     blocked = np.flatnonzero(clear < FRONT_CLEARANCE)
     last = int(blocked[0]) - 1 if len(blocked) else len(steps) - 1

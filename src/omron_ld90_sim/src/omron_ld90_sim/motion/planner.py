@@ -151,11 +151,11 @@ class Planner:
             raise NoWay('no room at the goal')
         if heading is None:
             return goal
-        pose = SimPose(goal[0], goal[1], heading)
+        pose = SimPose(float(goal[0]), float(goal[1]), heading)
         if not space.body_fits(pose, DRIVE_MARGIN):
             raise NoWay('the body does not fit at the goal')
         for back in np.arange(20.0, ESCAPE, 20.0):
-            behind = pose.ahead(-back)
+            behind = pose.ahead(-float(back))
             clear = space.clearance_of(behind.x, behind.y)
             if clear >= self.turn_clearance:
                 return np.array([behind.x, behind.y])

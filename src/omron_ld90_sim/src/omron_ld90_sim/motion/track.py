@@ -8,7 +8,7 @@ from __future__ import annotations
 import bisect
 import math
 from dataclasses import dataclass
-from typing import List, Optional, Tuple, Union
+from typing import List, Optional, Tuple, Union, cast
 
 import numpy as np
 
@@ -46,9 +46,9 @@ class SmoothTrack:
         distances = np.concatenate([[0.0], np.cumsum(steps[steps > 1e-6])])
         self.length = float(distances[-1])
         self.entry_fits = True      # whether the limits allow the entry speed
-        self._s: List[float] = distances.tolist()
+        self._s = cast(List[float], distances.tolist())
         self._v2 = self._profile(limits, distances, final, top_speed or limits.speed, entry_speed)
-        self._rows: List[List[float]] = samples.tolist()
+        self._rows = cast(List[List[float]], samples.tolist())
 
     def _profile(self, limits: Limits, s: np.ndarray, final: bool, top_speed: float,
                  entry_speed: float) -> List[float]:

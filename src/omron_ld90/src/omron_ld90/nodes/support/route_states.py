@@ -12,7 +12,7 @@ import numpy as np
 from itrci_nav_msgs.msg import ExecutionRouteStates
 
 MAX_EDGES = 20_000
-EDGE = np.dtype([('edge', '<i4'), ('state', 'u1')])  # itrci_nav_msgs/EdgeState on the wire
+EDGE: np.dtype = np.dtype([('edge', '<i4'), ('state', 'u1')])  # itrci_nav_msgs/EdgeState
 _NONE = np.empty(0, EDGE)
 _LENGTH = struct.Struct('<I')
 _FRAME_ID, _ROUTE_ID = 12, 4  # bytes: where the header's frame_id begins; length of route_id
