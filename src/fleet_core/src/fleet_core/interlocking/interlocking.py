@@ -28,8 +28,8 @@ from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area, are_nearer
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation, Knowledge
-from fleet_core.interlocking.claims import Claim, ClaimIndex
 from fleet_core.interlocking.conformance import Conformance, Violation
+from fleet_core.interlocking.held_places import HeldPlace, HeldPlaces
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
@@ -100,14 +100,14 @@ class Asked:
     edge      -- signed id; 0: the request is about no edge yet
     before    -- the edge before this one; 0: the edge begins where the record ends
     is_inside -- the robot stands on the edge, between its ends
-    claim     -- the part of the edge that the robot would hold
+    place     -- the part of the edge that the robot would hold
     """
 
     robot: InterlockedRobot
     edge: int = 0
     before: int = 0
     is_inside: bool = False
-    claim: Claim = Claim(-1)
+    place: HeldPlace = HeldPlace(-1)
 
 
 class Interlocking:
@@ -144,8 +144,8 @@ class Interlocking:
         self._conformance = conformance
         self._news = news or (lambda: robots)
         self._known: Dict[str, Allocation] = {}
-        self._holds = ClaimIndex(geometry, clearance)
-        self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
+        self._holds = HeldPlaces(geometry, clearance)
+        self._stored = HeldPlaces(geometry, clearance)  # as they are in the journal
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
@@ -171,7 +171,7 @@ class Interlocking:
             if refusal is not None:
                 break
             granted.append(asked.edge)
-            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
+            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.place))
         if granted:
             robot.master.extend(granted, renew)
             if self._conformance is not None:
@@ -187,17 +187,17 @@ class Interlocking:
         wanted -- edges by the names of the robots, as for `grant`
         """
         self._refresh()
-        given = ClaimIndex(self._geometry, self._clearance)
+        given = HeldPlaces(self._geometry, self._clearance)
         found: Dict[str, Tuple[int, ...]] = {}
         for name, edges in wanted.items():
             robot, free = self._robots[name], []
             is_refused = first_refusal(LASTING_GATES, self, Asked(robot)) is not None
             for asked in () if is_refused else self._asked(robot, edges):
                 if first_refusal(CONDITIONS, self, asked) is not None or any(
-                        given.excluding(name, robot.type, asked.claim)):
+                        given.excluding(name, robot.type, asked.place)):
                     break
                 free.append(asked)
-            given.add(name, robot.type, [asked.claim for asked in free])
+            given.add(name, robot.type, [asked.place for asked in free])
             found[name] = tuple(asked.edge for asked in free)
         return found
 
@@ -210,7 +210,7 @@ class Interlocking:
                 begun = record.begun(edge, start)
                 is_inside = start.vertex is None
             yield Asked(robot, edge, before, is_inside,
-                        Claim(self._geometry.edge_place(edge), edge > 0, begun))
+                        HeldPlace(self._geometry.edge_place(edge), edge > 0, begun))
             before = edge
 
     # -- the journal ------------------------------------------------------------------------------
@@ -291,8 +291,8 @@ class Interlocking:
         if own.knowledge is not Knowledge.KNOWN:
             return ()
         found: Set[str] = set()
-        for claim in self._holds.claims(name):
-            found.update(self._holders(robot, claim))
+        for held in self._holds.places(name):
+            found.update(self._holders(robot, held))
         for area in own.areas:
             found.update(self._in_area(name, own.kind, area))
         return tuple(sorted(found))
@@ -301,7 +301,7 @@ class Interlocking:
         """Does no other robot's allocation exclude that `robot` stands at this position?"""
         self._refresh()
         if position.vertex is not None:
-            return not self.holder(robot, Claim(self._geometry.index[position.vertex]))
+            return not self.holder(robot, HeldPlace(self._geometry.index[position.vertex]))
         area = Area((position.point(robot.master.record.graph),))
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
@@ -335,26 +335,26 @@ class Interlocking:
                 continue
             distance = kind.reach + allocation.kind.reach + self._clearance
             near = self._places_near(area, distance)
-            claims = self._holds.claims(other)
-            if any(_meets(near.get(claim.place), claim) for claim in claims) or any(
+            places = self._holds.places(other)
+            if any(_meets(near.get(held.place), held) for held in places) or any(
                     are_nearer(area.line, its.line, distance + area.radius + its.radius)
                     for its in allocation.areas):
                 yield other
 
-    def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
-        """Name of a robot that holds a place which excludes this claim of `robot`; empty: none."""
-        return next(self._holders(robot, claim), '')
+    def holder(self, robot: InterlockedRobot, held: HeldPlace) -> str:
+        """Name of a robot that holds a place which excludes this place of `robot`; empty: none."""
+        return next(self._holders(robot, held), '')
 
-    def _holders(self, robot: InterlockedRobot, claim: Claim) -> Iterator[str]:
+    def _holders(self, robot: InterlockedRobot, held: HeldPlace) -> Iterator[str]:
         """Names of all such robots. A name may come twice."""
         kind = robot.type
-        yield from self._holds.excluding(robot.name, kind, claim)
+        yield from self._holds.excluding(robot.name, kind, held)
         for name in self._with_areas:
             if name == robot.name:
                 continue
             allocation = self._known[name]
             distance = kind.reach + allocation.kind.reach + self._clearance
-            if any(_meets(self._places_near(area, distance).get(claim.place), claim)
+            if any(_meets(self._places_near(area, distance).get(held.place), held)
                    for area in allocation.areas):
                 yield name
 
@@ -382,15 +382,15 @@ class Interlocking:
                 (names.add if is_one else names.discard)(name)
 
 
-def _meets(part: Optional[Tuple[float, float]], claim: Claim) -> bool:
-    """Does the blocked part of a place lie on the part of it that the claim still covers?
+def _meets(part: Optional[Tuple[float, float]], held: HeldPlace) -> bool:
+    """Does the blocked part of a place lie on the part of it that is still held?
 
     part -- the part of the place that is too near to something, from and to a fraction; None: none
     """
     if part is None:
         return False
-    end = part[1] if claim.forward else 1.0 - part[0]
-    return not claim.cleared or end > claim.cleared
+    end = part[1] if held.forward else 1.0 - part[0]
+    return not held.cleared or end > held.cleared
 
 
 # -- conditions of a grant ------------------------------------------------------------------------
@@ -478,7 +478,7 @@ def _robot_is_clear_of_others(site: Interlocking, asked: Asked) -> Optional[Refu
 
 
 def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
-    other = site.holder(asked.robot, asked.claim)
+    other = site.holder(asked.robot, asked.place)
     return Refusal(Gate.OCCUPIED, asked.edge, other) if other else None
 
 
