@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import takewhile
 from typing import (
     AbstractSet,
     Callable,
@@ -28,9 +29,11 @@ from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area, are_nearer
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import Conformance, Violation
 from fleet_core.interlocking.held_places import HeldPlace, HeldPlaces
 from fleet_core.interlocking.reports import GraphPosition
+from fleet_core.interlocking.resources import Needs, Resource
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
@@ -52,18 +55,22 @@ class Gate(Enum):
     BEFORE_ENTRY = 'a step before the entry has not ended'
     TOO_NEAR = 'it is too near to another robot'
     OCCUPIED = 'another robot may be there'
+    CLAIM = 'it has no claim to what it needs there, or that is not ready'
 
 
 class Refusal(NamedTuple):
     """Why an edge is not granted.
 
-    edge  -- signed id of the refused edge
-    other -- name of the robot that is in the way; empty: no robot is
+    edge     -- signed id of the refused edge
+    other    -- name of the robot that is in the way; empty: no robot is
+    resource -- what the robot waits for; only for CLAIM
     """
 
     gate: Gate
     edge: int
     other: str = ''
+    resource: Optional[Resource] = None
+
 
 class InterlockedRobot(Protocol):
     """The properties of a robot that the interlocking needs."""
@@ -123,12 +130,16 @@ class Interlocking:
     conformance -- checks each step against the model; None: nothing does
     news        -- returns the names of the robots that changed since it was last called; None: any
                    robot may have changed at any time
+    claims      -- the claims of the robots to the resources of the site; None: it has none
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
                  robots: Mapping[str, InterlockedRobot],
                  conformance: Optional[Conformance] = None,
-                 news: Optional[Callable[[], Collection[str]]] = None) -> None:
+                 news: Optional[Callable[[], Collection[str]]] = None,
+                 claims: Optional[Claims] = None) -> None:
+        self.claims = Claims(Needs((), geometry)) if claims is None else claims
+        """Which robot may be where a door, a zone or a station is."""
         self.is_stopped = False
         """Is the fleet stopped?"""
         self.trouble = ''
@@ -151,11 +162,16 @@ class Interlocking:
         self._unknown: Set[str] = set()
         self._to_compare: Set[str] = set()  # robots whose allocation has changed
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
+        for name in self.claims.robots - robots.keys():
+            self.claims.forget(name)
 
     # -- grants -----------------------------------------------------------------------------------
 
     def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
         """Grants the longest beginning of these edges that the robot may have now.
+
+        For edges that only lack claims, the robot claims what they need. So it may have them later.
+        What it claims and does not need for these edges is returned.
 
         The granted edges are added to the robot's allocation and ordered at once. The order is sent
         only after it is stored on the disk.
@@ -166,6 +182,9 @@ class Interlocking:
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
         granted: List[int] = []
+        if not refusal and self.claims:
+            needs = any(map(self.claims.needs.of_edge, edges))
+            self.claims.want(robot.name, self._lacking_claims(robot, edges) if needs else ())
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)
             if refusal is not None:
@@ -175,8 +194,14 @@ class Interlocking:
         if granted:
             robot.master.extend(granted, renew)
             if self._conformance is not None:
-                self._conformance.granted(robot.name, granted)
+                self._conformance.granted(robot.name, granted, self.claims)
         return Grant(tuple(granted), refusal)
+
+    def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[int]:
+        """The longest beginning of these edges from which at most claims keep the robot."""
+        return [asked.edge for asked in takewhile(
+            lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
+            self._asked(robot, edges))]
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
         """For each robot the longest beginning of its edges that all may have now, at once.
@@ -242,7 +267,7 @@ class Interlocking:
         if self._conformance is None:
             return []
         self._refresh()
-        return self._conformance.event(self._robots, self._known, self.excluding)
+        return self._conformance.event(self._robots, self._known, self.excluding, self.claims)
 
     # -- orders that are sent ---------------------------------------------------------------------
 
@@ -270,6 +295,7 @@ class Interlocking:
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""
         self._known.pop(name, None)
+        self.claims.forget(name)
         self._holds.remove(name)
         self._stored.remove(name)
         self._with_areas.discard(name)
@@ -377,6 +403,7 @@ class Interlocking:
             self._known[name] = allocation
             self._to_compare.add(name)
             self._holds.put(name, allocation)
+            self.claims.follow(name, allocation)
             for names, is_one in ((self._with_areas, bool(allocation.areas)),
                                   (self._unknown, allocation.knowledge is Knowledge.UNKNOWN)):
                 (names.add if is_one else names.discard)(name)
@@ -482,6 +509,15 @@ def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     return Refusal(Gate.OCCUPIED, asked.edge, other) if other else None
 
 
+def _claims_are_ready(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    name = asked.robot.name
+    resource = site.claims.keeping_out(name, asked.edge, asked.is_inside) if site.claims else ''
+    if not resource:
+        return None
+    others = (other for other in site.claims.holders(resource) if other != name)
+    return Refusal(Gate.CLAIM, asked.edge, next(others, ''), site.claims.needs.resources[resource])
+
+
 GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _does_not_work,
     _clock_is_right, _robot_is_known, _others_are_known, _last_order_is_settled,
@@ -492,6 +528,9 @@ LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
 """The gates that do not open with the robot's next report."""
 
-CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _stop_may_be_entered,
-                                     _place_is_free)
+WITHOUT_CLAIMS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _stop_may_be_entered,
+                                         _place_is_free)
+"""The conditions for an edge that a robot must meet before it may claim what the edge needs."""
+
+CONDITIONS: Tuple[Condition, ...] = (*WITHOUT_CLAIMS, _claims_are_ready)
 """All must be met, in addition, for each edge that a robot is granted."""
