@@ -10,7 +10,7 @@ from fleet_builders import AGV, corridor, graph_of
 from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.resources import DeviceMode, Resource, ResourceKind
 from fleet_core.supervision.device_desk import FRESH
-from fleet_core.supervision.missions import Command, MissionState, Request
+from fleet_core.supervision.missions import CommandKind, MissionState, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.virtual_fleet import Crash
 from world.chaos import PARKING, ROBOTS, VERTICES, YARD
@@ -87,7 +87,7 @@ def test_a_claim_is_returned_when_the_mission_is_cancelled_before_the_door() -> 
     fleet.devices['gate'].is_silent = True
     fleet.request(1, 6)
     fleet.run_until(lambda: state(fleet) is ClaimState.ASKED)
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run_until(lambda: state(fleet) is None, limit=5.0)
     assert fleet.devices['gate'].robots == ()
 
