@@ -12,13 +12,14 @@ route protocol, which finds the state that is unsafe without each of them.
 from __future__ import annotations
 
 import random
-from typing import List, Sequence, Type
+from typing import Any, List, Sequence, Type
 
 import pytest
 from proofs import LONG, is_whole
 
 from fleet_core.fleet import RobotType
 from fleet_core.interlocking import interlocking
+from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import questions
 from fleet_core.supervision.actions import AskPlanner
@@ -31,6 +32,7 @@ from world.chaos import (
     ROBOTS,
     SAME,
     TROUBLE,
+    VERTICES,
     YARD,
     Chaos,
     Event,
@@ -54,6 +56,18 @@ class CorruptedFleet(SupervisedFleet):
         if self.random.random() >= 0.1:
             return outcome
         return self.random.choice(self.kinds)(outcome, self.random)
+
+
+class FleetWithResources(CorruptedFleet):
+    """Such a fleet in a yard with a door, a zone and a station, each somewhere."""
+
+    def __init__(self, *given: Any, seed: int, **more: Any) -> None:
+        draw, edges = random.Random(f'resources {seed}'), sorted(YARD.edges)
+        resources = (
+            Resource('gate', ResourceKind.DOOR, frozenset({draw.choice(edges)}), has_device=True),
+            Resource('hall', ResourceKind.ZONE, frozenset(draw.sample(edges, 3))),
+            Resource('press', ResourceKind.STATION, vertices=frozenset({draw.choice(VERTICES)})))
+        super().__init__(*given, seed=seed, resources=resources, **more)
 
 
 class RecklessFleet(CorruptedFleet):
@@ -113,6 +127,11 @@ def live(seed: int, world: Type[CorruptedFleet] = CorruptedFleet) -> None:
 def test_with_all_guards_every_promise_is_kept() -> None:
     for seed in range(LIVES):
         live(seed)
+
+
+def test_with_a_door_a_zone_and_a_station_every_promise_is_kept() -> None:
+    for seed in range(min(LIVES, 20)):
+        live(seed, FleetWithResources)
 
 
 @pytest.mark.parametrize('seed', [2336, 50429, 51297, 51327, 60171, 61151, 62182])

@@ -1,7 +1,9 @@
-"""Whatever robot is in a place that needs a door, a lift or a station holds that resource alone.
+"""Whatever robot is in a place that needs a door, a zone or a station holds that resource alone.
 
 A claim is stored before the device is asked, and ends only when no place needs it, never by time.
-This holds for any number of robots, places and resources.
+So the device stays open for each robot that may be there. This holds for any number of robots,
+places and resources. A resource of capacity n counts as n resources, of which a robot claims a free
+one. Requests that come late are the subject of `test_door_yard.py`.
 """
 from __future__ import annotations
 
@@ -33,6 +35,9 @@ def invariants(of: Relations):
         'an allocated place has its claims': has_its_claims(of['allocation'], of['claim']),
         'a stored place has its stored claims': has_its_claims(of['journal'], of['stored_claim']),
         'a robot holds what its place needs': has_its_claims(of['at'], of['claim']),
+        'a device is open for an allocated place': has_its_claims(of['allocation'],
+                                                                  of['open_for']),
+        'a device is open for a stored place': has_its_claims(of['journal'], of['open_for']),
         'a claim has one holder': has_one_holder(of['claim']),
         'a stored claim has one holder': has_one_holder(of['stored_claim']),
         'a claim is stored': contains(of['stored_claim'], of['claim'], d),
@@ -45,7 +50,7 @@ def invariants(of: Relations):
 
 SYSTEM = System({'allocation': (Robot, Place), 'journal': (Robot, Place), 'sent': (Robot, Place),
                  'at': (Robot, Place), 'claim': (Robot, Resource),
-                 'stored_claim': (Robot, Resource)}, invariants)
+                 'stored_claim': (Robot, Resource), 'open_for': (Robot, Resource)}, invariants)
 before, after = SYSTEM.before, SYSTEM.after
 
 
@@ -61,7 +66,9 @@ ACTIONS = {
                             stored_claim=SYSTEM.adding('stored_claim', robot, resource))),
     'grant, stored and sent': Action(
         {'the robot holds every claim that the place needs': z3.ForAll([d], z3.Implies(
-            needs(place, d), before['claim'](robot, d)))},
+            needs(place, d), before['claim'](robot, d))),
+         'the device is open for the robot': z3.ForAll([d], z3.Implies(
+             needs(place, d), before['open_for'](robot, d)))},
         SYSTEM.with_changes(**{name: SYSTEM.adding(name, robot, place)
                                for name in ('allocation', 'journal', 'sent')})),
     'robot moves': Action(
@@ -78,12 +85,20 @@ ACTIONS = {
          'no stored place needs it': no_place_needs_it('journal')},
         SYSTEM.with_changes(claim=SYSTEM.removing('claim', robot, resource),
                             stored_claim=SYSTEM.removing('stored_claim', robot, resource))),
+    'device opens for a robot': Action(
+        {}, SYSTEM.with_changes(open_for=SYSTEM.adding('open_for', robot, resource))),
+    'device closes for a robot': Action(
+        {'the robot does not claim it by the journal': z3.Not(
+            before['stored_claim'](robot, resource))},
+        SYSTEM.with_changes(open_for=SYSTEM.removing('open_for', robot, resource))),
     'restart from the journal': Action(
         {}, SYSTEM.with_changes(allocation=before['journal'], claim=before['stored_claim'])),
 }
 NEEDED_FOR = {
     'no other robot has it in the journal': 'a stored claim has one holder',
     'the robot holds every claim that the place needs': 'an allocated place has its claims',
+    'the device is open for the robot': 'a device is open for an allocated place',
+    'the robot does not claim it by the journal': 'a device is open for an allocated place',
     'it keeps inside its order': 'at is in allocation',
     'the robot is not there': 'at is in allocation',
     'no order to it is under way': 'sent is in allocation',

@@ -200,7 +200,10 @@ class View(NamedTuple):
 
 
 class Site(NamedTuple):
-    """What all robots have in common. The first three are what may still happen."""
+    """What all robots have in common. The first three are what may still happen.
+
+    door -- what a DoorYard knows besides
+    """
 
     grants: int
     faults: int
@@ -210,6 +213,7 @@ class Site(NamedTuple):
     is_starting: bool = False
     is_wrong_run: bool = False
     to_store: FrozenSet[int] = frozenset()
+    door: Hashable = None
 
 
 State = Tuple[int, ...]

@@ -28,16 +28,19 @@ import numpy as np
 
 from fleet_core.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from fleet_core.interlocking.allocation import Allocation
+from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import (
     Conformance,
     ObservedRobot,
     Violation,
 )
 from fleet_core.interlocking.reports import Report
+from fleet_core.interlocking.resources import Resource
 from fleet_core.interlocking.route_master import ME
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import (
     Action,
+    AskDevice,
     AskPlanner,
     Note,
     SendRoute,
@@ -49,6 +52,7 @@ from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_simulation.agv.steps import SimulatedSteps
+from fleet_simulation.virtual_device import VirtualDevice
 from fleet_simulation.virtual_disk import VirtualDisk
 from fleet_simulation.virtual_network import VirtualNetwork
 from fleet_simulation.virtual_planner import VirtualPlanner
@@ -169,6 +173,7 @@ class VirtualFleet(Generic[Body]):
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
     check_every -- number of events from one check against the model of allocations to the next
+    resources -- doors, zones, stations and the like; each device is simulated
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -178,7 +183,7 @@ class VirtualFleet(Generic[Body]):
                  settings: Union[None, RobotSettings, Mapping[str, RobotSettings]] = None,
                  parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
                  rhythm: Optional[Rhythm] = None, switches: bool = False,
-                 check_every: int = 1) -> None:
+                 check_every: int = 1, resources: Sequence[Resource] = ()) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
         self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
@@ -213,6 +218,9 @@ class VirtualFleet(Generic[Body]):
         self.sent: List[SendRoute] = []
         self.steps: Dict[str, SimulatedSteps] = {}
         """By robot: the steps that it carries out. A robot that is not in it carries out none."""
+        self.resources = resources
+        self.devices: Dict[str, VirtualDevice] = {
+            one.name: VirtualDevice(one.name) for one in resources if one.has_device}
         self._steps_told: Dict[str, Tuple[float, object]] = {}
         self.refused = dict.fromkeys(robots, 0)
         """By robot: number of orders that it refused."""
@@ -232,7 +240,8 @@ class VirtualFleet(Generic[Body]):
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.disk.journal,
                                      self.now, switching=switching,
-                                     conformance=StrictConformance(self._check_every))
+                                     conformance=StrictConformance(self._check_every),
+                                     resources=self.resources)
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:
@@ -275,6 +284,8 @@ class VirtualFleet(Generic[Body]):
             self._check_room()
         for steps in self.steps.values():
             steps.advance(STEP)
+        for device in self.devices.values():
+            device.advance(STEP)
         for name, agv in self.agvs.items():
             if not self.network.is_silent(name, self.now) and self._has_to_tell(name, agv):
                 told = self.lost.get(name, agv).report(self.now + self.clocks.get(name, 0.0))
@@ -316,6 +327,10 @@ class VirtualFleet(Generic[Body]):
             self.ages[name] = aged.age
             self.do(self.supervisor.report(name, aged, self.now))
         self._report_steps()
+        for device in self.devices.values():
+            for said in device.reports():
+                for _ in range(self.network.copies()):
+                    self.do(self.supervisor.device_report(said, self.now))
         for number, outcome in self.planner.answers.arrived(self.now):
             self.do(self.supervisor.plan_made(number, outcome, self.now))
         self.do(self.supervisor.tick(self.now))
@@ -363,6 +378,9 @@ class VirtualFleet(Generic[Body]):
                 if not self.network.is_silent(action.robot, self.now):
                     for _ in range(self.network.copies()):
                         self.steps[action.robot].receive(action.command)
+            elif isinstance(action, AskDevice):
+                for _ in range(self.network.copies()):
+                    self.devices[action.request.resource].receive(action.request)
             elif isinstance(action, TellStatus):
                 if self.watcher is not None:
                     self.watcher.tells(action.status)
@@ -414,9 +432,9 @@ class StrictConformance(Conformance):
     """Raises AssertionError at the first event that is not a step of the model of allocations."""
 
     def event(self, robots: Mapping[str, ObservedRobot], known: Mapping[str, Allocation],
-              excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
+              excluding: Callable[[str], Sequence[str]], claims: Claims) -> List[Violation]:
         """Checks an event; returns nothing."""
-        found = super().event(robots, known, excluding)
+        found = super().event(robots, known, excluding, claims)
         assert not found, '; '.join(map(str, found))
         return found
 

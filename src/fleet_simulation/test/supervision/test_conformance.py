@@ -5,15 +5,21 @@ All lives and sequences of these tests run with this check after each event (`St
 from __future__ import annotations
 
 import math
+from typing import Callable
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of
 
+from fleet_core.interlocking import interlocking
+from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import Conformance, Invariant
 from fleet_core.interlocking.interlocking import Interlocking
+from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.interlocking.route_master import RouteMaster
 from fleet_core.interlocking.route_record import RouteRecord
+from fleet_core.supervision import supervisor
 from fleet_core.supervision.fleet_stop import StopCause
+from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
@@ -78,6 +84,47 @@ def test_a_change_that_the_interlocking_does_not_read_is_found(
         monkeypatch.setattr(robot.master, '_tell', lambda: None)
     with pytest.raises(AssertionError, match=Invariant.READ.value):
         fleet.run(5.0)
+
+
+def fleet_at_a_zone() -> SupervisedFleet:
+    """Two robots that are to drive through the same zone, from both sides of it."""
+    zone = Resource('hall', ResourceKind.ZONE, frozenset({3, 6}))
+    fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1), 'b': (AGV, 9)},
+                            settings=RobotSettings(release_ahead=5.0), resources=(zone,))
+    fleet.run(2.0)
+    fleet.request(1, 5, robot='a')
+    fleet.request(2, 6, robot='b')
+    return fleet
+
+
+def left_out(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(interlocking, 'CONDITIONS', interlocking.WITHOUT_CLAIMS)
+
+
+def ended_while_needed(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Claims, '_kept', lambda claims, name: claims._wanted.get(name, frozenset()))
+
+
+def more_than_there_is(patch: pytest.MonkeyPatch) -> None:
+    """The planner does not keep the robots apart in the zone."""
+    patch.setattr(Claims, '_is_free', lambda *_: True)
+    patch.setattr(supervisor, 'Networks', lambda *of: Networks(*of[:3]))
+
+
+def not_stored(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Claims, 'stored_of', lambda *_: frozenset())
+    patch.setattr(Claims, 'keeping_out', lambda *_: '')
+
+
+@pytest.mark.parametrize(('plant', 'invariant'), [
+    (left_out, Invariant.GRANTED), (ended_while_needed, Invariant.CLAIMED),
+    (more_than_there_is, Invariant.CAPACITY), (not_stored, Invariant.GRANTED)])
+def test_a_fault_of_claims_is_found(plant: Callable[[pytest.MonkeyPatch], None],
+                                    invariant: Invariant,
+                                    monkeypatch: pytest.MonkeyPatch) -> None:
+    plant(monkeypatch)
+    with pytest.raises(AssertionError, match=invariant.value):
+        fleet_at_a_zone().run(20.0)
 
 
 def test_a_site_that_checks_itself_stops_the_fleet(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ from typing import List, Optional, Tuple
 import pytest
 from fleet_builders import AGV, ladder
 
-from fleet_core.interlocking.claims import Claim, ClaimIndex
+from fleet_core.interlocking.held_places import HeldPlace, HeldPlaces
 from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import plan_executor
@@ -106,13 +106,13 @@ def test_a_robot_is_granted_edges_while_the_planner_works_on_the_question_after_
 def excluding(fleet: SupervisedFleet, question: AskPlanner) -> List[Tuple[str, str]]:
     """Pairs of robots whose released edges exclude each other in a question."""
     geometry = fleet.supervisor.network.geometry
-    index, claims = ClaimIndex(geometry, fleet.clearance), {}
+    index, places = HeldPlaces(geometry, fleet.clearance), {}
     for task in question.tasks:
-        claims[task.name] = [Claim(geometry.edge_place(edge), edge > 0, task.begun * (k == 0))
+        places[task.name] = [HeldPlace(geometry.edge_place(edge), edge > 0, task.begun * (k == 0))
                              for k, edge in enumerate(task.released)]
-        index.add(task.name, task.type, claims[task.name])
-    return [(task.name, other) for task in question.tasks for claim in claims[task.name]
-            for other in index.excluding(task.name, task.type, claim)]
+        index.add(task.name, task.type, places[task.name])
+    return [(task.name, other) for task in question.tasks for held in places[task.name]
+            for other in index.excluding(task.name, task.type, held)]
 
 
 class Forgetful(Traffic):

@@ -32,7 +32,7 @@ from fleet_core.supervision.missions import Acceptance, Mission, MissionState, R
 from fleet_core.supervision.outages import Outage
 from fleet_core.work.rules import begin
 from fleet_core.work.stops import Condition, LoadEffect, WorkStep, WorkStop
-from fleet_core.work.work import Situation, StepPlace, work_of
+from fleet_core.work.work import RobotLoad, Situation, StepPlace, work_of
 from route_protocol.master import MasterState, Order, Step
 from world.supervised_fleet import SupervisedFleet, blocked
 
@@ -215,13 +215,35 @@ def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
     old = {key: value for key, value in json.loads(text).items()
            if key not in ('stops', 'on_cancel')}
     db.execute('UPDATE mission SET request = ?', (json.dumps(old),))
-    db.executescript('DROP TABLE stop; DROP TABLE work; DROP TABLE load; '
+    db.executescript('DROP TABLE stop; DROP TABLE work; DROP TABLE load; DROP TABLE claim; '
                      'PRAGMA user_version = 3')
     db.close()
     journal = Journal(path)
     mission, = journal.missions()
     assert (mission.request, mission.state) == (REQUEST, MissionState.ACTIVE)
-    assert journal.works() == journal.loads() == {}
+    assert journal.works() == journal.loads() == journal.claims() == {}
+
+
+def test_a_file_without_claims_is_migrated_and_loses_nothing(path):
+    """Version 5 of the file, which no release has written."""
+    journal = Journal(path)
+    journal.store([Mission(3, REQUEST, MissionState.ACTIVE, 'a')], loads={'a': RobotLoad()})
+    journal.close()
+    db = sqlite3.connect(path)
+    db.executescript('DROP TABLE claim; PRAGMA user_version = 5')
+    db.close()
+    journal = Journal(path)
+    assert journal.claims() == {} and journal.loads() == {'a': RobotLoad()}
+    assert [mission.serial for mission in journal.missions()] == [3]
+
+
+def test_claims_come_back(path):
+    journal = Journal(path)
+    journal.store(claims={'a': frozenset({'gate', 'press'}), 'b': frozenset({'gate'})})
+    journal.store(claims={'a': frozenset({'press'}), 'b': frozenset()})
+    journal.close()
+    journal = Journal(path)
+    assert journal.claims() == {'a': {'press'}}
 
 
 def write_file_1_0(path: str) -> None:

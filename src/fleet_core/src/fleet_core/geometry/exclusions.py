@@ -79,15 +79,17 @@ class Exclusions:
     ends       -- (E,2) vertex places at the origin and the destination of each edge
     vertices   -- number of vertices
     approaches -- approaches of the docks
+    alone      -- groups of places on which one robot may be at once
     """
 
     def __init__(self, pieces: Pieces, ends: np.ndarray, vertices: int,
-                 approaches: Tuple[Approach, ...] = ()) -> None:
+                 approaches: Tuple[Approach, ...] = (),
+                 alone: Tuple[Tuple[int, ...], ...] = ()) -> None:
         self._pieces = pieces
         self._ends = ends
         self.vertices = vertices
         self.places = vertices + len(ends)
-        self._approaches = approaches
+        self._approaches, self._alone = approaches, alone
         self.deadline = inf
         """Monotonic s after which the search for conflicts stops, and `at` raises OutOfTime."""
         self._by_distance: Dict[float, Conflicts] = {}
@@ -156,6 +158,10 @@ class Exclusions:
         pairs.add(all_places, all_places, np.zeros(self.places), np.ones(self.places))
         for approach in self._approaches:
             pairs.add(*_within_approach(approach))
+        for group in self._alone:
+            places = np.array(group, dtype=np.int64)
+            pairs.add(np.repeat(places, len(group)), np.tile(places, len(group)),
+                      np.zeros(len(group) ** 2), np.ones(len(group) ** 2))
         pairs.merge()
         pairs.add(*self._at_ends(pairs))
         pairs.merge()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import takewhile
-from typing import Dict, List, Tuple
+from typing import Dict, FrozenSet, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -18,14 +18,26 @@ from trajectory_graph import Graph
 from trajectory_graph.shortest_paths import Road, nearest_first
 
 
+class Alone(NamedTuple):
+    """Ids of edges and vertices on which one robot may be at once, however far apart they are.
+
+    An edge at one of the vertices is one of the edges.
+    """
+
+    edges: FrozenSet[int]
+    vertices: FrozenSet[int] = frozenset()
+
+
 class SiteGeometry:
     """The numbered places of a graph: first the vertices, then the edges, in the graph's order.
 
     graph         -- the trajectory graph
     dock_approach -- m before a dock that belong to the robot that docks or leaves
+    alone         -- places that exclude each other wherever they are
     """
 
-    def __init__(self, graph: Graph, dock_approach: float = DOCK_APPROACH) -> None:
+    def __init__(self, graph: Graph, dock_approach: float = DOCK_APPROACH,
+                 alone: Sequence[Alone] = ()) -> None:
         self.graph = graph
         self.dock_approach = dock_approach
         self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
@@ -36,6 +48,7 @@ class SiteGeometry:
         self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
                               for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)
         """(E, 2) vertices at the origin and the destination of each edge."""
+        self._alone = tuple(map(self._places_of, alone))
         self._splines = splines_of(graph)
         self.lengths = edge_lengths(graph, self._splines)
         """(E,) arc lengths in m."""
@@ -48,7 +61,13 @@ class SiteGeometry:
     def exclusions(self) -> Exclusions:
         """The places that exclude each other, for each requested distance."""
         return Exclusions(pieces_of(self.graph, self._splines), self.ends, len(self.vertex_ids),
-                          self._approaches())
+                          self._approaches(), self._alone)
+
+    def _places_of(self, alone: Alone) -> Tuple[int, ...]:
+        edges = {edge.id for edge in self.graph.edges.values() if edge.id in alone.edges
+                 or not alone.vertices.isdisjoint((edge.origin, edge.destination))}
+        return (*(self.index[vertex] for vertex in sorted(alone.vertices & self.index.keys())),
+                *map(self.edge_place, sorted(edges)))
 
     def _approaches(self) -> Tuple[Approach, ...]:
         """All places within `dock_approach` of each dock along the edges."""

@@ -1,83 +1,293 @@
-"""Claims: the places of the site's geometry that robots hold, and which of them exclude each other.
+"""Claims: which robot may be where a resource is needed.
+
+A robot claims a resource before it is granted a place that needs it. The claim is on the disk
+before the device is asked, and before the place is granted. It ends by the robot's place alone,
+never by time. So no door closes on a robot that stands in it, whoever restarts.
+
+A robot claims what its allocation needs, what it wants, and what it claims by the journal. The
+state of a claim is kept nowhere. It follows from three facts:
+
+    | facts                               | state     |
+    |-------------------------------------|-----------|
+    | not needed,     wanted, not ready   | ASKED     |
+    | not needed,     wanted,     ready   | READY     |
+    |     needed,                 ready   | IN_USE    |
+    |     needed,             not ready   | LOST      |
+    | not needed, not wanted              | RETURNING |
+
+    needed -- a place in the robot's allocation needs the resource
+    wanted -- the robot asked last for edges that need it
+    ready  -- the claim is on the disk, and a fresh report of the device, if there is one, says that
+              it is open by a request that has this robot
+
+Events, and the state after them:
+
+    | event                           | ASKED     | READY     | IN_USE    | LOST      | RETURNING |
+    |---------------------------------|-----------|-----------|-----------|-----------|-----------|
+    | it is ready                     | READY     | READY     | IN_USE    | IN_USE    | RETURNING |
+    | it is not ready, or silent      | ASKED     | ASKED     | LOST      | LOST      | RETURNING |
+    | a place with it is allocated    | LOST      | IN_USE    | IN_USE    | LOST      | by device |
+    | no allocated place needs it     | ASKED     | READY     | by wish   | by wish   | RETURNING |
+    | the robot asks for it           | ASKED     | READY     | IN_USE    | LOST      | by device |
+    | the robot asks for other edges  | RETURNING | RETURNING | IN_USE    | LOST      | RETURNING |
+    | the journal is written          | ASKED     | READY     | IN_USE    | LOST      | it ends   |
+    | the fleet manager restarts      | RETURNING | RETURNING | by device | by device | RETURNING |
+
+    by device -- as it is ready or not: after a restart a device must report anew, by a new request
+    by wish   -- as the robot wants it or not
+
+Invariants (`test_claim_proof.py` proves them for any number of robots, places and resources):
+
+(a) an allocated or stored place has all claims that it needs
+(b) claims never exceed the capacity, except by evidence: a robot that is in a place has its claim
+(c) a claim is stored before the device is asked, and ends by the place only
+(d) an edge into a resource is granted only with a claim that is READY or IN_USE
 """
 from __future__ import annotations
 
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from enum import Enum
+from typing import (
+    AbstractSet,
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
-from fleet_core.fleet import RobotType
-from fleet_core.geometry.site_geometry import SiteGeometry
-from fleet_core.interlocking.allocation import Allocation
+from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.interlocking.resources import NOTHING, DeviceRequest, Needs
 
 
-class Claim(NamedTuple):
-    """A place of the site's geometry that a robot may be on.
+class ClaimState(Enum):
+    """The state of a claim. The values are shown to people."""
 
-    forward -- for an edge: the robot drives it in the edge's own direction
-    cleared -- for an edge: the fraction of it, in driving direction, that lies behind the robot
+    ASKED = 'asked'
+    READY = 'ready'
+    IN_USE = 'in use'
+    LOST = 'lost'            # the robot may be there, and the device does not say that it is open
+    RETURNING = 'returning'  # it ends with the next commit
+
+
+class Facts(NamedTuple):
+    """The facts from which the state of a claim follows."""
+
+    needed: bool
+    wanted: bool
+    ready: bool
+
+    @property
+    def state(self) -> ClaimState:
+        """The state of the claim."""
+        if self.needed:
+            return ClaimState.IN_USE if self.ready else ClaimState.LOST
+        if self.wanted:
+            return ClaimState.READY if self.ready else ClaimState.ASKED
+        return ClaimState.RETURNING
+
+
+ClaimsOf = Mapping[str, FrozenSet[str]]
+"""Names of resources, by the names of the robots that claim them."""
+
+
+class Claims:
+    """The claims of all robots of a site.
+
+    stored -- as they are in the journal
+    number -- the highest number of a request in the journal
+    clock  -- returns ms since 1970: requests by an older journal must not draw a number again
     """
 
-    place: int
-    forward: bool = True
-    cleared: float = 0.0
+    def __init__(self, needs: Needs, stored: Optional[ClaimsOf] = None, number: int = 0,
+                 clock: Callable[[], int] = lambda: 0) -> None:
+        self.needs = needs
+        self.open_for: Mapping[str, int] = {}
+        """By resource, the request by which its device is open, as a fresh report says."""
+        self._clock = clock
+        self._number = number
+        # Three reasons for a claim, by robot. What the site does not have any more is not claimed.
+        self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
+        self._wanted: Dict[str, FrozenSet[str]] = {}
+        # Until an allocation is known, its robot may be in all places where it could be.
+        self._needed: Dict[str, FrozenSet[str]] = dict(self._stored)
+        self._changed: Set[str] = set()  # robots whose claims are not in the journal as they are
+        self._asked: Dict[Tuple[str, str], int] = {}  # the first request with this robot
+        self._requests: Dict[str, DeviceRequest] = {}
+        self._is_begun = not any(one.has_device for one in needs.resources.values())
+        if not self._is_begun:
+            self._draw()
 
+    # -- state ------------------------------------------------------------------------------------
 
-class ClaimIndex:
-    """The claims of many robots, found by their places.
+    def __bool__(self) -> bool:
+        """Has the site any resource?"""
+        return bool(self.needs.resources)
 
-    clearance -- m that stays free between any two robots
-    """
+    def of(self, name: str) -> FrozenSet[str]:
+        """Names of the resources that a robot claims."""
+        return self._kept(name) | self.stored_of(name)
 
-    def __init__(self, geometry: SiteGeometry, clearance: float) -> None:
-        self._geometry, self._clearance = geometry, clearance
-        self._claims: Dict[str, List[Claim]] = {}
-        self._kinds: Dict[str, RobotType] = {}
-        self._at: Dict[RobotType, Dict[int, List[Tuple[str, Claim]]]] = {}
+    def stored_of(self, name: str) -> FrozenSet[str]:
+        """Names of the resources that a robot claims by the journal."""
+        return self._stored.get(name, NOTHING)
 
-    def claims(self, name: str) -> Sequence[Claim]:
-        """The claims of a robot by its edges and its vertex, but not by its areas."""
-        return self._claims.get(name, ())
+    @property
+    def robots(self) -> AbstractSet[str]:
+        """Names of the robots that have, or had, claims."""
+        return self._stored.keys() | self._needed.keys() | self._wanted.keys()
 
-    def _claims_of(self, allocation: Allocation) -> List[Claim]:
-        claims = [Claim(self._geometry.edge_place(hold.edge), hold.edge > 0, hold.cleared)
-                  for hold in allocation.holds]
-        if allocation.vertex is not None:
-            claims.append(Claim(self._geometry.index[allocation.vertex]))
-        return claims
+    def holders(self, resource: str) -> List[str]:
+        """Names of the robots that claim a resource."""
+        return sorted(name for name in self.robots if resource in self.of(name))
 
-    def put(self, name: str, allocation: Allocation) -> None:
-        """Replaces the claims of a robot."""
-        self.remove(name)
-        self.add(name, allocation.kind, self._claims_of(allocation))
+    def state(self, name: str, resource: str) -> Optional[ClaimState]:
+        """The state of a robot's claim to a resource; None: it has none."""
+        if resource not in self.of(name):
+            return None
+        return Facts(resource in self._needed.get(name, NOTHING),
+                     resource in self._wanted.get(name, NOTHING),
+                     self._is_ready(name, resource)).state
 
-    def add(self, name: str, kind: RobotType, claims: Sequence[Claim]) -> None:
-        """Adds the claims of a robot that has none."""
-        self._claims[name] = list(claims)
-        self._kinds[name] = kind
-        at = self._at.setdefault(kind, {})
-        for claim in claims:
-            at.setdefault(claim.place, []).append((name, claim))
+    def lost(self) -> Iterator[Tuple[str, str]]:
+        """The robots that may be where a device does not say that it is open, and the resources."""
+        for name in sorted(self.robots):
+            for resource in sorted(self.of(name)):
+                has_device = self.needs.resources[resource].has_device
+                if has_device and self.state(name, resource) is ClaimState.LOST:
+                    yield name, resource
 
-    def remove(self, name: str) -> None:
-        """Removes the claims of a robot, if there are any."""
-        claims = self._claims.pop(name, [])
-        if claims:
-            at = self._at[self._kinds[name]]
-            for place in {claim.place for claim in claims}:
-                at[place] = [held for held in at[place] if held[0] != name]
+    def _is_ready(self, name: str, resource: str) -> bool:
+        if resource not in self.stored_of(name):
+            return False
+        if not self.needs.resources[resource].has_device:
+            return True
+        asked = self._asked.get((name, resource))
+        return asked is not None and self.open_for.get(resource, 0) >= asked
 
-    def excluding(self, robot: str, kind: RobotType, claim: Claim) -> Iterator[str]:
-        """Names of other robots with a claim that excludes this claim of `robot`."""
-        exclusions = self._geometry.exclusions
-        for other_kind, at in self._at.items():
-            distance = kind.reach + other_kind.reach + self._clearance
-            for conflict in exclusions.excluding(claim.place, distance):
-                held = at.get(conflict.other)
-                if not held:
-                    continue
-                clear = conflict.forward if claim.forward else conflict.backward
-                if claim.cleared and clear <= claim.cleared:
-                    continue
-                for name, other in held:
-                    clear = conflict.other_forward if other.forward else conflict.other_backward
-                    if name != robot and not (other.cleared and clear <= other.cleared):
-                        yield name
+    def keeping_out(self, name: str, edge: int, is_inside: bool) -> str:
+        """Name of a resource that keeps a robot from driving a signed edge now; empty: none does.
+
+        A robot that is already where a resource is needed may leave without its device.
+        """
+        entered = self.needs.on_entry(edge, is_inside)
+        for resource in sorted(self.needs.of_edge(edge)):
+            if resource not in self.stored_of(name) or resource in entered and (
+                    self.state(name, resource) not in (ClaimState.READY, ClaimState.IN_USE)):
+                return resource
+        return ''
+
+    # -- changes ----------------------------------------------------------------------------------
+
+    def follow(self, name: str, allocation: Allocation) -> None:
+        """A robot has this allocation now. Where evidence says that it is, it has its claims."""
+        if not self:
+            return
+        self._needed[name] = (self.of(name) if allocation.knowledge is Knowledge.UNKNOWN
+                              else self.needs.of(allocation))
+        self._note(name)
+
+    def want(self, name: str, edges: Sequence[int]) -> None:
+        """A robot asks for these signed edges, and for no others: it claims what they need.
+
+        The claims of edges that follow each other are had together or not at all, in the order of
+        the edges.
+        """
+        if not self:
+            return
+        wanted = NOTHING
+        for needed in self._stretches(edges):
+            if not all(self._is_free(name, resource) for resource in needed):
+                break
+            wanted |= needed
+        self._wanted[name] = wanted
+        self._note(name)
+
+    def _stretches(self, edges: Iterable[int]) -> Iterator[FrozenSet[str]]:
+        """What each run of edges needs of which each needs something."""
+        run = NOTHING
+        for edge in edges:
+            needed = self.needs.of_edge(edge)
+            if run and not needed:
+                yield run
+            run = run | needed if needed else NOTHING
+        if run:
+            yield run
+
+    def _is_free(self, name: str, resource: str) -> bool:
+        """Does a robot claim a resource, or may it?"""
+        holders = self.holders(resource)
+        return name in holders or len(holders) < self.needs.resources[resource].capacity
+
+    def forget(self, name: str) -> None:
+        """A robot is not on the site any more."""
+        self._needed[name] = self._wanted[name] = NOTHING
+        self._note(name)
+
+    def _note(self, name: str) -> None:
+        """Notes whether a robot's claims are in the journal as they are."""
+        if self._kept(name) == self.stored_of(name):
+            self._changed.discard(name)
+        elif name not in self._changed:
+            self._changed.add(name)
+            self._draw()
+
+    def _kept(self, name: str) -> FrozenSet[str]:
+        """The claims of a robot that do not end with the next commit."""
+        return self._needed.get(name, NOTHING) | self._wanted.get(name, NOTHING)
+
+    def _draw(self) -> None:
+        self._number = max(self._number + 1, self._clock())
+
+    # -- the journal, and requests to devices -----------------------------------------------------
+
+    @property
+    def is_changed(self) -> bool:
+        """Are claims to be stored?"""
+        return bool(self._changed) or not self._is_begun
+
+    @property
+    def number(self) -> int:
+        """Number of the requests that follow from the next commit. It is stored with the claims."""
+        return self._number
+
+    @property
+    def to_store(self) -> ClaimsOf:
+        """All claims, as they are to be stored, of robots whose claims have changed.
+
+        These robots must be stored together with their claims, so that each stored place has its
+        stored claims.
+        """
+        return {name: self._kept(name) for name in sorted(self._changed)}
+
+    def stored(self) -> None:
+        """What was to be stored is in the journal now. The devices may be asked."""
+        told = set() if self._is_begun else set(self.needs.resources)
+        self._is_begun = True
+        for name, kept in self.to_store.items():
+            told |= self.stored_of(name) ^ kept
+            self._stored[name] = kept
+        self._changed.clear()
+        for resource in sorted(told):
+            if self.needs.resources[resource].has_device:
+                self._ask(resource)
+
+    def _ask(self, resource: str) -> None:
+        robots = tuple(sorted(name for name, own in self._stored.items() if resource in own))
+        self._requests[resource] = DeviceRequest(resource, self._number, robots)
+        before = {name for name, asked in self._asked if asked == resource}
+        for name in before - set(robots):
+            del self._asked[name, resource]
+        for name in set(robots) - before:
+            self._asked[name, resource] = self._number
+
+    @property
+    def requests(self) -> Mapping[str, DeviceRequest]:
+        """The newest request to each device, by resource. All its claims are in the journal."""
+        return self._requests

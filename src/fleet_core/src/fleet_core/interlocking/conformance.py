@@ -11,7 +11,12 @@ model's relations after each event, and checks the step between them:
     | journal(robot, place)       | edges in the allocation that was stored last                   |
     | sent(robot, place)          | edges of the open orders that may have left this program       |
 
-The model also has what robots really obey and where they are. No program knows this; the
+The model of claims (`test/interlocking/test_claim_proof.py`) has these as well:
+
+    | claim(robot, resource)        | the robot's claims                                           |
+    | stored_claim(robot, resource) | its claims in the journal                                    |
+
+The models also have what robots really obey and where they are. No program knows this; the
 simulations check it against their own robots.
 """
 from __future__ import annotations
@@ -23,16 +28,20 @@ from typing import (
     Collection,
     Dict,
     FrozenSet,
+    Iterator,
     List,
     Mapping,
     NamedTuple,
+    Optional,
     Protocol,
     Sequence,
     Set,
     Tuple,
 )
 
-from fleet_core.interlocking.allocation import Allocation
+from fleet_core.interlocking.allocation import Allocation, Knowledge
+from fleet_core.interlocking.claims import Claims
+from fleet_core.interlocking.resources import NOTHING, Needs
 from fleet_core.interlocking.route_master import RouteMaster
 from route_protocol.master import MasterState
 from trajectory_graph.id_lists import listed
@@ -46,24 +55,32 @@ class Invariant(Enum):
     STORED = 'it was sent over edges that the journal does not have'
     READ = 'the interlocking does not know its present allocation'
     APART = 'it is too near to another robot, and is not stopped'
+    CLAIMED = 'it may be where it needs something that it does not claim'
+    CLAIM_STORED = 'by the journal, it may be where it needs something that it does not claim'
+    GRANTED = 'it was granted edges that need something without a claim in the journal'
+    CAPACITY = 'it claims something that others claim already'
+    ASKED = 'a device was asked for it without a claim in the journal'
 
 
 @dataclass(frozen=True)
 class Violation:
     """A step that is not one of the model's.
 
-    edges -- signed ids; empty for APART and READ
+    edges -- signed ids; empty for APART, READ and what concerns claims
     other -- name of the other robot; only for APART
+    resources -- names; only for what concerns claims
     """
 
     invariant: Invariant
     robot: str
     edges: FrozenSet[int] = frozenset()
     other: str = ''
+    resources: FrozenSet[str] = frozenset()
 
     def __str__(self) -> str:
         where = f' (robot {self.other})' * bool(self.other) or (
-            f' (edges {listed(sorted(self.edges))})' * bool(self.edges))
+            f' (edges {listed(sorted(self.edges))})' * bool(self.edges)) or (
+            f' ({", ".join(sorted(self.resources))})' * bool(self.resources))
         return f'{self.robot}: {self.invariant.value}{where}'
 
 
@@ -87,6 +104,13 @@ class ObservedRobot(Protocol):
         """Must a person bring the robot back before it may drive again?"""
 
 
+def _needed(needs: Needs, allocation: Optional[Allocation]) -> FrozenSet[str]:
+    """What the places of an allocation need; nothing if the robot may be anywhere."""
+    if allocation is None or allocation.knowledge is not Knowledge.KNOWN:
+        return NOTHING
+    return needs.of(allocation)
+
+
 def edges_of(allocation: Allocation) -> FrozenSet[int]:
     """Returns the signed ids of all edges that an allocation holds."""
     return frozenset(hold.edge for hold in allocation.holds)
@@ -104,21 +128,30 @@ class Conformance:
         self._seen: Dict[str, Tuple[Allocation, MasterState, int]] = {}
         self._granted: Dict[str, Set[int]] = {}
         self._journal: Dict[str, FrozenSet[int]] = {}
+        self._stored: Dict[str, Allocation] = {}
+        self._claims: Dict[str, FrozenSet[str]] = {}
+        self._unclaimed: Dict[str, FrozenSet[str]] = {}
 
-    def granted(self, name: str, edges: Collection[int]) -> None:
-        """The interlocking has granted these edges to a robot."""
+    def granted(self, name: str, edges: Collection[int], claims: Claims) -> None:
+        """The interlocking has granted these edges to a robot, with these claims."""
         self._granted.setdefault(name, set()).update(edges)
+        if claims:
+            needed = NOTHING.union(*map(claims.needs.of_edge, edges))
+            self._unclaimed[name] = self._unclaimed.get(name, NOTHING) | (
+                needed - claims.stored_of(name))
 
     def stored(self, name: str, allocation: Allocation) -> None:
         """This allocation of a robot is in the journal."""
         self._journal[name] = edges_of(allocation)
+        self._stored[name] = allocation
 
     def event(self, robots: Mapping[str, ObservedRobot], known: Mapping[str, Allocation],
-              excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
+              excluding: Callable[[str], Sequence[str]], claims: Claims) -> List[Violation]:
         """Returns what is wrong after an event; empty: nothing, or no check is due.
 
         known     -- the allocations that the interlocking has read
         excluding -- returns the names of the robots that exclude a robot
+        claims    -- of all robots
         """
         self._events += 1
         if self._events % self._every:
@@ -142,7 +175,33 @@ class Conformance:
                 found += [Violation(Invariant.APART, name, other=other)
                           for other in excluding(name) if robots[other].master.is_heard][:1]
         self._granted.clear()
-        return found
+        return [*found, *self._wrong_claims(robots, claims)] if claims else found
+
+    def _wrong_claims(self, robots: Mapping[str, ObservedRobot],
+                      claims: Claims) -> Iterator[Violation]:
+        """What is wrong with claims. Evidence may claim more than there is; nothing else may.
+
+        Only a check after each event tells which of the two it was.
+        """
+        for name, robot in robots.items():
+            allocation, stored = robot.master.allocation, self._stored.get(name)
+            needed = _needed(claims.needs, allocation)
+            now, before = claims.of(name), self._claims.get(name)
+            self._claims[name] = now
+            new = NOTHING if before is None or self._every > 1 else now - needed - before
+            over = frozenset(one for one in new if len(claims.holders(one))
+                             > claims.needs.resources[one].capacity)
+            unstored = _needed(claims.needs, stored) - claims.stored_of(name)
+            for invariant, resources in (
+                    (Invariant.CLAIMED, needed - now),
+                    (Invariant.CLAIM_STORED, unstored - claims.to_store.get(name, NOTHING)),
+                    (Invariant.GRANTED, self._unclaimed.pop(name, NOTHING)),
+                    (Invariant.CAPACITY, over),
+                    (Invariant.ASKED, frozenset(
+                        request.resource for request in claims.requests.values()
+                        if name in request.robots) - claims.stored_of(name))):
+                if resources:
+                    yield Violation(invariant, name, resources=resources)
 
     def _is_seen(self, name: str, master: RouteMaster) -> bool:
         """Is this the state of the last check? Each change makes new objects."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import takewhile
 from typing import (
     AbstractSet,
     Callable,
@@ -28,9 +29,11 @@ from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area, are_nearer
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation, Knowledge
-from fleet_core.interlocking.claims import Claim, ClaimIndex
+from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import Conformance, Violation
+from fleet_core.interlocking.held_places import HeldPlace, HeldPlaces
 from fleet_core.interlocking.reports import GraphPosition
+from fleet_core.interlocking.resources import Needs, Resource
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
@@ -52,18 +55,22 @@ class Gate(Enum):
     BEFORE_ENTRY = 'a step before the entry has not ended'
     TOO_NEAR = 'it is too near to another robot'
     OCCUPIED = 'another robot may be there'
+    CLAIM = 'it has no claim to what it needs there, or that is not ready'
 
 
 class Refusal(NamedTuple):
     """Why an edge is not granted.
 
-    edge  -- signed id of the refused edge
-    other -- name of the robot that is in the way; empty: no robot is
+    edge     -- signed id of the refused edge
+    other    -- name of the robot that is in the way; empty: no robot is
+    resource -- what the robot waits for; only for CLAIM
     """
 
     gate: Gate
     edge: int
     other: str = ''
+    resource: Optional[Resource] = None
+
 
 class InterlockedRobot(Protocol):
     """The properties of a robot that the interlocking needs."""
@@ -100,14 +107,14 @@ class Asked:
     edge      -- signed id; 0: the request is about no edge yet
     before    -- the edge before this one; 0: the edge begins where the record ends
     is_inside -- the robot stands on the edge, between its ends
-    claim     -- the part of the edge that the robot would hold
+    place     -- the part of the edge that the robot would hold
     """
 
     robot: InterlockedRobot
     edge: int = 0
     before: int = 0
     is_inside: bool = False
-    claim: Claim = Claim(-1)
+    place: HeldPlace = HeldPlace(-1)
 
 
 class Interlocking:
@@ -123,12 +130,16 @@ class Interlocking:
     conformance -- checks each step against the model; None: nothing does
     news        -- returns the names of the robots that changed since it was last called; None: any
                    robot may have changed at any time
+    claims      -- the claims of the robots to the resources of the site; None: it has none
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
                  robots: Mapping[str, InterlockedRobot],
                  conformance: Optional[Conformance] = None,
-                 news: Optional[Callable[[], Collection[str]]] = None) -> None:
+                 news: Optional[Callable[[], Collection[str]]] = None,
+                 claims: Optional[Claims] = None) -> None:
+        self.claims = Claims(Needs((), geometry)) if claims is None else claims
+        """Which robot may be where a door, a zone or a station is."""
         self.is_stopped = False
         """Is the fleet stopped?"""
         self.trouble = ''
@@ -144,18 +155,23 @@ class Interlocking:
         self._conformance = conformance
         self._news = news or (lambda: robots)
         self._known: Dict[str, Allocation] = {}
-        self._holds = ClaimIndex(geometry, clearance)
-        self._stored = ClaimIndex(geometry, clearance)  # as they are in the journal
+        self._holds = HeldPlaces(geometry, clearance)
+        self._stored = HeldPlaces(geometry, clearance)  # as they are in the journal
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
         self._to_compare: Set[str] = set()  # robots whose allocation has changed
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
+        for name in self.claims.robots - robots.keys():
+            self.claims.forget(name)
 
     # -- grants -----------------------------------------------------------------------------------
 
     def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
         """Grants the longest beginning of these edges that the robot may have now.
+
+        For edges that only lack claims, the robot claims what they need. So it may have them later.
+        What it claims and does not need for these edges is returned.
 
         The granted edges are added to the robot's allocation and ordered at once. The order is sent
         only after it is stored on the disk.
@@ -166,17 +182,26 @@ class Interlocking:
         self._refresh()
         refusal = first_refusal(GATES, self, Asked(robot))
         granted: List[int] = []
+        if not refusal and self.claims:
+            needs = any(map(self.claims.needs.of_edge, edges))
+            self.claims.want(robot.name, self._lacking_claims(robot, edges) if needs else ())
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)
             if refusal is not None:
                 break
             granted.append(asked.edge)
-            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.claim))
+            self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.place))
         if granted:
             robot.master.extend(granted, renew)
             if self._conformance is not None:
-                self._conformance.granted(robot.name, granted)
+                self._conformance.granted(robot.name, granted, self.claims)
         return Grant(tuple(granted), refusal)
+
+    def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[int]:
+        """The longest beginning of these edges from which at most claims keep the robot."""
+        return [asked.edge for asked in takewhile(
+            lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
+            self._asked(robot, edges))]
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
         """For each robot the longest beginning of its edges that all may have now, at once.
@@ -187,17 +212,17 @@ class Interlocking:
         wanted -- edges by the names of the robots, as for `grant`
         """
         self._refresh()
-        given = ClaimIndex(self._geometry, self._clearance)
+        given = HeldPlaces(self._geometry, self._clearance)
         found: Dict[str, Tuple[int, ...]] = {}
         for name, edges in wanted.items():
             robot, free = self._robots[name], []
             is_refused = first_refusal(LASTING_GATES, self, Asked(robot)) is not None
             for asked in () if is_refused else self._asked(robot, edges):
                 if first_refusal(CONDITIONS, self, asked) is not None or any(
-                        given.excluding(name, robot.type, asked.claim)):
+                        given.excluding(name, robot.type, asked.place)):
                     break
                 free.append(asked)
-            given.add(name, robot.type, [asked.claim for asked in free])
+            given.add(name, robot.type, [asked.place for asked in free])
             found[name] = tuple(asked.edge for asked in free)
         return found
 
@@ -210,7 +235,7 @@ class Interlocking:
                 begun = record.begun(edge, start)
                 is_inside = start.vertex is None
             yield Asked(robot, edge, before, is_inside,
-                        Claim(self._geometry.edge_place(edge), edge > 0, begun))
+                        HeldPlace(self._geometry.edge_place(edge), edge > 0, begun))
             before = edge
 
     # -- the journal ------------------------------------------------------------------------------
@@ -242,7 +267,7 @@ class Interlocking:
         if self._conformance is None:
             return []
         self._refresh()
-        return self._conformance.event(self._robots, self._known, self.excluding)
+        return self._conformance.event(self._robots, self._known, self.excluding, self.claims)
 
     # -- orders that are sent ---------------------------------------------------------------------
 
@@ -270,6 +295,7 @@ class Interlocking:
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""
         self._known.pop(name, None)
+        self.claims.forget(name)
         self._holds.remove(name)
         self._stored.remove(name)
         self._with_areas.discard(name)
@@ -291,8 +317,8 @@ class Interlocking:
         if own.knowledge is not Knowledge.KNOWN:
             return ()
         found: Set[str] = set()
-        for claim in self._holds.claims(name):
-            found.update(self._holders(robot, claim))
+        for held in self._holds.places(name):
+            found.update(self._holders(robot, held))
         for area in own.areas:
             found.update(self._in_area(name, own.kind, area))
         return tuple(sorted(found))
@@ -301,7 +327,7 @@ class Interlocking:
         """Does no other robot's allocation exclude that `robot` stands at this position?"""
         self._refresh()
         if position.vertex is not None:
-            return not self.holder(robot, Claim(self._geometry.index[position.vertex]))
+            return not self.holder(robot, HeldPlace(self._geometry.index[position.vertex]))
         area = Area((position.point(robot.master.record.graph),))
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
@@ -335,26 +361,26 @@ class Interlocking:
                 continue
             distance = kind.reach + allocation.kind.reach + self._clearance
             near = self._places_near(area, distance)
-            claims = self._holds.claims(other)
-            if any(_meets(near.get(claim.place), claim) for claim in claims) or any(
+            places = self._holds.places(other)
+            if any(_meets(near.get(held.place), held) for held in places) or any(
                     are_nearer(area.line, its.line, distance + area.radius + its.radius)
                     for its in allocation.areas):
                 yield other
 
-    def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
-        """Name of a robot that holds a place which excludes this claim of `robot`; empty: none."""
-        return next(self._holders(robot, claim), '')
+    def holder(self, robot: InterlockedRobot, held: HeldPlace) -> str:
+        """Name of a robot that holds a place which excludes this place of `robot`; empty: none."""
+        return next(self._holders(robot, held), '')
 
-    def _holders(self, robot: InterlockedRobot, claim: Claim) -> Iterator[str]:
+    def _holders(self, robot: InterlockedRobot, held: HeldPlace) -> Iterator[str]:
         """Names of all such robots. A name may come twice."""
         kind = robot.type
-        yield from self._holds.excluding(robot.name, kind, claim)
+        yield from self._holds.excluding(robot.name, kind, held)
         for name in self._with_areas:
             if name == robot.name:
                 continue
             allocation = self._known[name]
             distance = kind.reach + allocation.kind.reach + self._clearance
-            if any(_meets(self._places_near(area, distance).get(claim.place), claim)
+            if any(_meets(self._places_near(area, distance).get(held.place), held)
                    for area in allocation.areas):
                 yield name
 
@@ -377,20 +403,21 @@ class Interlocking:
             self._known[name] = allocation
             self._to_compare.add(name)
             self._holds.put(name, allocation)
+            self.claims.follow(name, allocation)
             for names, is_one in ((self._with_areas, bool(allocation.areas)),
                                   (self._unknown, allocation.knowledge is Knowledge.UNKNOWN)):
                 (names.add if is_one else names.discard)(name)
 
 
-def _meets(part: Optional[Tuple[float, float]], claim: Claim) -> bool:
-    """Does the blocked part of a place lie on the part of it that the claim still covers?
+def _meets(part: Optional[Tuple[float, float]], held: HeldPlace) -> bool:
+    """Does the blocked part of a place lie on the part of it that is still held?
 
     part -- the part of the place that is too near to something, from and to a fraction; None: none
     """
     if part is None:
         return False
-    end = part[1] if claim.forward else 1.0 - part[0]
-    return not claim.cleared or end > claim.cleared
+    end = part[1] if held.forward else 1.0 - part[0]
+    return not held.cleared or end > held.cleared
 
 
 # -- conditions of a grant ------------------------------------------------------------------------
@@ -478,8 +505,17 @@ def _robot_is_clear_of_others(site: Interlocking, asked: Asked) -> Optional[Refu
 
 
 def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
-    other = site.holder(asked.robot, asked.claim)
+    other = site.holder(asked.robot, asked.place)
     return Refusal(Gate.OCCUPIED, asked.edge, other) if other else None
+
+
+def _claims_are_ready(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    name = asked.robot.name
+    resource = site.claims.keeping_out(name, asked.edge, asked.is_inside) if site.claims else ''
+    if not resource:
+        return None
+    others = (other for other in site.claims.holders(resource) if other != name)
+    return Refusal(Gate.CLAIM, asked.edge, next(others, ''), site.claims.needs.resources[resource])
 
 
 GATES: Tuple[Condition, ...] = (
@@ -492,6 +528,9 @@ LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
 """The gates that do not open with the robot's next report."""
 
-CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _stop_may_be_entered,
-                                     _place_is_free)
+WITHOUT_CLAIMS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _stop_may_be_entered,
+                                         _place_is_free)
+"""The conditions for an edge that a robot must meet before it may claim what the edge needs."""
+
+CONDITIONS: Tuple[Condition, ...] = (*WITHOUT_CLAIMS, _claims_are_ready)
 """All must be met, in addition, for each edge that a robot is granted."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
+from fleet_core.interlocking.resources import DeviceRequest
 from fleet_core.planning.plan_requests import Times
 from fleet_core.planning.tasks import Obstacle, Task
 from fleet_core.supervision.missions import Status
@@ -37,6 +38,13 @@ class SendStep:
 
 
 @dataclass(frozen=True)
+class AskDevice:
+    """Publish a request to the device of a resource."""
+
+    request: DeviceRequest
+
+
+@dataclass(frozen=True)
 class TellStatus:
     """Publish the status of a request."""
 
@@ -67,5 +75,5 @@ class Note:
     is_warning: bool = False
 
 
-Action = Union[SendRoute, SendStep, TellStatus, AskPlanner, Note]
+Action = Union[SendRoute, SendStep, AskDevice, TellStatus, AskPlanner, Note]
 """Any action that the supervisor may request."""

@@ -14,18 +14,21 @@ from typing import (
     Any,
     Callable,
     Dict,
+    FrozenSet,
     Iterable,
     List,
     Mapping,
     NamedTuple,
     Optional,
     Sequence,
+    Set,
     Tuple,
 )
 
 from file_replacement import replace_file
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
+from fleet_core.interlocking.claims import ClaimsOf
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_master import Located, Lost, Memory
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop
@@ -73,6 +76,7 @@ class Journal:
         self._db = self._file.database
         try:
             self.graph(), self.robots(), self.missions(), self.stop(), self.works(), self.loads()
+            self.claims()
         except (KeyError, ValueError, TypeError) as error:
             self.close()
             raise UnknownLayout(path, f'an entry cannot be read ({error!r})') from None
@@ -96,7 +100,8 @@ class Journal:
               stays: Optional[Mapping[int, float]] = None,
               stop: Optional[FleetStop] = None,
               works: Optional[Mapping[int, Optional[Work]]] = None,
-              loads: Optional[Mapping[str, RobotLoad]] = None) -> None:
+              loads: Optional[Mapping[str, RobotLoad]] = None,
+              claims: Optional[ClaimsOf] = None) -> None:
         """Stores all given data on the disk in one transaction.
 
         missions -- the missions that have changed
@@ -107,6 +112,7 @@ class Journal:
         stop     -- whether the fleet is stopped; None: as before
         works    -- by the serial of a mission, the progress of its steps; None: it has ended
         loads    -- by name, what a robot carries
+        claims   -- by name, all resources that a robot claims
 
         Raises JournalUnavailable; then nothing is stored.
         """
@@ -131,6 +137,10 @@ class Journal:
             for name, load in (loads or {}).items():
                 self._run('INSERT OR REPLACE INTO load VALUES (?, ?)',
                           (name, json.dumps(to_json(load))))
+            for name, resources in (claims or {}).items():
+                self._run('DELETE FROM claim WHERE robot = ?', (name,))
+                for resource in sorted(resources):
+                    self._run('INSERT INTO claim VALUES (?, ?)', (name, resource))
             if graph is not None:
                 self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
             for name, number in (values or {}).items():
@@ -229,6 +239,13 @@ class Journal:
         """By name, what each robot carries. A robot that never had a load is not in it."""
         return {name: from_json(RobotLoad, json.loads(text))
                 for name, text in self._run('SELECT robot, load FROM load')}
+
+    def claims(self) -> Dict[str, FrozenSet[str]]:
+        """By name, the resources that each robot claims. A robot without claims is not in it."""
+        found: Dict[str, Set[str]] = {}
+        for name, resource in self._run('SELECT robot, resource FROM claim'):
+            found.setdefault(name, set()).add(resource)
+        return {name: frozenset(resources) for name, resources in found.items()}
 
     def find(self, request: Request) -> Optional[Mission]:
         """The last mission that exactly this request became, however long ago it ended.

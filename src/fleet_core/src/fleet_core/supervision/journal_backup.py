@@ -46,7 +46,7 @@ def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
                 database.execute(
                     "INSERT INTO change SELECT ?, serial, state, robot, reached, reason, '' "
                     'FROM mission WHERE serial = ?', (now, serial))
-            for table in ('robot', 'graph', 'stay', 'value'):
+            for table in ('robot', 'graph', 'stay', 'value', 'claim'):
                 database.execute(f'DELETE FROM {table}')
     finally:
         file.close()

@@ -44,6 +44,9 @@ _MIGRATIONS: Tuple[str, ...] = (
     ''', '''
     CREATE TABLE IF NOT EXISTS work (serial INTEGER PRIMARY KEY, work TEXT NOT NULL);
     CREATE TABLE IF NOT EXISTS load (robot TEXT PRIMARY KEY, load TEXT NOT NULL);
+    ''', '''
+    CREATE TABLE claim (
+        robot TEXT NOT NULL, resource TEXT NOT NULL, PRIMARY KEY (robot, resource));
     ''')
 """Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
@@ -52,7 +55,7 @@ LAYOUT: Dict[str, Tuple[str, ...]] = {
     'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
     'graph': ('one', 'elements'), 'stop': ('one', 'record'), 'work': ('serial', 'work'),
-    'load': ('robot', 'load')}
+    'load': ('robot', 'load'), 'claim': ('robot', 'resource')}
 """The columns of each table of the newest version."""
 
 

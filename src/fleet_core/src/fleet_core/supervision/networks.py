@@ -2,9 +2,11 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Iterable
+from typing import Iterable, Sequence
 
 from fleet_core.fleet import Fleet
+from fleet_core.geometry.site_geometry import Alone, SiteGeometry
+from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision.edge_times import EdgeTimes
 from fleet_core.supervision.robots import ManagedRobot
@@ -14,11 +16,18 @@ from trajectory_graph import Graph
 class Networks:
     """One network with nominal times, and one with learned times.
 
-    rate -- the factor by which simulated robots are faster than the clock
+    rate      -- the factor by which simulated robots are faster than the clock
+    resources -- those for one robot order the plans: their places exclude each other
     """
 
-    def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0) -> None:
-        self.nominal = RoadNetwork(graph, (), fleet.dock_approach)
+    def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0,
+                 resources: Sequence[Resource] = ()) -> None:
+        self.geometry = SiteGeometry(graph, fleet.dock_approach)
+        """The geometry for the interlocking, to which claims are not places."""
+        alone = [Alone(one.edges, one.vertices) for one in resources if one.capacity == 1]
+        self.nominal = RoadNetwork(
+            graph, (), fleet.dock_approach,
+            geometry=SiteGeometry(graph, fleet.dock_approach, alone) if alone else self.geometry)
         self.network = self.nominal
         """The network with learned times."""
         self.edge_times = EdgeTimes(self._nominal_time)

@@ -11,6 +11,7 @@ from typing import Dict, List, Mapping, Optional, Set
 
 from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
 from fleet_core.supervision.actions import Action, Note, SendRoute, TellStatus
+from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import JournalUnavailable
@@ -21,6 +22,8 @@ from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two attempts to write while writing fails
 TOGETHER = 0.04         # s within which all changes by reports share one commit
+DEVICE_REQUEST = 'device_request'
+"""Name, in the journal, of the number of the last request to devices."""
 _JOURNAL = '/journal'   # key of the journal's state in `note_state`; no robot has such a name
 
 
@@ -32,10 +35,10 @@ class Outbox:
 
     def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
                  everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking,
-                 desk: WorkDesk) -> None:
+                 desk: WorkDesk, devices: DeviceDesk) -> None:
         self.trouble = ''
         self._journal = journal
-        self._book, self._desk = book, desk
+        self._book, self._desk, self._devices = book, desk, devices
         self._robots, self._everywhere = robots, everywhere
         self._interlocking = interlocking
         self._stale: Set[str] = set()
@@ -94,10 +97,10 @@ class Outbox:
         """All actions to be done now, orders to robots first. Their data are on the disk."""
         self._store(now)
         orders = self._orders(now) if self._is_sending else []
-        steps = self._desk.due(now)
+        steps, requests = self._desk.due(now), self._devices.due(now)
         self._is_sending = False
         actions, self._actions = self._actions, []
-        return [*orders, *steps, *actions]
+        return [*orders, *steps, *requests, *actions]
 
     def take_unless_due_later(self, now: float) -> List[Action]:
         """Like `take`, if nothing is to be stored or orders are to be sent at once.
@@ -119,19 +122,24 @@ class Outbox:
     @property
     def _is_anything_new(self) -> bool:
         return bool(self._stale or self._values or self._graph or self._stop
-                    or self._book.is_changed or self._desk.is_changed)
+                    or self._book.is_changed or self._desk.is_changed
+                    or self._interlocking.claims.is_changed)
 
     def _store(self, now: float) -> None:
         if now < self._try_at or not (self.trouble or self._is_anything_new):
             return
-        self._stale.update(self._interlocking.to_store)
+        claims = self._interlocking.claims
+        new_claims = claims.to_store
+        if claims.is_changed:
+            self._values[DEVICE_REQUEST] = claims.number
+        self._stale.update(self._interlocking.to_store, new_claims)
         missions, stays = self._book.changes, self._book.new_stays(now)
         works, loads = self._desk.changes
         values = {**self._values, **({NEWEST_STEP: self._desk.newest} if works or loads else {})}
         try:
             self._journal.store(missions, {name: self._memory(name)
                                            for name in sorted(self._stale)}, values, self._graph,
-                                stays, self._stop, works, loads)
+                                stays, self._stop, works, loads, new_claims)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
             self._interlocking.trouble = self.trouble
@@ -142,6 +150,7 @@ class Outbox:
         self._try_at, self._stored_at = -inf, now
         self.note_state(_JOURNAL, '', 'The journal can be written again.')
         self._interlocking.stored(self._stale)
+        claims.stored()
         self._stale.clear()
         self._values.clear()
         self._graph = self._stop = None

@@ -167,7 +167,9 @@ class PlanExecutor:
         holds.
         """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
-        ends, versions = self._ends(now), world.versions
+        ends, versions, claims = self._ends(now), world.versions, self._interlocking.claims
+        for name in claims.robots - plan.plans.keys():
+            claims.want(name, ())
         for name in plan.plans:
             waits_for = self.waits_for.get(name, '')
             rest = versions[name], name in asked, waits_for, versions.get(waits_for)
@@ -177,6 +179,7 @@ class PlanExecutor:
             robot, errand = self._robots[name], world.errands[name]
             if not self._follows(robot, misfits):
                 self._delays.pop(name, None)
+                claims.want(name, ())
                 continue
             goal = self._goal(name, plan, world, asked)
             if ends is not None:
@@ -187,6 +190,7 @@ class PlanExecutor:
             if not due.edges:
                 self._delays.pop(name, None)
                 if ends is None:
+                    claims.want(name, ())
                     plan.rests[name] = (versions[name], name in asked, due.waits_for,
                                         versions.get(due.waits_for))
                 continue
@@ -277,6 +281,8 @@ def _words(refusal: Refusal, graph: Graph) -> str:
     """What a robot waits for after a refusal, in words."""
     if refusal.gate is Gate.CLOSED_EDGE:
         return f'{edge_name(graph, abs(refusal.edge))}, which is closed'
+    if refusal.gate is Gate.CLAIM:
+        return str(refusal.resource) + f', which {refusal.other} claims' * bool(refusal.other)
     if refusal.gate is Gate.NOT_READY:
         return refusal.other or 'a new location of its own'
     if refusal.gate is Gate.UNKNOWN_ROBOT:

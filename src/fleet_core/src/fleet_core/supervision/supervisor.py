@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple, Union
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from fleet_core.fleet import Fleet
 from fleet_core.interlocking.changes import Changes
+from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import Conformance
 from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
 from fleet_core.interlocking.reports import (
@@ -19,6 +20,7 @@ from fleet_core.interlocking.reports import (
     check_report,
     old_location,
 )
+from fleet_core.interlocking.resources import DeviceReport, Needs, Resource
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import PlanningOutcome
@@ -26,6 +28,7 @@ from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargeQueue
+from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.journal import Journal
@@ -46,7 +49,7 @@ from fleet_core.supervision.missions import (
 from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.outage_watch import OutageWatch
 from fleet_core.supervision.outages import Outage, Sign
-from fleet_core.supervision.outbox import Outbox
+from fleet_core.supervision.outbox import DEVICE_REQUEST, Outbox
 from fleet_core.supervision.plan_executor import PlanExecutor
 from fleet_core.supervision.restoring import (
     RemovedRobot,
@@ -76,20 +79,23 @@ class Supervisor:
     - `desk` leads missions with steps, and keeps the loads of robots.
     - `plan_executor` asks the planner, and requests grants by the plan's order.
     - `interlocking` grants edges, and lets orders out.
+    - `devices` keeps what doors and other devices report.
 
     settings -- of robots by name; a robot without an entry gets the defaults of RobotSettings
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: nothing does
+    resources -- doors, zones, stations and the like, which robots must claim
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
                  journal: Journal, now: float, rate: float = 1.0,
                  gate: Optional[StopGate] = None,
                  switching: Optional[OrderSwitching] = None,
-                 conformance: Optional[Conformance] = None) -> None:
+                 conformance: Optional[Conformance] = None,
+                 resources: Sequence[Resource] = ()) -> None:
         self.gate = gate or StopGate()
-        self.networks = Networks(graph, fleet, rate)
+        self.networks = Networks(graph, fleet, rate, resources)
         memories, stored = journal.robots(), journal.graph()
         is_same = graph.is_same(stored)
         before = None if is_same else stored
@@ -108,16 +114,22 @@ class Supervisor:
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
+        # claims of robots that are where a device does not report that it is open
+        self._lost: Set[Tuple[str, str]] = set()
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
                              journal.value(NEWEST_STEP), journal.milliseconds)
         self._waiting = WaitingMissions(self.book, self.robots, lambda: self.desk.laden)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
-        self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
-                                         self._everywhere, conformance, changes.follow())
+        self._claims = Claims(Needs(resources, self.networks.geometry), journal.claims(),
+                              journal.value(DEVICE_REQUEST), journal.milliseconds)
+        self.interlocking = Interlocking(self.networks.geometry, fleet.clearance,
+                                         self._everywhere, conformance, changes.follow(),
+                                         self._claims)
+        self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
-                           self.desk)
+                           self.desk, self.devices)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching, rate)
@@ -318,6 +330,24 @@ class Supervisor:
         problem = self.desk.set_load(name, request_id)
         self._go_on(now)
         return problem, self._actions(now)
+
+    def device_report(self, report: DeviceReport, now: float) -> List[Action]:
+        """Handles the report of a device."""
+        self.devices.report(report, now)
+        return self._out.take_unless_due_later(now)
+
+    def _look_at_devices(self, now: float) -> None:
+        """Tells the interlocking which devices are open, and people where one is not for a robot.
+        """
+        self.devices.look(now)
+        lost = set() if self._is_starting else set(self._claims.lost())
+        for claim in sorted(self._lost | lost):
+            name, what = claim[0], self._claims.needs.resources[claim[1]]
+            wrong = (f'{name} is where it needs the {what}, which does not report that it is open. '
+                     'No other robot is sent there. Look at both.')
+            self._out.note_state(f'{name}/{what}', wrong if claim in lost else '',
+                                 f'The {what} is open for {name} again, or {name} has left it.')
+        self._lost = lost
 
     def _work(self, now: float) -> None:
         """Lets the work at stops go on, and closes the gates of the robots that must stand."""
@@ -592,6 +622,7 @@ class Supervisor:
                 robot.master.halt()  # it does not count the orders of this fleet manager yet
                 self._out.robot_changed(robot.name)
                 self._out.send()
+        self._look_at_devices(now)
         self._work(now)
         self._shorten()
         self._outages.look()

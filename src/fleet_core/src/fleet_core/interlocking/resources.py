@@ -1,0 +1,138 @@
+"""Resources: what places need besides room, such as a door that must be open.
+
+A door, an air lock, a light, a zone, a station or a charger is a resource. A robot may be in a
+place that needs a resource only with a claim to it (`claims`).
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+from typing import Dict, FrozenSet, Iterable, Mapping, Tuple
+
+from fleet_core.geometry.site_geometry import SiteGeometry
+from fleet_core.interlocking.allocation import Allocation
+from fleet_core.interlocking.reports import nearness
+
+NOTHING: FrozenSet[str] = frozenset()
+
+
+class ResourceKind(Enum):
+    """The kind of a resource. The values are shown to people."""
+
+    DOOR = 'door'
+    AIR_LOCK = 'air lock'  # its doors are one resource: no robot enters before it may leave
+    LIGHT = 'light'
+    ZONE = 'zone'
+    STATION = 'station'
+    CHARGER = 'charger'
+
+
+@dataclass(frozen=True)
+class Resource:
+    """A resource of a site.
+
+    edges      -- ids of the edges that need it
+    vertices   -- ids of the vertices that need it; then their edges need it, too
+    capacity   -- number of robots that may claim it at once
+    has_device -- a device must report that it is ready; False: it is always ready
+    """
+
+    name: str
+    kind: ResourceKind
+    edges: FrozenSet[int] = frozenset()
+    vertices: FrozenSet[int] = frozenset()
+    capacity: int = 1
+    has_device: bool = False
+
+    def __str__(self) -> str:
+        return f'{self.kind.value} {self.name}'
+
+
+class DeviceMode(IntEnum):
+    """What a device says of itself; the numbers are those of Open-RMF."""
+
+    CLOSED = 0
+    MOVING = 1
+    OPEN = 2
+    OFFLINE = 3
+    UNKNOWN = 4
+
+
+@dataclass(frozen=True)
+class DeviceRequest:
+    """What a device is to do: to be open for these robots, or closed if there are none.
+
+    number -- a later request has a higher number, also after a restart
+    """
+
+    resource: str
+    number: int
+    robots: Tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class DeviceReport:
+    """What a device reports.
+
+    request -- number of the newest request that it obeys; 0: none
+    age     -- s since the device was read, at the arrival of the report
+    """
+
+    resource: str
+    mode: DeviceMode
+    request: int = 0
+    age: float = 0.0
+
+
+class Needs:
+    """The resources that the places of one graph need.
+
+    An edge needs also what the vertices at its ends need, because a robot on it may stand there.
+    """
+
+    def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
+        self.resources: Mapping[str, Resource] = {one.name: one for one in resources}
+        self._geometry = geometry
+        self._at: Dict[int, FrozenSet[str]] = {}  # by place
+        for one in self.resources.values():
+            places = [geometry.edge_place(edge) for edge in one.edges & geometry.edge_index.keys()]
+            places += [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]
+            for place in places:
+                self._at[place] = self._at.get(place, NOTHING) | {one.name}
+
+    def of_vertex(self, vertex: int) -> FrozenSet[str]:
+        """Names of the resources that a vertex needs."""
+        return self._at.get(self._geometry.index[vertex], NOTHING)
+
+    def of_edge(self, edge: int) -> FrozenSet[str]:
+        """Names of the resources that a signed edge needs, with both of its ends."""
+        one, other = self._ends(edge)
+        return self._inside(edge) | self.of_vertex(one) | self.of_vertex(other)
+
+    def on_entry(self, edge: int, is_inside: bool) -> FrozenSet[str]:
+        """Names of the resources into which a robot gets by driving a signed edge.
+
+        is_inside -- it stands on the edge already, between the ends
+        """
+        _, end = self._ends(edge)
+        return self.of_vertex(end) | (NOTHING if is_inside else self._inside(edge))
+
+    def of(self, allocation: Allocation) -> FrozenSet[str]:
+        """Names of the resources that all places of an allocation need."""
+        if not self._at:
+            return NOTHING
+        needs = NOTHING.union(*(self.of_edge(hold.edge) for hold in allocation.holds))
+        if allocation.vertex is not None:
+            needs |= self.of_vertex(allocation.vertex)
+        for area in allocation.areas:
+            near = self._geometry.exclusions.near(
+                area.line, area.radius + nearness(allocation.kind))
+            needs = needs.union(*(self._at.get(place, NOTHING) for place in near))
+        return needs
+
+    def _inside(self, edge: int) -> FrozenSet[str]:
+        return self._at.get(self._geometry.edge_place(edge), NOTHING)
+
+    def _ends(self, edge: int) -> Tuple[int, int]:
+        graph = self._geometry.graph
+        return graph.start_vertex(edge).id, graph.end_vertex(edge).id

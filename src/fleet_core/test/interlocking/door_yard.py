@@ -1,0 +1,324 @@
+"""A model of a small yard with a door, which robots must claim: see `yard_model`.
+
+`Claims` and `Interlocking` are the real ones. The door is a small machine.
+
+Events, besides those of the yard
+    * A robot asks for any edge, and claims the door if it lacks only that. It asks for none.
+    * Claims are stored, together with what else has changed, and the door is asked.
+    * A request arrives: any that was sent, at any time, again and again, or never.
+    * The door opens while its request names a robot, and closes while it names none.
+    * A report of the door arrives at once, or never. One may be kept on its way and come late.
+    * The door is silent, so that its last report is not fresh any more. It restarts, and forgets
+      which request it has obeyed.
+
+Properties, besides those of the yard
+    OPEN      The door is open for each robot that is on its edges, or whose route leads there.
+    CLAIMED   Each robot with an edge of the door in its allocation claims it, also by the journal.
+    CAPACITY  One robot at most claims the door, by the journal.
+"""
+from __future__ import annotations
+
+from enum import Enum
+from typing import (
+    Any,
+    Dict,
+    FrozenSet,
+    Iterator,
+    NamedTuple,
+    Optional,
+    Tuple,
+)
+
+from yard_model import (
+    CLEARANCE,
+    Bounds,
+    Fault,
+    Site,
+    State,
+    Yard,
+    _Stored,
+)
+
+from fleet_core.interlocking.allocation import Knowledge
+from fleet_core.interlocking.claims import Claims
+from fleet_core.interlocking.interlocking import Interlocking
+from fleet_core.interlocking.resources import DeviceRequest, Needs, Resource, ResourceKind
+
+DOOR = 'door'
+Names = FrozenSet[str]
+
+
+class Request(NamedTuple):
+    """A request to the door."""
+
+    number: int = 0
+    robots: Names = frozenset()
+
+
+class Said(NamedTuple):
+    """A report of the door."""
+
+    request: int
+    is_open: bool
+
+
+class Door(NamedTuple):
+    """The door, the messages on their way, and what the fleet manager knows of claims.
+
+    stored  -- the robots that claim it by the journal
+    wanted  -- the robots that want it
+    changed -- the robots whose claims are to be stored
+    number  -- the last number of a request that was drawn
+    written -- the number in the journal
+    begun   -- all doors were asked since the start
+    request -- the newest request
+    asked   -- by robot, the first request with it
+    told    -- the request by which the door is open, by a fresh report; 0: it is not
+    sent    -- requests on their way
+    obeyed  -- the request that the door obeys
+    is_open -- the door is open
+    kept    -- a report on its way
+    """
+
+    stored: Names = frozenset()
+    wanted: Names = frozenset()
+    changed: Names = frozenset()
+    number: int = 0
+    written: int = 0
+    begun: bool = False
+    request: Request = Request()
+    asked: Tuple[Tuple[str, int], ...] = ()
+    told: int = 0
+    sent: FrozenSet[Request] = frozenset()
+    obeyed: Request = Request()
+    is_open: bool = False
+    kept: Optional[Said] = None
+
+    @property
+    def says(self) -> Said:
+        """What the door reports."""
+        return Said(self.obeyed.number, self.is_open)
+
+    def heard(self, said: Said) -> Door:
+        """The fleet manager hears a report."""
+        return self._replace(told=said.request if said.is_open else 0)
+
+    def ranked(self) -> Door:
+        """The same door with ranks in place of numbers, which are only compared."""
+        used = {0, self.number, self.written, self.request.number, self.told, self.obeyed.number,
+                *(number for _, number in self.asked), *(one.number for one in self.sent)}
+        if self.kept is not None:
+            used.add(self.kept.request)
+        rank = {number: k for k, number in enumerate(sorted(used))}
+
+        def of(request: Request) -> Request:
+            return request._replace(number=rank[request.number])
+
+        return self._replace(
+            number=rank[self.number], written=rank[self.written], told=rank[self.told],
+            request=of(self.request), obeyed=of(self.obeyed), sent=frozenset(map(of, self.sent)),
+            asked=tuple((name, rank[number]) for name, number in self.asked),
+            kept=self.kept and self.kept._replace(request=rank[self.kept.request]))
+
+
+class DoorFault(Enum):
+    """What goes wrong with the door."""
+
+    RESTART = 'the door restarts'
+
+
+class DoorYard(Yard):
+    """A yard in which two edges lead through a door.
+
+    edges -- ids of the edges
+    """
+
+    edges = frozenset({1, 2})
+    clock_of_requests = staticmethod(lambda: 0)
+
+    def __init__(self, *of: Any) -> None:
+        super().__init__(*of)
+        self._needs = Needs([Resource(DOOR, ResourceKind.DOOR, self.edges,
+                                      has_device=True)], self._geometry)
+
+    def begin(self, bounds: Bounds) -> State:
+        """Each robot stands on its vertex, and the door has not been asked yet."""
+        number, *ids = super().begin(bounds)
+        door = self._door(Door(), Claims(self._needs, {}, 0, self.clock_of_requests))
+        return (self._site_id(self._sites[number]._replace(door=door)), *ids)
+
+    # -- claims -----------------------------------------------------------------------------------
+
+    def _claims(self, door: Door, ids: Tuple[int, ...]) -> Claims:
+        """The real claims, with what they know of the door and of the robots' allocations."""
+        claims = Claims(self._needs, {name: frozenset({DOOR}) for name in door.stored},
+                        door.number, self.clock_of_requests)
+        claims._wanted = {name: frozenset({DOOR}) for name in door.wanted}
+        claims._changed, claims._number = set(door.changed), door.number
+        claims._is_begun = door.begun
+        claims._asked = {(name, DOOR): number for name, number in door.asked}
+        if door.begun:
+            claims._requests[DOOR] = DeviceRequest(
+                DOOR, door.request.number, tuple(sorted(door.request.robots)))
+        claims.open_for = {DOOR: door.told} if door.told else {}
+        for name, id in zip(self.names, ids):
+            claims.follow(name, self._allocations[self._allocated(self._sides[id].belief)])
+        return claims
+
+    def _door(self, door: Door, claims: Claims) -> Door:
+        request = claims.requests.get(DOOR, DeviceRequest(DOOR, 0))
+        return door._replace(
+            stored=frozenset(name for name in claims.robots if claims.stored_of(name)),
+            wanted=frozenset(name for name, own in claims._wanted.items() if own),
+            changed=frozenset(claims._changed), number=claims._number, begun=claims._is_begun,
+            request=Request(request.number, frozenset(request.robots)),
+            asked=tuple(sorted((name, number) for (name, _), number in claims._asked.items()))
+        ).ranked()
+
+    def _with(self, site: Site, door: Door) -> int:
+        return self._site_id(site._replace(door=door.ranked()))
+
+    def _committed(self, site: Site, ids: Tuple[int, ...]) -> Tuple[Site, Tuple[int, ...]]:
+        """Claims are stored with the robots that have them, as in `Outbox`."""
+        claims = self._claims(site.door, ids)
+        changed = frozenset(map(self.names.index, claims.to_store))
+        written = claims.number
+        site, ids = super()._committed(site._replace(to_store=site.to_store | changed), ids)
+        claims.stored()
+        return site._replace(door=self._door(site.door._replace(written=written), claims)), ids
+
+    # -- events -----------------------------------------------------------------------------------
+
+    def steps(self, state: State) -> Iterator[Tuple[str, State]]:
+        """Each event that is possible now, and the state after it."""
+        for event, (number, *ids) in super().steps(state):
+            site = self._sites[number]
+            door = self._followed_by_claims(site.door, tuple(ids))
+            yield event, (number if door == site.door else self._with(site, door), *ids)
+
+    def _followed_by_claims(self, door: Door, ids: Tuple[int, ...]) -> Door:
+        """The door after the claims have followed the robots' allocations."""
+        key = ('claims', door, *(self._views[self._view[id]].allocated for id in ids))
+        if key not in self._known:
+            self._known[key] = self._door(door, self._claims(door, ids))
+        return self._known[key]
+
+    def _decisions(self, site: Site, number: int, ids: Tuple[int, ...],
+                   k: int) -> Iterator[Tuple[str, State]]:
+        yield from super()._decisions(site._replace(grants=0), number, ids, k)
+        name = self.names[k]
+        if site.grants:
+            for edge in self._edges:
+                yield from self._asks(site, ids, k, edge)
+        claims = self._claims(site.door, ids)
+        claims.want(name, ())
+        door = self._door(site.door, claims)
+        if door != site.door:
+            yield f'{name}: asks for nothing', (self._with(site, door), *ids)
+
+    def _asks(self, site: Site, ids: Tuple[int, ...], k: int,
+              edge: int) -> Iterator[Tuple[str, State]]:
+        """A robot asks for an edge, and is granted it or not."""
+        side, name = self._sides[ids[k]], self.names[k]
+        key = ('ask', side.belief, side.drawn, edge, site.is_stopped, site.trouble, site.door, *(
+            (self._views[self._view[id]].allocated, self._sides[id].listed)
+            for j, id in enumerate(ids) if j != k))
+        if key not in self._known:
+            self._known[key] = self._asked(site, ids, k, edge)
+        belief, to_store, door = self._known[key]
+        if belief is not None:
+            after = self._put(side._replace(belief=belief, stale=True,
+                                            flaw=self._wrong_grant(site, ids, k, edge)))
+            yield f'{name}: is granted {edge}', self._taken(
+                site._replace(grants=site.grants - 1, to_store=site.to_store | to_store,
+                              door=door), (*ids[:k], after, *ids[k + 1:]))
+        elif door != site.door:
+            yield f'{name}: asks for {edge}', (self._with(site, door), *ids)
+
+    def _asked(self, site: Site, ids: Tuple[int, ...], k: int,
+               edge: int) -> Tuple[Optional[int], FrozenSet[int], Door]:
+        robot = self._robot(self._sides[ids[k]])
+        robots: Dict[str, Any] = {
+            name: _Stored(self.kind, self._allocations[self._sides[id].listed])
+            for name, id in zip(self.names, ids)}
+        claims = self._claims(site.door, ids)
+        interlocking = Interlocking(self._geometry, CLEARANCE, robots)
+        interlocking.stored(self.names)
+        robots.update({**self._robots(ids), robot.name: robot})
+        interlocking.claims = claims
+        interlocking.is_stopped, interlocking.closed = site.is_stopped, self.closed
+        interlocking.trouble = 'a full disk' * site.trouble
+        given = interlocking.grant(robot, (edge,)).edges
+        return (self._belief_id(robot) if given else None,
+                frozenset(map(self.names.index, interlocking.to_store)),
+                self._door(site.door, claims))
+
+    def _of_all(self, site: Site, number: int,
+                ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
+        door: Door = site.door
+        for event, (there, *after) in super()._of_all(site, number, ids):
+            if event == Fault.RESTART.value:
+                there = self._with(self._sites[there], self._restarted_claims(door))
+            yield event, (there, *after)
+        is_stale = any(self._sides[id].stale for id in ids)
+        if not site.trouble and not is_stale and (door.changed or not door.begun):
+            committed, stored = self._committed(site, ids)
+            yield 'claims are stored', (self._site_id(committed), *stored)
+        known = all(self._allocations[self._allocated(self._sides[id].belief)].knowledge
+                    is not Knowledge.UNKNOWN for id in ids)
+        for event, after in self._door_events(door, known, self._bounds.kept):
+            if after != door:
+                yield event, (self._with(site, after), *ids)
+        if site.faults and DoorFault.RESTART in self._bounds.of:
+            anew = door._replace(obeyed=door.obeyed._replace(number=0), sent=frozenset())
+            yield DoorFault.RESTART.value, (
+                self._with(site._replace(faults=site.faults - 1), anew), *ids)
+
+    @staticmethod
+    def _door_events(door: Door, places_are_known: bool,
+                     may_be_late: bool) -> Iterator[Tuple[str, Door]]:
+        if door.begun and places_are_known and door.request.number > door.obeyed.number:
+            yield 'the door is asked', door._replace(sent=door.sent | {door.request})
+        for request in sorted(door.sent, key=lambda request: request.number):
+            if request.number > door.obeyed.number:
+                yield 'a request arrives at the door', door._replace(
+                    obeyed=request, sent=frozenset(
+                        one for one in door.sent if one.number > request.number))
+        if door.is_open != bool(door.obeyed.robots):
+            yield 'the door moves', door._replace(is_open=not door.is_open)
+        yield 'the door reports', door.heard(door.says)
+        if may_be_late:
+            yield 'the door reports, which is kept on its way', door._replace(kept=door.says)
+        if door.kept is not None:
+            yield 'the kept report of the door is heard', door.heard(door.kept)._replace(kept=None)
+        yield 'the door is silent', door._replace(told=0)
+
+    def _restarted_claims(self, door: Door) -> Door:
+        claims = Claims(self._needs, {name: frozenset({DOOR}) for name in door.stored},
+                        door.written, self.clock_of_requests)
+        return self._door(door._replace(told=0), claims)
+
+    # -- what must hold ---------------------------------------------------------------------------
+
+    def flaw(self, state: State) -> str:
+        """What is wrong in a state; empty: nothing."""
+        found = super().flaw(state)
+        if found:
+            return found
+        door: Door = self._sites[state[0]].door
+        if len(door.stored) > 1:
+            return f'CAPACITY: {sorted(door.stored)} claim the door'
+        for name, id in zip(self.names, state[1:]):
+            vehicle = self._sides[id].vehicle
+            edges = {edge.label for edge in (*vehicle.route, *vehicle.rolling)}
+            if vehicle.edge is not None:
+                edges.add(vehicle.edge.label)
+            is_open = door.is_open and name in door.obeyed.robots
+            if self.edges & set(map(abs, edges)) and not is_open:
+                return f'OPEN: {name} may be in the door, which is not open for it'
+            side = self._sides[id]
+            for allocation in (self._allocated(side.belief), self._restored(side)):
+                holds = self._allocations[allocation].holds
+                if name not in door.stored and self.edges & {abs(hold.edge) for hold in holds}:
+                    return f'CLAIMED: {name} holds an edge of the door, but does not claim it'
+        return ''
