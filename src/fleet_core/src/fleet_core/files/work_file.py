@@ -70,7 +70,7 @@ from fleet_core.work.templates import (
     filled,
     parameters_in,
 )
-from fleet_core.work.timetables import DAY, WEEK, Timetable
+from fleet_core.work.timetables import DAY, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -82,7 +82,7 @@ _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
 _DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 _MINUTES = {'min': 1, 'h': 60}
-_NAME = re.compile(r'[A-Za-z_]\w*', re.ASCII)
+_NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
 
 
 def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
@@ -313,13 +313,10 @@ def _period(field: Field) -> int:
 
 
 def _time_of_day(field: Field) -> int:
-    """Minutes since midnight, from `06:00`."""
-    text = strict_yaml.text(field)
-    found = re.fullmatch(r'(\d{1,2}):(\d{2})', text, re.ASCII)
-    if not found or int(found[1]) > 23 or int(found[2]) > 59:
-        raise WrongYaml(f'{field[0]} is {text!r}, but must be a time of day, such as "06:00"',
-                        field[1])
-    return 60 * int(found[1]) + int(found[2])
+    try:
+        return minute_of_day(strict_yaml.text(field))
+    except ValueError as error:
+        raise WrongYaml(f'{field[0]}: {error}', field[1]) from None
 
 
 def _days(field: Field) -> FrozenSet[int]:

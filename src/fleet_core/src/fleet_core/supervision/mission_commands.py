@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Mapping
 
-from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.mission_book import MissionBook, waits_as
 from fleet_core.supervision.missions import (
     Acceptance,
     Change,
@@ -36,9 +36,10 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
     elif command is Command.RESUME:
         if mission.state is not MissionState.PAUSED:
             return f'Mission {mission.request.id} is not paused.'
-        waits = MissionState.BLOCKED if mission.request.after else MissionState.PENDING
-        book.set(mission, MissionState.ACTIVE if name else waits)
-        if name:
+        if not name:  # if its earliest time has come, it goes on with the next look at the clock
+            book.set(mission, *waits_as(mission.request))
+        else:
+            book.set(mission, MissionState.ACTIVE)
             robots[name].comes_to_rest = False
     elif command is Command.RELEASE:
         if mission.request.stops:
