@@ -107,12 +107,13 @@ def _entries(fields: Dict[str, yaml.Node], key: str, what: str, read: ReadEntry[
     return named((key, fields[key]), what, read, name_of) if key in fields else {}
 
 
-def _texts(field: Field) -> Tuple[str, ...]:
-    return tuple(strict_yaml.listed(strict_yaml.text)(field))
+def _texts(fields: Dict[str, yaml.Node], key: str) -> Tuple[str, ...]:
+    return tuple(strict_yaml.text((f'an entry of {key}', node))
+                 for node in optional_items(fields, key))
 
 
 def _step_types(fields: Dict[str, yaml.Node]) -> FrozenSet[str]:
-    types = frozenset(strict_yaml.optional(fields, 'step_types', _texts, ()))
+    types = frozenset(_texts(fields, 'step_types'))
     if 'step_types' in fields and not types:
         raise WrongYaml('step_types is empty; leave it out if each type is right',
                         fields['step_types'])
@@ -227,7 +228,7 @@ def _template(stations: Mapping[str, Station], types: FrozenSet[str], graph: Gra
     known_fields(node, 'a template', _TEMPLATE)
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'template {name!r} needs a name of letters, digits and _', node)
-    parameters = strict_yaml.optional(fields, 'parameters', _texts, ())
+    parameters = _texts(fields, 'parameters')
     for one in parameters:
         if not _NAME.fullmatch(one) or parameters.count(one) > 1:
             raise WrongYaml(f'parameter {one!r} of template {name} needs a name of its own, of '

@@ -58,7 +58,7 @@ class MissionTimes:
             if mission.state is MissionState.PLANNED and moment >= request.earliest:
                 self._book.set(mission, *waits_as(request, is_early=False))
             before, is_past = mission.deadline_state, moment > request.deadline
-            if not request.deadline or not (
+            if not request.deadline or not mission.state.is_open or not (
                     is_due or before is DeadlineState.NONE or
                     is_past and before is not DeadlineState.MISSED):
                 continue
