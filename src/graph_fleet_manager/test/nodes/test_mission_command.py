@@ -211,6 +211,17 @@ def test_a_request_that_names_what_is_no_name_is_refused(field, name, problem):
         request_of(message)
 
 
+def test_other_stops_are_sent_from_a_file(monkeypatch, tmp_path):
+    (tmp_path / 'stops.yaml').write_text('stops:\n- {at: 5, steps: [{type: a, timeout: 9}]}')
+    sent = []
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
+    monkeypatch.setattr(mission, '_graph', lambda: None)
+    change(monkeypatch, 'modify', status(MissionState.ACTIVE), status(MissionState.ACTIVE),
+           more=('--priority', '3', '--stops', str(tmp_path / 'stops.yaml')))
+    one, = sent
+    assert [stop.vertex for stop in one.stops] == [5] and one.stops[0].steps[0].type == 'a'
+
+
 # -- templates ------------------------------------------------------------------------------------
 
 

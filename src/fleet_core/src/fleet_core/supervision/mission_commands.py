@@ -54,18 +54,23 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
 
 
 def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acceptance,
-           robots: Mapping[str, ManagedRobot]) -> str:
-    """Changes priority and destinations. Returns why it did not, as a clause; empty: it did.
+           robots: Mapping[str, ManagedRobot], desk: WorkDesk) -> str:
+    """Changes priority, and destinations or stops. Returns why it did not; empty: it did.
 
     A robot that drives to other destinations comes to rest, as for a cancelled mission. Then it
     goes on by a plan for the new destinations.
     """
     if mission.request.stops and change.destinations:
-        return 'a mission with steps gets no other destinations: cancel it, and send another'
+        return 'a mission with steps gets other stops, not destinations'
+    if change.stops and not mission.request.stops:
+        return 'a mission without steps gets other destinations, not stops'
     try:
         acceptance.check_change(mission, change)
     except RequestRefused as refusal:
         return str(refusal)
+    problem = desk.change(mission, change.stops) if change.stops else ''
+    if problem:
+        return problem
     before = mission.left
     book.change(mission, change)
     if mission.robot and mission.state is MissionState.ACTIVE and mission.left != before:

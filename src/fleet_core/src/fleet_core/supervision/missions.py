@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 from fleet_core.fleet import RobotType
 from fleet_core.work.dependencies import Dependency
 from fleet_core.work.rules import StepDecision
-from fleet_core.work.stops import WorkStop, WrongStops, check_stops
+from fleet_core.work.stops import WorkStop, WrongStops, check_stops, dwells_of
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
@@ -130,10 +130,12 @@ class Change:
     """The changes that MODIFY makes to a request.
 
     destinations -- to be visited from now on, without stays; empty: no change
+    stops        -- to be made after those that have begun; empty: no change
     """
 
     priority: int
     destinations: Tuple[int, ...] = ()
+    stops: Tuple[WorkStop, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -344,11 +346,13 @@ class Acceptance:
 
     def check_change(self, mission: Mission, change: Change) -> None:
         """Raises RequestRefused if no robot, or not the serving robot, could carry out the rest."""
-        if not change.destinations:
+        if not change.destinations and not change.stops:
             return
-        self.check(replace(mission.request, priority=change.priority, dwells=(),
-                           destinations=change.destinations,
-                           robot=mission.robot or mission.request.robot))
+        self.check(replace(
+            mission.request, priority=change.priority, dwells=dwells_of(change.stops),
+            destinations=change.destinations or tuple(stop.place for stop in change.stops),
+            stops=change.stops, on_cancel=mission.request.on_cancel if change.stops else (),
+            robot=mission.robot or mission.request.robot))
 
     def robots_for(self, request: Request) -> Tuple[str, ...]:
         """The robots that may serve a request, judged by type, name and docks."""

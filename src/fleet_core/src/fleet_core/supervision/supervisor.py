@@ -304,7 +304,7 @@ class Supervisor:
                                                  self.desk, requested_by)
         else:
             refusal = self.desk.answer(mission, change) if isinstance(change, StepAnswer) else (
-                mission_commands.modify(mission, change, self.book, self.acceptance, self.robots))
+                self._modify(mission, change))
             problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
             if refusal:
                 self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
@@ -320,6 +320,15 @@ class Supervisor:
             told = mission_commands.not_stored(before, command, self.trouble)
             actions.append(TellStatus(told))
         return actions
+
+    def _modify(self, mission: Mission, change: Change) -> str:
+        """Changes a mission. Returns why it did not, as a clause; empty: it did."""
+        try:
+            self._work_requests.check_types(change.stops)
+        except RequestRefused as refusal:
+            return str(refusal)
+        return mission_commands.modify(mission, change, self.book, self.acceptance, self.robots,
+                                       self.desk)
 
     # -- robots -----------------------------------------------------------------------------------
 

@@ -3,12 +3,13 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from typing import Iterable
 
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Request, RequestRefused
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import UnknownPlace, places_of
-from fleet_core.work.stops import dwells_of
+from fleet_core.work.stops import WorkStop, dwells_of
 from fleet_core.work.templates import WrongArguments, check_arguments, filled
 from trajectory_graph import Graph
 
@@ -27,13 +28,17 @@ class WorkRequests:
         """The request with the stops of its template. Raises RequestRefused."""
         if request.template:
             request = self._filled(request)
+        self.check_types((*request.stops, *request.on_cancel))
+        return request
+
+    def check_types(self, stops: Iterable[WorkStop]) -> None:
+        """Raises RequestRefused for a type of step that the site does not have."""
         types = self._work.step_types
-        for stop in (*request.stops, *request.on_cancel):
+        for stop in stops:
             for step in stop.steps:
                 if types and step.type not in types:
                     raise RequestRefused(f'there is no step type {step.type[:40]!r}; there are: '
                                          f'{", ".join(sorted(types))}')
-        return request
 
     def _filled(self, request: Request) -> Request:
         template = self._work.templates.get(request.template)

@@ -2,7 +2,7 @@
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
     mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
-    mission modify ID --priority 3 [VERTEX ...]
+    mission modify ID --priority 3 [VERTEX ... | --stops FILE]
     mission --stops pallet.yaml --wait
     mission run pallet from:=press to:=shelves --before 14:30 --wait
     mission templates
@@ -118,6 +118,9 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
         parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                             help='the new destinations, in order, without dwells: id of a vertex, '
                                  'or a label that only one vertex has; none: as before')
+        parser.add_argument('--stops', metavar='FILE',
+                            help='of a mission with stops: YAML file of the stops after those that '
+                                 'have begun')
         parser.add_argument('--priority', type=int, required=True,
                             help='a mission with a higher priority is served first; give the '
                                  'present priority to keep it')
@@ -386,6 +389,11 @@ def _change(word: str, arguments: List[str]) -> int:
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)
+        if options.stops:
+            found = _stops(options.stops, _graph())
+            if found.on_cancel or options.destinations:
+                raise CommandProblem('Give either vertices, or a file of stops without on_cancel.')
+            message.stops = stop_messages(found.stops)
     known = first_message(  # a new subscriber gets the open missions
         listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
     if known is None:

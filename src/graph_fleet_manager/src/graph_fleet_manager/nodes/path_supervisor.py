@@ -63,7 +63,7 @@ from fleet_core.supervision.switching import OrderSwitching
 from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
-from graph_fleet_manager.messages.stops import WrongStopMessage, answer_of
+from graph_fleet_manager.messages.stops import WrongStopMessage, answer_of, stops_of
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -272,14 +272,16 @@ class PathSupervisor:
                           'command.', message.command, message.request_id)
             return
         details: Union[None, Change, StepAnswer] = None
-        if command is Command.MODIFY:
-            details = Change(message.priority, tuple(message.destination_vertices_id))
-        elif command is Command.ANSWER:
-            try:
+        try:
+            if command is Command.MODIFY:
+                details = Change(message.priority, tuple(message.destination_vertices_id),
+                                 stops_of(message.stops))
+            elif command is Command.ANSWER:
                 details = answer_of(message)
-            except WrongStopMessage as wrong:
-                rospy.logwarn('An answer for mission %d is ignored: %s.', message.request_id, wrong)
-                return
+        except WrongStopMessage as wrong:
+            rospy.logwarn('%s of mission %d is ignored: %s.', command.name, message.request_id,
+                          wrong)
+            return
         self._events.put_command(message.request_id, command, details,
                                  messages.person_of(message.requested_by))
 
