@@ -8,7 +8,7 @@ from typing import List
 import pytest
 from fleet_builders import AGV, corridor
 
-from fleet_core.supervision.missions import Command, DeadlineState, MissionState, Request
+from fleet_core.supervision.missions import CommandKind, DeadlineState, MissionState, Request
 from fleet_core.work.dependencies import Dependency
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind
@@ -132,12 +132,12 @@ def test_a_mission_is_planned_until_its_earliest_time_also_over_a_restart():
 def test_a_mission_that_was_paused_while_planned_waits_for_its_time_when_it_is_resumed():
     fleet = PlannedFleet()
     fleet.request(1, 5, earliest=fleet.moment + 60.0)
-    for command in (Command.PAUSE, Command.RESUME):
+    for command in (CommandKind.PAUSE, CommandKind.RESUME):
         fleet.do(fleet.supervisor.command(1, command, fleet.now))
     assert fleet.state(1) is MissionState.PLANNED
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.run(61.0)
-    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RESUME, fleet.now))
     assert fleet.state(1) is MissionState.PENDING or fleet.robot_of(1) == 'a'
 
 

@@ -7,9 +7,9 @@ from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_core.supervision.missions import (
     Acceptance,
-    Change,
     DeadlineState,
     Mission,
+    MissionChange,
     MissionState,
     Request,
     RequestRefused,
@@ -198,7 +198,7 @@ class MissionBook:
             mission.deadline_state = deadline
             self.changed.add(mission.serial)
 
-    def change(self, mission: Mission, change: Change) -> None:
+    def change(self, mission: Mission, change: MissionChange) -> None:
         """Changes the priority, and the destinations from now on."""
         is_pending = mission in self.pending
         if is_pending:

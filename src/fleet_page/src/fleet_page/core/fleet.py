@@ -14,7 +14,7 @@ ALARMS = DEADLINE_STATES[2:]  # of which people are told
 
 
 @dataclass(frozen=True)
-class Place:
+class ShownPose:
     """A pose in the frame `map`: x (m), y (m), theta (rad); None: the heading is not known."""
 
     x: float
@@ -23,7 +23,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Robot:
+class ShownRobot:
     """One robot.
 
     outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE if it works
@@ -50,7 +50,7 @@ class Robot:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ShownPlan:
     """The next edges of a robot, with signed ids. The first `released` edges are released."""
 
     edges: Tuple[int, ...]
