@@ -5,10 +5,10 @@ import { t, clockOf, dateOf, duration, language, said, store, stored } from './t
 import { knowsVertex, showChosen, vertexName } from './map.js';
 import { colourDot } from './robots.js';
 
-const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED'];
-const ENDED = ['SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED'];
+const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED'];
+const ENDED = ['SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'EXPIRED'];
 const URGENT = ['NEEDS_PERSON']; // states that come first
-const BAD = ['FAILED', 'REFUSED', 'NEEDS_PERSON'];
+const BAD = ['FAILED', 'REFUSED', 'NEEDS_PERSON', 'EXPIRED'];
 const MOST_ENDED = 100;
 // Each column has its value for the order; the lists begin in the order `urgency`.
 const ORDERS = {
@@ -171,7 +171,7 @@ function missionRow(mission) {
     make('td', { class: 'state' }, make('span', { class: BAD.includes(mission.state) ? 'bad' : null }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ' '),
     make('td', { class: 'id' }, String(mission.id)),
     make('td', { class: 'robot_name' }, mission.robot ? colourDot(mission.robot) : '', robot),
-    make('td', { class: 'way' }, way, progress, mission.reason ? make('p', { class: 'soft' }, ...withCode(said(mission.reason))) : '', answerButtons(mission, me)),
+    make('td', { class: 'way' }, mission.template ? `${mission.template} · ` : '', way, progress, mission.alarm ? make('span', { class: 'bad' }, ` ${t(`deadline_${mission.alarm}`)}`) : '', mission.reason ? make('p', { class: 'soft' }, ...withCode(said(mission.reason))) : '', answerButtons(mission, me)),
     make('td', { class: 'to_end' }, mission.left ? t('to_go', { time: mission.left }) : '', ...mission.ended ? at('ended', mission.ended) : []),
     make('td', { class: 'asked' }, ...at('asked', mission.stamp)),
     make('td', { class: 'by' }, ...mission.by ? [word('by'), mission.by] : []),

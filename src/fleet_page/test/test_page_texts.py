@@ -10,7 +10,13 @@ from page_builders import PAGE_FOLDER
 from fleet_core.supervision.fleet_view import RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
-from fleet_page.core.fleet import ALARMS, MISSION_STATES, ROBOT_STATES, Group
+from fleet_page.core.fleet import (
+    ALARMS,
+    DEADLINE_ALARMS,
+    MISSION_STATES,
+    ROBOT_STATES,
+    Group,
+)
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -27,6 +33,7 @@ def used_keys():
     found |= {f'answer_{word}' for word in ANSWERS}
     found |= {f'robot_{state}' for state in ROBOT_STATES}
     found |= {f'mission_{state}' for state in MISSION_STATES}
+    found |= {f'deadline_{state}' for state in DEADLINE_ALARMS}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
     columns = re.search(r'COLUMNS = \[(.*?)\]', SOURCES['missions.js']).group(1)

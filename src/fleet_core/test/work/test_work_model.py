@@ -65,6 +65,14 @@ BOUNDS = {
     'a robot that has worked before': Bounds(
         (Stop(10, steps=(step('a', on_failure=Policy.RETRY, retries=1),)),), last=5, cancel=0,
         driver=0, words=KNOWN),
+    'other stops': Bounds(
+        (Stop(10, steps=(step('e', when=When.BEFORE_ENTRY),)), Stop(20, steps=(step('h'),))),
+        others=(Stop(30, steps=(step('o'),)),), changed=1, cancel=0, driver=0, timeout=0,
+        words=KNOWN),
+    'a load that goes elsewhere': Bounds(
+        (Stop(10, steps=(TAKE,)), Stop(20, steps=(GIVE,))),
+        others=(Stop(30, steps=(step('away', load=LoadEffect.GIVES),)),), changed=1, driver=0,
+        timeout=0, words=KNOWN),
     'a person': Bounds((Stop(10, steps=(step('p', actor=Actor.PERSON),)),), manager=0),
 }
 if LONG:
@@ -131,6 +139,8 @@ GUARDS = {
         'a robot that has worked before'),
     'a mission that has become impossible ends its steps first': (
         rules, 'fail', _fails_at_once, 'a mission that becomes impossible'),
+    'a stop that has begun is not replaced': (
+        rules, 'has_begun', lambda stop: False, 'other stops'),
     'a key is taken once': (
         ActorState, 'obey', _takes_old_keys, 'a step'),
     'a command of an earlier run is ignored': (

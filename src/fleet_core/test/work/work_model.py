@@ -68,14 +68,16 @@ class State(NamedTuple):
         return [step for step, body in self.bodies if body.key]
 
 
-LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'fail')
+LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'fail', 'changed')
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """How often the manager and the driver restart, a time is over, a person cancels or moves.
+    """How often the manager and the driver restart, a time is over, a person cancels, moves the
+    robot, or gives the mission other stops.
 
     fail   -- how often the mission becomes impossible
+    others -- those other stops
     orders -- how many orders of steps there may be
     last   -- the highest key that the robot has taken for other missions
     """
@@ -88,6 +90,8 @@ class Bounds:
     cancel: int = 1
     moved: int = 0
     fail: int = 0
+    others: Tuple[WorkStop, ...] = ()
+    changed: int = 0
     orders: int = 2
     last: int = 0
     words: Tuple[Word, ...] = (Word.DONE, Word.FAILED, Word.UNKNOWN)
@@ -95,7 +99,8 @@ class Bounds:
 
     @property
     def steps(self) -> Dict[str, WorkStep]:
-        return {step.type: step for stop in (*self.stops, *self.on_cancel) for step in stop.steps}
+        return {step.type: step
+                for stop in (*self.stops, *self.on_cancel, *self.others) for step in stop.steps}
 
     @property
     def begin(self) -> State:
@@ -370,6 +375,10 @@ def _limited(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
         yield once('cancel', state._replace(memory=rules.cancel(state.memory)))
     if left['fail']:
         yield once('fail', state._replace(memory=rules.fail(state.memory, 'no way')))
+    if left['changed']:
+        after, problem = rules.changed(state.memory, bounds.others)
+        if not problem and after != state.memory:
+            yield once('changed', state._replace(memory=after))
     if left['moved'] and state.place != AWAY:
         yield once('moved', state._replace(place=AWAY))
 

@@ -7,6 +7,7 @@ from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_core.supervision.missions import (
     Acceptance,
+    DeadlineState,
     Mission,
     MissionChange,
     MissionState,
@@ -42,6 +43,8 @@ class MissionBook:
         self._begun_stays: Set[int] = set()
         self._followers: Dict[int, List[Mission]] = {}
         """Missions that wait for others, by the serial of each mission for which they wait."""
+        self.timed: Dict[int, Mission] = {}
+        """The open missions with an earliest time or a deadline, by serial."""
         for mission in missions:
             mission.stored = mission.status
             mission.stays_since = (stays or {}).get(mission.serial)
@@ -52,7 +55,7 @@ class MissionBook:
                     self.pending.add(mission)
                 if mission.robot:
                     self._by_robot[mission.robot] = mission
-                self._let_wait(mission)
+                self._note_conditions(mission)
             else:
                 self._ended.append(mission)
 
@@ -108,13 +111,18 @@ class MissionBook:
         mission = Mission(self._next, request, changed_by=request.requested_by)
         self._next += 1
         self._by_serial[mission.serial] = self._last[request.id] = mission
-        if request.after:
-            mission.state, mission.reason = MissionState.BLOCKED, _waits_for(request)
-            self._let_wait(mission)
-        else:
+        mission.state, mission.reason = waits_as(request)
+        self._note_conditions(mission)
+        if mission.state is MissionState.PENDING:
             self.pending.add(mission)
         self.changed.add(mission.serial)
         return mission
+
+    def _note_conditions(self, mission: Mission) -> None:
+        for serial in {one.serial for one in mission.request.after}:
+            self._followers.setdefault(serial, []).append(mission)
+        if mission.request.earliest or mission.request.deadline:
+            self.timed[mission.serial] = mission
 
     def _open_dependencies(self, request: Request) -> Tuple[Dependency, ...]:
         """The missions for which a request waits, with their serials. Raises RequestRefused.
@@ -134,10 +142,6 @@ class MissionBook:
                 raise RequestRefused(f'it comes after mission {one.mission}, which has ended: '
                                      f'{other.state.name}')
         return tuple(found)
-
-    def _let_wait(self, mission: Mission) -> None:
-        for serial in {one.serial for one in mission.request.after}:
-            self._followers.setdefault(serial, []).append(mission)
 
     def _let_follow(self, mission: Mission) -> None:
         """A mission has ended: missions that wait for it go on, or have failed as well.
@@ -164,12 +168,12 @@ class MissionBook:
         mission.request = replace(mission.request, after=after)
         self.changed.add(mission.serial)
         if mission.state is MissionState.BLOCKED:
-            self._set(mission, MissionState.BLOCKED if after else MissionState.PENDING,
-                      _waits_for(mission.request))
+            self._set(mission, *waits_as(mission.request, is_early=False))
 
     def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
         """Removes a mission that could not be stored. `before` is the last mission with its id."""
         self.changed.discard(mission.serial)
+        self.timed.pop(mission.serial, None)
         del self._by_serial[mission.serial]
         if mission in self.pending:
             self.pending.remove(mission)
@@ -200,6 +204,14 @@ class MissionBook:
             (self.pending.add if state is MissionState.PENDING else self.pending.remove)(mission)
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
+        if not state.is_open:
+            self.timed.pop(mission.serial, None)
+
+    def expect(self, mission: Mission, deadline: DeadlineState) -> None:
+        """Notes whether a mission will be done by its deadline."""
+        if deadline is not mission.deadline_state:
+            mission.deadline_state = deadline
+            self.changed.add(mission.serial)
 
     def change(self, mission: Mission, change: MissionChange) -> None:
         """Changes the priority, and the destinations from now on."""
@@ -278,6 +290,14 @@ def _is_met(one: Dependency, ended: Mission) -> bool:
     return one.until is Until.ENDED or ended.state is MissionState.SUCCEEDED
 
 
-def _waits_for(request: Request) -> str:
-    ids = ', '.join(str(one.mission) for one in request.after)
-    return f'it waits for the end of mission {ids}' if request.after else ''
+def waits_as(request: Request, is_early: bool = True) -> Tuple[MissionState, str]:
+    """The state of a mission that no robot serves, and what it waits for, in words.
+
+    is_early -- its earliest time, if it has one, has not come yet
+    """
+    if request.earliest and is_early:
+        return MissionState.PLANNED, 'it waits for its earliest time'
+    if request.after:
+        ids = ', '.join(str(one.mission) for one in request.after)
+        return MissionState.BLOCKED, f'it waits for the end of mission {ids}'
+    return MissionState.PENDING, ''

@@ -15,7 +15,7 @@ from fleet_core.supervision.missions import Mission, MissionState, StepAnswer
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
-from fleet_core.work.stops import Actor, dwells_of
+from fleet_core.work.stops import Actor, WorkStop, dwells_of
 from fleet_core.work.tables import LOAD, LoadEvent, LoadState, StepState, after
 from fleet_core.work.work import Ending, RobotLoad, Situation, Work, work_of
 from route_protocol.steps import MOST_KEY, StepAct, StepReport
@@ -233,6 +233,15 @@ class WorkDesk:
         self._use(mission, rules.fail(self._situation(mission), reason))
         return True
 
+    def change(self, mission: Mission, stops: Tuple[WorkStop, ...]) -> str:
+        """Replaces the stops that have not begun. Returns why not, as a clause; empty: done."""
+        changed, problem = rules.changed(self._situation(mission), stops)
+        if not problem:
+            mission.request = replace(mission.request, stops=changed.work.stops)
+            self._book.changed.add(mission.serial)
+            self._use(mission, changed)
+        return problem
+
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step. Returns why not, as a clause; empty: done."""
         if mission.serial not in self._works or not mission.robot:
@@ -333,10 +342,10 @@ class WorkDesk:
         """Sets how many destinations are behind a mission, and which ones it has."""
         if phase in (WorkPhase.FAILED, WorkPhase.CANCELLED):
             return
-        places = tuple(stop.place for stop in work.stops)
-        if mission.request.destinations != places and places:
+        places, dwells = tuple(stop.place for stop in work.stops), dwells_of(work.stops)
+        if places and (mission.request.destinations, mission.request.dwells) != (places, dwells):
             self._let_rest(mission)
-            self._book.divert(mission, places, dwells_of(work.stops), work.current)
+            self._book.divert(mission, places, dwells, work.current)
         elif not work.is_ending:
             behind = work.current - mission.reached
             if behind > 0:

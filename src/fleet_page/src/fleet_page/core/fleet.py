@@ -8,8 +8,10 @@ from typing import Optional, Tuple
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
                 'OFF_GRAPH', 'OUT_OF_SERVICE', 'ABSENT', 'UNKNOWN')
 MISSION_STATES = ('PENDING', 'ACTIVE', 'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'PAUSED',
-                  'CANCELLING', 'NEEDS_PERSON', 'BLOCKED')
-OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED')
+                  'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED', 'EXPIRED')
+OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED')
+DEADLINE_STATES = ('NONE', 'AHEAD', 'AT_RISK', 'MISSED')
+DEADLINE_ALARMS = DEADLINE_STATES[2:]  # of which people are told
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,8 @@ class MissionStatus:
                 the mission itself
     asks     -- key of the step that waits for an answer; 0: none does
     told     -- when the fleet manager told it, s since 1970
+    deadline -- one of DEADLINE_STATES
+    template -- the template and its arguments, for people; empty: none
     """
 
     id: int
@@ -114,6 +118,8 @@ class MissionStatus:
     not_done: str = ''
     asks: int = 0
     told: float = 0.0
+    deadline: str = 'NONE'
+    template: str = ''
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
 from fleet_page.core.fleet import (
+    DEADLINE_ALARMS,
     OPEN_STATES,
     Group,
     MissionRequest,
@@ -308,6 +309,10 @@ class FleetModel:
         for name, time in zip(('started', 'ended'), self._times.get(key, ())):
             if time is not None:
                 values[name] = round(time)
+        if status.template:
+            values['template'] = status.template
+        if status.deadline in DEADLINE_ALARMS:
+            values['alarm'] = status.deadline
         if request is not None:
             values.update(destinations=list(request.destinations), priority=request.priority,
                           wanted_robot=request.robot, robot_type=request.robot_type,
