@@ -155,11 +155,15 @@ def blocks_none(step: WorkStep, work: Work) -> bool:
         other.blocking is not StepBlocking.HARD for other in running)
 
 
+def _has_stop(work: Work) -> bool:
+    """Is there a stop left at which steps may run? If the work ends, only while it is cut short."""
+    return work.current < len(work.progress) and (work.ending is Ending.NONE or work.is_cut)
+
+
 def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
     """The step that is to begin now; None: none is."""
     work, number = situation.work, situation.work.current
-    if number == len(work.progress) or not nobody_is_asked(work) or (
-            work.ending is not Ending.NONE and not work.is_cut):
+    if not _has_stop(work) or not nobody_is_asked(work):
         return None
     is_there = work.progress[number].state is StopState.AT_WORK
     for when in _PHASES:
@@ -194,7 +198,7 @@ def follow(situation: Situation, where: Where) -> Situation:
     """
     work = situation.work
     number = work.current
-    if number < len(work.progress) and (work.ending is Ending.NONE or work.is_cut):
+    if _has_stop(work):
         if work.progress[number].state is StopState.WAITING:
             work = _stop(work, StopEvent.GO)
         if where.is_there and work.progress[number].state is StopState.DRIVING and (
