@@ -218,11 +218,16 @@ def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
     if not owner:
         as_user(max(user, 0), lambda: move(moves), group)
     logs = machine.path(LOGS, site.name)
-    for folder in (*(home / service.name for service in plan.services),
-                   *(logs.iterdir() if logs.is_dir() else ())):
+    _close([*(home / service.name for service in plan.services),
+            *(logs.iterdir() if logs.is_dir() else ())], group)
+    return [f'Moved {source} to {target}.' for source, target in moves]
+
+
+def _close(folders: Iterable[Path], group: int) -> None:
+    """Makes the files in these folders private, each as the user that owns the folder."""
+    for folder in folders:
         if folder.is_dir() and not folder.is_symlink():
             as_user(owner_of(folder), partial(make_private, folder), group)
-    return [f'Moved {source} to {target}.' for source, target in moves]
 
 
 def _own(folder: Path, user: int, group: int, mode: int) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from ipaddress import ip_address
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from fleet_bringup.files import StartedSite
 from fleet_bringup.launch_file import Part, launch_text, parts_of
@@ -56,6 +56,7 @@ def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedS
     """
     files = {**files, 'journal': f'/{DATA}/{site.name}/{MANAGER}/{JOURNAL}'}
     known = _networks(site, entries)
+    options = site.options
     services = [Service(MASTER, 'ROS master', f'{programs["roscore"]} -p {site.master_port}',
                         is_watched=False, peers=known)]
     launches: Dict[str, str] = {}
@@ -71,27 +72,36 @@ def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedS
             f'{programs["roslaunch"]} --wait --skip-log-check {system.settings}/{name}.launch',
             tuple(sorted(needed)), reads=(MANAGER,) if part is Part.PAGE else (), peers=peers))
 
-    for part in parts_of(entries, site.options):
+    for part in parts_of(entries, options):
         if part is Part.ROBOTS:
             for name, group in _groups(entries, site.robots_per_unit):
-                passwords = {f'{one.name}.password': one.password_file for one in group
-                             if one.password_file}
-                own = [replace(one, password_file=system.secret(name, f'{one.name}.password'))
-                       if one.password_file else one for one in group]
                 robots.update((one.name, name) for one in group)
-                add(name, part, own, site.options, passwords, _with(
+                own, passwords = _with_secret_passwords(group, name, system)
+                add(name, part, own, options, passwords, _with(
                     known, [one.host for one in group if one.host]))
         elif part is Part.PAGE:
-            needed = {key: getattr(site.options, key) for key in _OF_THE_PAGE
-                      if getattr(site.options, key)}
-            paths = {key: system.secret(part.value, key) if key in needed else ''
-                     for key in _OF_THE_PAGE}
-            add(part.value, part, entries, replace(
-                site.options, token_file=paths['token_file'], key_file=paths['key_file']), needed,
-                None if not site.networks and not _is_loopback(site.options.listen) else known)
+            needed = {key: getattr(options, key) for key in _OF_THE_PAGE if getattr(options, key)}
+            paths: Dict[str, Any] = {key: system.secret(part.value, key) for key in needed}
+            is_known = site.networks or _is_loopback(options.listen)
+            add(part.value, part, entries, replace(options, **paths), needed,
+                known if is_known else None)
         else:
-            add(part.value, part, entries, site.options, {})
+            add(part.value, part, entries, options, {})
     return InstallationPlan(tuple(services), launches, secrets, robots)
+
+
+def _with_secret_passwords(
+        group: Sequence[RobotEntry], service: str,
+        system: System) -> Tuple[List[RobotEntry], Dict[str, str]]:
+    """The robots, whose passwords the service reads from its secrets; and these by their names."""
+    own, secrets = [], {}
+    for one in group:
+        if one.password_file:
+            secret = f'{one.name}.password'
+            secrets[secret] = one.password_file
+            one = replace(one, password_file=system.secret(service, secret))
+        own.append(one)
+    return own, secrets
 
 
 def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[str, ...]]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
-from typing import Dict, Iterator, List, Mapping, Tuple
+from typing import Iterator, List, Mapping, Tuple
 
 from fleet_services.ownership import NotDone, owner_of, rename
 
@@ -47,14 +47,7 @@ def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str
     """
     moves = [(site / folder, site / unit / folder) for folder, unit in units.items()
              if (site / folder).is_dir()]
-    homes = [site, *sorted(site.glob('robots-*'))] if site.is_dir() else []
-    names: Dict[str, str] = {f'{robot}{ending}{lock}': unit for robot, unit in robots.items()
-                             for ending in _ENDINGS for lock in ('', _LOCK)}
-    for home in homes:
-        for file in _files(home / ROBOTS):
-            unit = names.get(file.name, '')
-            if unit and home != site / unit:
-                moves.append((file, site / unit / ROBOTS / file.name))
+    moves += _moves_of_robots(site, robots)
     if owner_of(site):  # not root's: a site of 1.0.0
         moves += [(file, site / MASTER / file.name) for file in sorted(site.glob(_PROCESS_IDS))]
     moves = [(source, target) for source, target in moves
@@ -64,6 +57,17 @@ def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str
         raise NotDone(f'{twice[0]} and {twice[1]} are the state of the same unit: remove the older '
                       'one.')
     return moves
+
+
+def _moves_of_robots(site: Path, robots: Mapping[str, str]) -> Iterator[Tuple[Path, Path]]:
+    """What must move so that each robot's files are in the folder of its unit."""
+    names = {f'{robot}{ending}{lock}': unit for robot, unit in robots.items()
+             for ending in _ENDINGS for lock in ('', _LOCK)}
+    for home in [site, *sorted(site.glob('robots-*'))] if site.is_dir() else []:
+        for file in _files(home / ROBOTS):
+            unit = names.get(file.name, '')
+            if unit and home != site / unit:
+                yield file, site / unit / ROBOTS / file.name
 
 
 def _files(folder: Path) -> Iterator[Path]:

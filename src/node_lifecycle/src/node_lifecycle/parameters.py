@@ -31,14 +31,23 @@ def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
         KEPT.keep(rospy.resolve_name(name), value)
     if value is REQUIRED or (default is REQUIRED and value == ''):
         raise ConfigurationError(f'{where} is missing: set it in the launch file.')
+    try:
+        return _as_kind(value, kind)
+    except TypeError as error:
+        raise ConfigurationError(f'{where} is {value!r}, but must be {error}.') from None
+
+
+def _as_kind(value: Any, kind: Type) -> Any:
+    """The value as `kind`; raises TypeError with what it must be."""
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if is_number and kind is str:
         return str(value)
-    if is_number and kind is float and math.isfinite(value):
-        return float(value)
-    if kind is float or not isinstance(value, kind) or (kind is int and not is_number):
-        wanted = 'a finite number' if kind is float else f'of type {kind.__name__}'
-        raise ConfigurationError(f'{where} is {value!r}, but must be {wanted}.')
+    if kind is float:
+        if is_number and math.isfinite(value):
+            return float(value)
+        raise TypeError('a finite number')
+    if not isinstance(value, kind) or (kind is int and not is_number):
+        raise TypeError(f'of type {kind.__name__}')
     return value
 
 

@@ -94,6 +94,20 @@ def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
 
 def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
     """If a file declares goal or dock types, only the declared types exist."""
+    declared = _declared_types(records)
+    for number, record in enumerate(records, 1):
+        obj = record.object
+        if obj is None or not (obj.is_goal or obj.is_dock):
+            continue
+        declaration = 'docktype' if obj.is_dock else 'goaltype'
+        if declared[declaration] and obj.base_kind not in declared[declaration]:
+            yield MapWarning(f'{obj}: the map declares other types, but not '
+                             f'this one (MapInfo: {"DockType" if obj.is_dock else "GoalType"} '
+                             f'Name={obj.base_kind})', number)
+
+
+def _declared_types(records: Sequence[Record]) -> Dict[str, Set[str]]:
+    """The names of the declared types of goals and docks."""
     declared: Dict[str, Set[str]] = {'goaltype': set(), 'docktype': set()}
     for record in records:
         if record.keyword == 'mapinfo:':
@@ -104,15 +118,7 @@ def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
             if len(words) > 1 and words[1].lower() in declared:
                 declared[words[1].lower()].update(
                     word[len('Name='):] for word in words if word.startswith('Name='))
-    for number, record in enumerate(records, 1):
-        obj = record.object
-        if obj is None or not (obj.is_goal or obj.is_dock):
-            continue
-        declaration = 'docktype' if obj.is_dock else 'goaltype'
-        if declared[declaration] and obj.base_kind not in declared[declaration]:
-            yield MapWarning(f'{obj}: the map declares other types, but not '
-                             f'this one (MapInfo: {"DockType" if obj.is_dock else "GoalType"} '
-                             f'Name={obj.base_kind})', number)
+    return declared
 
 
 def _dangling(records: Sequence[Record]) -> Iterator[MapWarning]:

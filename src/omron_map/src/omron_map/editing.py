@@ -37,20 +37,24 @@ def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> Li
     """Remove `objects` and their parameters, all or none; returns the lines that still name them.
     """
     gone = set(_indices(file, records, objects))
-    lost = {record.object.key: record.object for index, record in enumerate(records)
-            if index in gone and record.object is not None and record.object.name}
+    removed = [records[index] for index in sorted(gone)]
     records[:] = [record for index, record in enumerate(records) if index not in gone]
     left = _by_name(records)
     naming = [record for record in records if may_name_objects(record.keyword)]
     kept = naming
     notes: List[Note] = []
-    for obj in (obj for name, obj in lost.items() if name not in left):
-        kept = [record for record in kept if not any(
-            ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
-        notes += _mentions(kept, obj.name, f'still names {obj.label!r}, which was removed')
+    for key, obj in _by_name(removed).items():
+        if obj.name and key not in left:
+            kept = [record for record in kept if not _is_parameter_of(obj.name, record)]
+            notes += _mentions(kept, obj.name, f'still names {obj.label!r}, which was removed')
     owned = {id(record) for record in naming} - {id(record) for record in kept}
     records[:] = [record for record in records if id(record) not in owned]
     return notes
+
+
+def _is_parameter_of(name: str, record: Record) -> bool:
+    """Does a line belong to the object with this name, so that it goes with the object?"""
+    return any(ref.owned for ref in find_references(record.keyword, record.text, name))
 
 
 def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,

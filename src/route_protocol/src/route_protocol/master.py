@@ -253,9 +253,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
     still = tuple(one for one in state.open if _is_still_open(one, said, read))
     stands = said.motion is Motion.STANDING and is_located
     knows_where = stands or _is_on_open_route(said, read, still)
-    passed: Tuple[Step, ...] = ()
-    if read.order and not read.is_new and read.shown is not None:
-        passed = tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
+    passed = _passed(state, said, read)
     behind = () if stands or read.is_new else (*state.behind, *passed)
     done = state.end + 1 if read.is_new else state.done
     return replace(
@@ -294,6 +292,13 @@ def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
     """Does anything but an order of this master move the vehicle?"""
     return said.motion is Motion.MOVED or not is_mine and said.motion in (
         Motion.ON_ROUTE, Motion.COMING_TO_REST)
+
+
+def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
+    """The edges of the order that the vehicle follows which it has passed since the last report."""
+    if read.shown is None or not read.order or read.is_new:
+        return ()
+    return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
 
 
 def _held(state: MasterState, still: Tuple[Order, ...], is_new: bool) -> Tuple[Step, ...]:

@@ -121,12 +121,6 @@ def check_report(said: RouteReport) -> None:
         raise WrongReport('it has a number at the end of 64 bits: none could follow')
 
 
-def refusal_of(message: Any) -> RouteRefusal:
-    """Returns the refusal in an `itrci_nav_msgs/RouteRefused`."""
-    return RouteRefusal(message.route_id, tuple(message.edges),
-                        reason_of(message.reason_code, _words(message.reason)), message.order)
-
-
 def location_of(message: Any) -> Optional[VehicleLocation]:
     """Returns the robot's pose in an `itrci_nav_msgs/ExecutionRouteStates`; None if unknown."""
     if not (math.isfinite(message.x) and math.isfinite(message.y)):

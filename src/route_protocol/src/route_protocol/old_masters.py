@@ -79,16 +79,21 @@ class OldMasters:
         if last is not None and order.is_repeat_of(last):
             return Judgement(Answer.IGNORED) if state.is_running else _ignored(
                 f'it is {state.phase.value}. Another drive needs another id')
-        if order.stamp and self._refused is not None and order == self._refused[0]:
-            return Judgement(Answer.REFUSED, self._refused[1])
-        if order.comes_again and not order.stamp and not order.known_epoch:
-            return Judgement(Answer.REFUSED, _LATCHED)
-        if order.known_epoch and order.known_epoch != state.epoch:
-            return Judgement(Answer.REFUSED, OVERRULED)
-        if not order.known_epoch and self._is_overruled(order, now):
-            return Judgement(Answer.REFUSED, TAKEN_OVER)
+        why_not = self._why_not(order, state, now)
+        if why_not is not None:
+            return Judgement(Answer.REFUSED, why_not)
         changes = self.changes_route(order, state)
         return Judgement(Answer.ROUTE, done=state.done, rest=order.edges, goes_on=changes)
+
+    def _why_not(self, order: RouteOrder, state: VehicleState, now: float) -> Optional[Reason]:
+        """Returns why a new route is refused; None: it is not."""
+        if order.stamp and self._refused is not None and order == self._refused[0]:
+            return self._refused[1]
+        if order.known_epoch:
+            return OVERRULED if order.known_epoch != state.epoch else None
+        if order.comes_again and not order.stamp:
+            return _LATCHED
+        return TAKEN_OVER if self._is_overruled(order, now) else None
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
         """Could the sender not yet know of the present epoch when it sent the order?"""

@@ -414,8 +414,7 @@ class RouteMaster:
         said, record = report.said, self.record
         point = report.located(record.graph)
         before, had_route = self.protocol, self.protocol.may_drive
-        is_stray = point is not None and not self._covers(
-            point, record.holds(), None if record.ahead else record.position)
+        is_stray = self._is_stray(point)
         is_covered = not is_stray or self._is_beside(report, point)
         protocol, news = hear(before, said, ME, self._clock(), point is not None)
         if not news.is_new:
@@ -437,14 +436,24 @@ class RouteMaster:
             self._beside = None
             record.leave(report.age)
         elif news.stands and (is_covered or is_first or self.is_confirmed):
-            heard.left = not (is_covered or is_first)
-            heard.is_near = self._is_near(report)
-            expected = self._expected(before)
-            self._stand(report)
-            if heard.left:
-                heard.expected = f'{expected}, but is {self._place()}'
+            self._come_to_rest(report, heard, '' if is_covered or is_first
+                               else self._expected(before))
         self._changed()
         return heard
+
+    def _is_stray(self, point: Optional[Point]) -> bool:
+        """Is the robot on no place that it holds?"""
+        record = self.record
+        return point is not None and not self._covers(
+            point, record.holds(), None if record.ahead else record.position)
+
+    def _come_to_rest(self, report: Report, heard: Heard, expected: str) -> None:
+        """The robot stands; `expected`: where it should be, empty if it is there or was unknown."""
+        heard.left = bool(expected)
+        heard.is_near = self._is_near(report)
+        self._stand(report)
+        if heard.left:
+            heard.expected = f'{expected}, but is {self._place()}'
 
     def _follow_news(self, news: News, said: RouteReport, before: MasterState) -> None:
         if news.refused and news.was_shorter:

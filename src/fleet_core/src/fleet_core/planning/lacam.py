@@ -68,12 +68,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
         if not node.tree:
             stack.pop()
             continue
-        forced = node.tree.popleft()
-        if len(forced) < len(agents):
-            robot = node.order[len(forced)]
-            node.tree.extend((*forced, (robot, move))
-                             for move in pibt.choices(robot, node.configuration[robot]))
-        step = pibt.step(node.configuration, node.order, dict(forced))
+        step = pibt.step(node.configuration, node.order, dict(_next_forced(node, pibt)))
         if step is None:
             continue
         configuration, moves, promoted = step
@@ -87,6 +82,17 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
         known[configuration] = child
         stack.append(child)
     return None
+
+
+def _next_forced(node: _Node, pibt: Pibt) -> _Forced:
+    """Takes the moves that the next step must contain, and puts those with one more robot behind.
+    """
+    forced = node.tree.popleft()
+    if len(forced) < len(node.order):
+        robot = node.order[len(forced)]
+        node.tree.extend((*forced, (robot, move))
+                         for move in pibt.choices(robot, node.configuration[robot]))
+    return forced
 
 
 def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) -> List[float]:

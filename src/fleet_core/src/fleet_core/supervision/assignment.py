@@ -113,14 +113,10 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
     names = acceptance.robots_for(mission.request)
     works = [name for name in names if name in working]
     if not works:
-        if len(names) == 1:
-            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', ''
-        return f'none of its robots is in service: {", ".join(names)}', ''
+        return _out_of_service([robots[name] for name in names]), ''
     able = [name for name in works if name in free]
-    if not able and not any(robots[name].is_charged for name in works):
-        return _must_charge([robots[name] for name in works], now), ''
     if not able:
-        return _waits_for(names), ''
+        return _why_none_is_free(names, [robots[name] for name in works], now), ''
     reach = [name for name in able
              if time_over(mission.request.destinations, free[name], network) < inf]
     if not reach:
@@ -129,6 +125,18 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
         fullest = max(reach, key=lambda name: free[name].battery.range_left())
         return 'no free robot has enough charge for it', fullest
     return '', ''
+
+
+def _out_of_service(robots: Sequence[ManagedRobot]) -> str:
+    if len(robots) == 1:
+        return f'{robots[0].name}: {robots[0].why or "it is stopped"}'
+    return f'none of its robots is in service: {", ".join(robot.name for robot in robots)}'
+
+
+def _why_none_is_free(names: Sequence[str], working: Sequence[ManagedRobot], now: float) -> str:
+    if any(robot.is_charged for robot in working):
+        return _waits_for(names)
+    return _must_charge(working, now)
 
 
 def _waits_for(names: Sequence[str]) -> str:

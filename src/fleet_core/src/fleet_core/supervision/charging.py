@@ -30,21 +30,27 @@ class ChargeQueue:
         short -- robots whose charge is too low for a mission that waits for them
         """
         before = {name: robot.dock for name, robot in self._robots.items()}
-        for name, robot in self._robots.items():
-            if robot.dock is not None and (name in busy or not _goes_on(robot, network, now)):
+        for robot in self._robots.values():
+            if robot.dock is not None and (
+                    robot.name in busy or not _goes_on(robot, network, now)):
                 robot.dock = None
         self.waiting = {}
         free = [robot for name, robot in self._robots.items()
                 if robot.works and name not in busy and robot.dock is None]
         for robot in sorted(free, key=_charge):
-            below = robot.battery.is_below_leaving
-            wants = robot.battery.is_low or (robot.name in short and below)
-            if not robot.battery.is_mute(robot.liveness, now):
-                if wants:
-                    self._look_for_dock(robot, network)
-            elif wants or (below and robot.stands_at(docks_of(robot, network))):
-                self.waiting[robot.name] = _MUTE
+            self._check_battery(robot, robot.name in short, network, now)
         return [name for name, dock in before.items() if self._robots[name].dock != dock]
+
+    def _check_battery(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
+                       now: float) -> None:
+        """Looks for a dock if the robot needs one; with a mute battery it waits for a report."""
+        below = robot.battery.is_below_leaving
+        wants = robot.battery.is_low or (is_short and below)
+        if not robot.battery.is_mute(robot.liveness, now):
+            if wants:
+                self._look_for_dock(robot, network)
+        elif wants or (below and robot.stands_at(docks_of(robot, network))):
+            self.waiting[robot.name] = _MUTE
 
     def _look_for_dock(self, robot: ManagedRobot, network: RoadNetwork) -> None:
         docks = docks_of(robot, network)

@@ -10,6 +10,7 @@ import json
 import sqlite3
 import time
 from dataclasses import astuple
+from types import MappingProxyType
 from typing import (
     Any,
     Callable,
@@ -23,6 +24,7 @@ from typing import (
     Sequence,
     Set,
     Tuple,
+    Union,
 )
 
 from file_replacement import replace_file
@@ -71,6 +73,9 @@ class RobotMemory(NamedTuple):
     kind: Optional[RobotType] = None
 
 
+_NOTHING: Mapping[Any, Any] = MappingProxyType({})
+
+
 class Journal:
     """The journal file, open for one supervisor. `clock` returns s since 1970."""
 
@@ -102,13 +107,12 @@ class Journal:
     # -- writing ----------------------------------------------------------------------------------
 
     def store(self, missions: Iterable[Mission] = (),
-              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
-              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
-              stays: Optional[Mapping[int, float]] = None,
-              stop: Optional[FleetStop] = None,
-              works: Optional[Mapping[int, Optional[Work]]] = None,
-              loads: Optional[Mapping[str, RobotLoad]] = None,
-              claims: Optional[ClaimsOf] = None) -> None:
+              robots: Mapping[str, Optional[RobotMemory]] = _NOTHING,
+              values: Mapping[str, int] = _NOTHING, graph: Optional[Graph] = None,
+              stays: Mapping[int, float] = _NOTHING, stop: Optional[FleetStop] = None,
+              works: Mapping[int, Optional[Work]] = _NOTHING,
+              loads: Mapping[str, RobotLoad] = _NOTHING,
+              claims: ClaimsOf = _NOTHING) -> None:
         """Stores all given data on the disk in one transaction.
 
         missions -- the missions that have changed
@@ -126,34 +130,34 @@ class Journal:
         with self._file.transaction():
             for mission in missions:
                 self._write_mission(mission)
-            for serial, seconds in (stays or {}).items():
+            for serial, seconds in stays.items():
                 self._run('INSERT OR REPLACE INTO stay VALUES (?, ?)',
                           (serial, self._clock() - seconds))
-            for name, memory in (robots or {}).items():
-                if memory is None:
-                    self._run('DELETE FROM robot WHERE name = ?', (name,))
-                else:
-                    self._run('INSERT OR REPLACE INTO robot VALUES (?, ?)',
-                              (name, _memory_text(memory)))
-            for serial, work in (works or {}).items():
-                if work is None:
-                    self._run('DELETE FROM work WHERE serial = ?', (serial,))
-                else:
-                    self._run('INSERT OR REPLACE INTO work VALUES (?, ?)',
-                              (serial, json.dumps(to_json(work))))
-            for name, load in (loads or {}).items():
+            for name, memory in robots.items():
+                self._set('robot', 'name', name, None if memory is None else _memory_text(memory))
+            for serial, work in works.items():
+                self._set('work', 'serial', serial,
+                          None if work is None else json.dumps(to_json(work)))
+            for name, load in loads.items():
                 self._run('INSERT OR REPLACE INTO load VALUES (?, ?)',
                           (name, json.dumps(to_json(load))))
-            for name, resources in (claims or {}).items():
+            for name, resources in claims.items():
                 self._run('DELETE FROM claim WHERE robot = ?', (name,))
                 for resource in sorted(resources):
                     self._run('INSERT INTO claim VALUES (?, ?)', (name, resource))
             if graph is not None:
                 self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
-            for name, number in (values or {}).items():
+            for name, number in values.items():
                 self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
             if stop is not None:
                 self._run('INSERT OR REPLACE INTO stop VALUES (1, ?)', (json.dumps(to_json(stop)),))
+
+    def _set(self, table: str, column: str, key: Union[int, str], text: Optional[str]) -> None:
+        """Stores the text of a key, or deletes the key if there is no text."""
+        if text is None:
+            self._run(f'DELETE FROM {table} WHERE {column} = ?', (key,))
+        else:
+            self._run(f'INSERT OR REPLACE INTO {table} VALUES (?, ?)', (key, text))
 
     def _write_mission(self, mission: Mission) -> None:
         """Stores the mission as it is now, and the change in the history."""

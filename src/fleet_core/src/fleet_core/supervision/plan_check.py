@@ -101,11 +101,16 @@ def _ring(outcome: PlanningOutcome) -> List[str]:
         begun = before if fraction > 0.0 else before - 1
         if begun >= 0:
             behind[first_node[first] + begun].append(first_node[then] + drive)
+    return sorted({robots[node] for node in _never_ready(behind)})
+
+
+def _never_ready(behind: Sequence[Sequence[int]]) -> List[int]:
+    """The nodes in a ring, and those behind one, where `behind` are the nodes behind each node."""
     waits = Counter(node for nodes in behind for node in nodes)
-    ready = [node for node in range(len(robots)) if not waits[node]]
+    ready = [node for node in range(len(behind)) if not waits[node]]
     for node in ready:  # the list grows in the loop
         for later in behind[node]:
             waits[later] -= 1
             if not waits[later]:
                 ready.append(later)
-    return sorted({robots[node] for node, count in waits.items() if count})
+    return [node for node, count in waits.items() if count]

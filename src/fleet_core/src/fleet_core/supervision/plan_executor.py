@@ -246,12 +246,7 @@ class PlanExecutor:
 
     def _ask(self, world: World, is_useful: bool, now: float) -> None:
         """Asks for another plan if this one does not fit the present errands."""
-        again = bool(self._failures or (self.plan and self.plan.unserved))
-        if is_useful and not self._is_anew and not (again and now - self._asked_at >= AGAIN):
-            return
-        if self._open and now - self._asked_at <= PLANNER_PATIENCE:
-            return
-        if self._failures and now - self._asked_at < AGAIN:
+        if not self._is_to_ask(is_useful, now - self._asked_at):
             return
         # A plan that cannot be carried out is not kept.
         kept = None if self._useless or self._is_anew else self.plan
@@ -271,6 +266,15 @@ class PlanExecutor:
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
                                     world.network.closed, world.network.learned,
                                     question.assumptions.seed))
+
+    def _is_to_ask(self, is_useful: bool, since: float) -> bool:
+        """Is another plan due, `since` s after the last question?"""
+        again = bool(self._failures or (self.plan and self.plan.unserved))
+        if is_useful and not self._is_anew and not (again and since >= AGAIN):
+            return False
+        if self._open and since <= PLANNER_PATIENCE:
+            return False
+        return not self._failures or since >= AGAIN
 
 
 _DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import AbstractSet, Dict, List, Mapping, Optional, Tuple
 
 from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.areas import Area, Point
@@ -15,6 +15,7 @@ from fleet_core.supervision.journal import RobotMemory
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.settings import RobotSettings
+from route_protocol.master import Step
 from trajectory_graph import Graph
 
 _STEP = 0.1  # m between two points of a curve that is kept as a line
@@ -102,24 +103,35 @@ def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Mem
     if before is None:
         return memory, []
     protocol = memory.protocol
-    kept = {step: _is_kept(abs(step.edge), graph, before) for step in protocol.may_be_on}
-    number, fraction = memory.cleared
-    areas = [Area(_line(before, step.edge, fraction if step.number == number else 0.0))
-             for step, is_kept in kept.items()
-             if not is_kept and step.number >= number and abs(step.edge) in before.edges]
-    orders = tuple(order for order in protocol.open
-                   if all(kept[step] for step in order.steps(protocol.done)))
-    held = [step for order in protocol.open if order not in orders
-            for step in order.steps(protocol.done)]
-    position = memory.position
-    if position is not None and not _is_there(position, graph, before):
-        if position.is_on(before) and not protocol.may_drive:
-            areas.append(Area((position.point(before),)))
-        position = None
+    kept = {step for step in protocol.may_be_on if _is_kept(abs(step.edge), graph, before)}
+    orders = tuple(order for order in protocol.open if kept.issuperset(order.steps(protocol.done)))
+    dropped = [step for order in protocol.open if order not in orders
+               for step in order.steps(protocol.done)]
+    held = dict.fromkeys((*protocol.held, *dropped))
+    position, places = _position_on(memory, graph, before)
     return memory._replace(position=position, protocol=replace(
-        protocol, open=orders, behind=tuple(step for step in protocol.behind if kept[step]),
-        held=tuple(step for step in dict.fromkeys((*protocol.held, *held)) if kept[step]),
-    )), areas
+        protocol, open=orders, behind=tuple(step for step in protocol.behind if step in kept),
+        held=tuple(step for step in held if step in kept),
+    )), [*_areas_of(memory, kept, before), *places]
+
+
+def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Area]:
+    """The areas of the edges on which the robot may be, but which are not kept."""
+    number, fraction = memory.cleared
+    return [Area(_line(before, step.edge, fraction if step.number == number else 0.0))
+            for step in memory.protocol.may_be_on
+            if step not in kept and step.number >= number and abs(step.edge) in before.edges]
+
+
+def _position_on(memory: Memory, graph: Graph,
+                 before: Graph) -> Tuple[Optional[GraphPosition], List[Area]]:
+    """The stored position if the graph still has it, else the area of a robot that stands there."""
+    position = memory.position
+    if position is None or _is_there(position, graph, before):
+        return position, []
+    if position.is_on(before) and not memory.protocol.may_drive:
+        return None, [Area((position.point(before),))]
+    return None, []
 
 
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:

@@ -681,14 +681,7 @@ class Supervisor:
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
-            robot.look(now, self._heard)
-            mission_progress.follow(self.book, robot, now)
-            if not self.is_stopped and robot.goes_on(now):
-                self._out.robot_changed(robot.name)
-            if robot.master.needs_stop and robot.liveness.stands:
-                robot.master.halt()  # it does not count the orders of this fleet manager yet
-                self._out.robot_changed(robot.name)
-                self._out.send()
+            self._follow(robot, now)
         self._look_at_devices(now)
         if not self.trouble:
             self._run_timetables()
@@ -698,10 +691,9 @@ class Supervisor:
         self._outages.look()
         self._believe_journal()
         self._out.send()
-        if self._is_starting:
-            self._is_starting = (self._heard - self._began < SILENCE and not all(
-                robot.liveness.is_seen or robot.outage is Outage.ABSENT
-                for robot in self.robots.values()))
+        self._is_starting &= (self._heard - self._began < SILENCE and not all(
+            robot.liveness.is_seen or robot.outage is Outage.ABSENT
+            for robot in self.robots.values()))
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
         self._is_recovering &= any(robot.is_halted and robot.outage is None
@@ -714,6 +706,17 @@ class Supervisor:
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
         self.plan_executor.go_on(self._world(), now)
+
+    def _follow(self, robot: ManagedRobot, now: float) -> None:
+        """Judges what is known of a robot now, and lets it go on or stop."""
+        robot.look(now, self._heard)
+        mission_progress.follow(self.book, robot, now)
+        if not self.is_stopped and robot.goes_on(now):
+            self._out.robot_changed(robot.name)
+        if robot.master.needs_stop and robot.liveness.stands:
+            robot.master.halt()  # it does not count the orders of this fleet manager yet
+            self._out.robot_changed(robot.name)
+            self._out.send()
 
     def _shorten(self) -> None:
         """Shortens the route of each robot that must come to rest to the end of its edge."""

@@ -6,11 +6,12 @@ This estimate takes the drives and waits of the plan, with the times that robots
 from __future__ import annotations
 
 from itertools import count
-from math import inf, nan
-from typing import Iterable, NamedTuple, Optional
+from math import inf, isnan, nan
+from typing import Iterable, List, NamedTuple, Optional, Sequence
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.planning.tasks import PlannedDrive
 from fleet_core.supervision.edge_times import EdgeTimes
 from fleet_core.supervision.missions import Mission, MissionState
 from fleet_core.supervision.plan_in_force import PlanInForce
@@ -31,6 +32,16 @@ class TimeToGo(NamedTuple):
 UNKNOWN = TimeToGo()
 
 
+class _TimedDrive(NamedTuple):
+    """A drive that the robot still has to make, with the times that it is expected to need."""
+
+    end: int
+    """The vertex at its end."""
+    wait: float
+    """s before it, as planned."""
+    seconds: float
+
+
 def time_to_go(robot: ManagedRobot, mission: Optional[Mission], plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
     """The time that a robot needs by the plan in force; `now` is the supervisor's time.
@@ -38,34 +49,57 @@ def time_to_go(robot: ManagedRobot, mission: Optional[Mission], plan: Optional[P
     Without a mission the robot's destination is the end of its plan.
     """
     own = None if plan is None else plan.plan_of(robot.name)
-    if plan is None or own is None or not robot.works or (
-            mission is not None and mission.state is not MissionState.ACTIVE):
+    if plan is None or own is None or not robot.works:
         return UNKNOWN
-    record, left = robot.record, () if mission is None else mission.left
-    index, first, stay = 0 if mission is None else mission.reached, nan, 0.0
-    if mission is not None and mission.dwell_until is not None:
-        left, index, first = left[1:], index + 1, 0.0
-        stay = max(mission.dwell_until - now, 0.0)
-    drives = own.behind(record.done)
+    drives = _timed(robot, own.behind(robot.record.done), times, now - plan.made_at)
+    usual = times.usual(robot.type.name)
+    if mission is not None:
+        return _of_mission(mission, drives, usual, now) if (
+            mission.state is MissionState.ACTIVE) else UNKNOWN
+    if not drives:
+        return UNKNOWN
+    needed = sum(usual * drive.wait + drive.seconds for drive in drives)
+    return TimeToGo(needed, needed)
+
+
+def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes,
+           clock: float) -> List[_TimedDrive]:
+    """The drives with their times; the robot may have begun the first. `clock`: s of the plan."""
+    record, found = robot.record, []
     begun = (record.pose.fraction if drives and record.pose.edge == drives[0].edge
              and not record.is_standing else 0.0)
-    clock, needed = now - plan.made_at, 0.0
-    for number, drive in enumerate(drives):
-        wait = 0.0 if begun else max(drive.start - clock, 0.0)
-        traffic = max(wait - stay, 0.0) * times.usual(robot.type.name)
-        needed += stay + traffic + (1.0 - begun) * times.expected(robot.type.name, drive.edge)
-        clock, begun, stay = drive.end, 0.0, 0.0
-        vertex = record.graph.end_vertex(drive.edge).id
-        while mission is not None and left and left[0] == vertex:
-            first = needed if first != first else first
-            dwell = mission.request.dwell(index)
-            left, index = left[1:], index + 1
-            stay += dwell if dwell >= 0.0 else inf
-        if mission is not None and not left:
+    for drive in drives:
+        found.append(_TimedDrive(
+            record.graph.end_vertex(drive.edge).id,
+            0.0 if begun else max(drive.start - clock, 0.0),
+            (1.0 - begun) * times.expected(robot.type.name, drive.edge)))
+        clock, begun = drive.end, 0.0
+    return found
+
+
+def _of_mission(mission: Mission, drives: Sequence[_TimedDrive], usual: float,
+                now: float) -> TimeToGo:
+    """The time of a mission over these drives. A stay uses up the planned wait after it."""
+    stops = [(vertex, _stay(mission.request.dwell(mission.reached + number)))
+             for number, vertex in enumerate(mission.left)]
+    first, needed, stay = nan, 0.0, 0.0
+    if mission.dwell_until is not None:
+        stops, first, stay = stops[1:], 0.0, max(mission.dwell_until - now, 0.0)
+    for drive in drives:
+        needed += stay + max(drive.wait - stay, 0.0) * usual + drive.seconds
+        stay = 0.0
+        if stops and stops[0][0] == drive.end and isnan(first):
+            first = needed
+        while stops and stops[0][0] == drive.end:
+            stay += stops.pop(0)[1]
+        if not stops:
             return TimeToGo(first, needed if needed < inf else nan)
-        if number + 1 == len(drives) and mission is None:
-            return TimeToGo(needed, needed)
     return TimeToGo(first if first < inf else nan)
+
+
+def _stay(dwell: float) -> float:
+    """s of a stay at a destination; infinite: until a person ends it."""
+    return dwell if dwell >= 0.0 else inf
 
 
 def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:

@@ -51,10 +51,9 @@ class WaitingMissions:
         if not pending:
             self._short = {}
             return []
-        laden = self._laden()
+        engaged = {*busy, *self._laden()}
         free = {name: robot for name, robot in self._robots.items()
-                if robot.works and name not in busy and name not in laden and robot.is_charged
-                and (robot.record.held or robot.record.position is not None)}
+                if name not in engaged and _is_able(robot)}
         question = (pending.changes, *free)
         if question != self._question or now - self._looked >= AGAIN:
             self._question, self._looked, self._left = question, now, len(pending)
@@ -83,3 +82,9 @@ class WaitingMissions:
                   short: Mapping[int, str]) -> bool:
         """Does a mission still wait for a robot to be charged?"""
         return serial in short if serial in looked_at else self._book.is_pending(serial)
+
+
+def _is_able(robot: ManagedRobot) -> bool:
+    """Can a robot that has nothing to do begin a mission?"""
+    return robot.works and robot.is_charged and (
+        bool(robot.record.held) or robot.record.position is not None)

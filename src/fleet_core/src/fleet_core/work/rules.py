@@ -161,6 +161,11 @@ def blocks_none(step: WorkStep, work: Work) -> bool:
         other.blocking is not StepBlocking.HARD for other in running)
 
 
+def _has_stop(work: Work) -> bool:
+    """Is there a stop left at which steps may run? If the work ends, only while it is cut short."""
+    return work.current < len(work.progress) and not work.is_ending
+
+
 def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
     """The step that is to begin now; None: none is."""
     work = situation.work
@@ -204,7 +209,7 @@ def follow(situation: Situation, where: Where) -> Situation:
     """
     work = situation.work
     number = work.current
-    if number < len(work.progress) and not work.is_ending:
+    if _has_stop(work):
         if work.progress[number].state is StopState.WAITING:
             work = _stop(work, StopEvent.GO)
         if where.is_there and work.progress[number].state is StopState.DRIVING and (

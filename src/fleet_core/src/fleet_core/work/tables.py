@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import FrozenSet, Mapping, Tuple, TypeVar
+from typing import Mapping, Tuple, TypeVar
 
 State = TypeVar('State', bound=Enum)
 Event = TypeVar('Event', bound=Enum)
@@ -119,9 +119,3 @@ def after(table: Mapping[Tuple[State, Event], State], state: State, event: Event
         return table[state, event]
     except KeyError:
         raise NoTransition(f'{state} has no {event}') from None
-
-
-def final_states(table: Mapping[Tuple[State, Event], State]) -> FrozenSet[State]:
-    """The states that no event changes."""
-    sources = {state for state, _ in table}
-    return frozenset(state for state in table.values() if state not in sources)

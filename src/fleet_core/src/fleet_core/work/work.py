@@ -149,10 +149,6 @@ class RobotLoad:
         """Must the robot serve this mission because of its load?"""
         return self.state is not LoadState.EMPTY and self.serial == serial
 
-    def lets_serve(self, serial: int) -> bool:
-        """May the robot serve this mission?"""
-        return self.state is LoadState.EMPTY or self.serial == serial
-
 
 class Situation(NamedTuple):
     """The work of a mission, and the load of the robot that does it."""

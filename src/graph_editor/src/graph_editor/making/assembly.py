@@ -9,7 +9,7 @@ import numpy as np
 from shapely.geometry import LineString, Point
 
 from graph_editor.floor import Floor
-from graph_editor.making.bends import LaneWay
+from graph_editor.making.bends import LaneWay, Piece
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.site import NamedPlace, PlaceKind
@@ -41,12 +41,7 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPl
             if not last:
                 next_id += 1
                 positions[there] = piece.end
-            along = piece.end - piece.start
-            if piece.control is None:
-                length, start, end = float(np.hypot(*along)), along, along
-            else:
-                start, _, end = np.diff(piece.control, axis=0)
-                length = math.inf
+            length, start, end = _directions(piece)
             for node, direction in ((here, start), (there, end)):
                 if length > thetas.get(node, (0.0, 0.0))[0]:
                     thetas[node] = length, math.atan2(direction[1], direction[0])
@@ -60,6 +55,15 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPl
                    for id, vertex in graph.vertices.items()], graph.edges.values())
     graph = _with_headings(_with_speeds(graph, net.floor, options), places)
     return numbered(_with_parking(graph, places, net.floor, options))
+
+
+def _directions(piece: Piece) -> Tuple[float, np.ndarray, np.ndarray]:
+    """The length of a straight piece, or infinity, and the directions at its start and end."""
+    if piece.control is None:
+        along = piece.end - piece.start
+        return float(np.hypot(*along)), along, along
+    start, _, end = np.diff(piece.control, axis=0)
+    return math.inf, start, end
 
 
 def _in_order(net: LaneNet, way: LaneWay, places: Mapping[int, NamedPlace]) -> LaneWay:

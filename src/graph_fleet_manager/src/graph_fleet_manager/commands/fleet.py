@@ -9,6 +9,7 @@ import math
 import sys
 import textwrap
 import time
+from argparse import Namespace
 from typing import Any, Dict, List, Optional, Sequence
 
 import rospy
@@ -49,7 +50,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     return run('fleet', _fleet, arguments)
 
 
-def _fleet(arguments: List[str]) -> int:
+def _options(arguments: List[str]) -> Namespace:
+    """The options of the command, checked."""
     parser = Parser('fleet', description='Lists the robots of the fleet, and stops them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
@@ -74,6 +76,11 @@ def _fleet(arguments: List[str]) -> int:
         load.error('say empty, or give the id of a mission')
     if options.command == 'absent' and bool(options.robots) == options.unseen:
         absent.error('name the robots, or give --unseen')
+    return options
+
+
+def _fleet(arguments: List[str]) -> int:
+    options = _options(arguments)
     if options.command == 'stop':
         print(stop(requested_by('fleet')))
         return OK
